@@ -1,0 +1,1 @@
+"""The agent of one robot: perceive, extract, plan, screen, execute, report."""

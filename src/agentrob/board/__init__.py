@@ -1,0 +1,1 @@
+"""The embedded forum: store, accounts, JSON API, events and pages."""

@@ -1,0 +1,43 @@
+"""The one door to DDS: cyclonedds with the patch that lets it talk to what robots run.
+
+cyclonedds 11 describes `uint8` as XTypes `TK_UINT8`, 0.10 (on the robots) as `TK_BYTE`; unpatched, the two do not
+understand each other. The patch must run before any IDL type is built, so everything that needs DDS types imports this
+module first.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cyclonedds.idl._xt_builder as _xt_builder
+
+#: cyclonedds configuration; `{interface}` is `name="lo"` or `autodetermine="true"`. No log file (the SDK's shared one
+#: fails for a second user of the host).
+CONFIG = (
+    '<CycloneDDS><Domain Id="any"><General><Interfaces><NetworkInterface {interface} priority="default" '
+    'multicast="default"/></Interfaces></General></Domain></CycloneDDS>'
+)
+
+
+class _ByteForUint8:
+    """Stands for the `xt` module inside `_xt_builder` only."""
+
+    def __init__(self, xt: Any) -> None:
+        self._xt = xt
+
+    def __getattr__(self, name: str) -> Any:
+        return self._xt.TK_BYTE if name == "TK_UINT8" else getattr(self._xt, name)
+
+
+def patch() -> None:
+    """Apply the patch; calling again does nothing."""
+    if not isinstance(_xt_builder.xt, _ByteForUint8):
+        _xt_builder.xt = _ByteForUint8(_xt_builder.xt)  # type: ignore[assignment]
+
+
+def config(interface: str | None) -> str:
+    """The configuration for a network interface, or for the one cyclonedds picks."""
+    return CONFIG.format(interface=f'name="{interface}"' if interface else 'autodetermine="true"')
+
+
+patch()

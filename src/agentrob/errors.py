@@ -1,0 +1,96 @@
+"""Every error that AgentRob raises on purpose.
+
+    AgentRobError
+    ├── ConfigError          a setting is wrong; the message says what would be valid
+    ├── ForumError           a forum could not be read or written
+    │   ├── ForumUnreachable     no answer, try again later
+    │   ├── ForumDenied          signed out, or not allowed
+    │   ├── ForumLimited         too fast; `retry_after_s` says when again
+    │   └── ForumNotFound        no such board, topic or post
+    ├── MindError            a mind could not answer
+    ├── RobotError           a robot or its driver could not be used
+    │   ├── RobotUnreachable     no driver, no state, no answer
+    │   ├── RobotBusy            somebody else holds the robot or its driver
+    │   └── LeaseLost            the holder's lease lapsed or was never given
+    ├── SimError             the simulated world cannot be built or run
+    ├── BoardError           the embedded forum cannot do this; carries an HTTP status
+    └── JournalError         the journal cannot be opened or trusted
+
+A refusal, a failed step, a post that is not understood are results (see `model`), not errors.
+"""
+
+from __future__ import annotations
+
+
+class AgentRobError(Exception):
+    """Root of all. The text is one sentence that a user can act on."""
+
+
+class ConfigError(AgentRobError):
+    """A setting is wrong."""
+
+
+class ForumError(AgentRobError):
+    """A forum could not be read or written."""
+
+
+class ForumUnreachable(ForumError):
+    """The forum gave no answer."""
+
+
+class ForumDenied(ForumError):
+    """Not signed in, or not allowed."""
+
+
+class ForumLimited(ForumError):
+    """Too many requests."""
+
+    def __init__(self, message: str, retry_after_s: float) -> None:
+        super().__init__(message)
+        self.retry_after_s = retry_after_s
+
+
+class ForumNotFound(ForumError):
+    """No such board, topic or post."""
+
+
+class MindError(AgentRobError):
+    """A mind could not answer."""
+
+
+class RobotError(AgentRobError):
+    """A robot or its driver could not be used."""
+
+
+class RobotUnreachable(RobotError):
+    """No driver, no state or no answer."""
+
+
+class RobotBusy(RobotError):
+    """Somebody else holds the robot or its driver."""
+
+
+class LeaseLost(RobotError):
+    """The lease that allows motion lapsed or was never given."""
+
+
+class SimError(AgentRobError):
+    """The simulated world cannot be built or run."""
+
+
+class BoardError(AgentRobError):
+    """The embedded forum cannot do this.
+
+    `status` is the HTTP status, `code` a stable word for programs, `hint` what would be valid.
+    """
+
+    def __init__(self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None) -> None:
+        super().__init__(message)
+        self.status = status
+        self.code = code
+        self.hint = hint
+        self.retry_after_s = retry_after_s
+
+
+class JournalError(AgentRobError):
+    """The journal cannot be opened or trusted."""

@@ -1,0 +1,1 @@
+"""Forums as agents see them: one protocol, one adapter per platform."""

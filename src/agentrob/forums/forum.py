@@ -1,0 +1,177 @@
+"""What an agent needs of a forum: small protocols that every adapter fulfils.
+
+A forum is a `Reader`, a `Writer`, `Accounts` and `Events`; one that also has pages for robots is a `Stage`. All calls
+are asynchronous and raise `agentrob.errors.ForumError` subclasses, never the transport's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
+
+from agentrob.model import Account, Post, StatusCard
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """A category. `id` is what the forum calls it by."""
+
+    id: str
+    name: str
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A thread without its posts."""
+
+    id: str
+    board_id: str
+    title: str
+    url: str
+    author: Account
+    created_at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[T]):
+    """A page of results; `next` is the opaque cursor of the following page, None at the end."""
+
+    items: tuple[T, ...]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A post that was written. `created` is False when the same key had been used before: then it is the old post."""
+
+    post: Post
+    created: bool = True
+
+
+class EventKind(StrEnum):
+    """`heartbeat` carries nothing but proves that the channel is alive; its `id` is empty."""
+
+    POST_CREATED = "post.created"
+    POST_EDITED = "post.edited"
+    POST_REMOVED = "post.removed"
+    ROBOT_STOP = "robot.stop"
+    ROBOT_RESET = "robot.reset"
+    ROBOT_WATCH = "robot.watch"
+    HEARTBEAT = "heartbeat"
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened, in order. `id` resumes the stream after it; ids compare by the forum only.
+
+    `post` is set for post events (as it was when the event was delivered), `robot` and `account` for robot events:
+    who pressed stop or reset, or that somebody watches.
+    """
+
+    id: str
+    kind: EventKind
+    at: datetime
+    post: Post | None = None
+    robot: str | None = None
+    account: Account | None = None
+
+
+class Reader(Protocol):
+    """Read boards, topics and posts, always as they are now."""
+
+    async def boards(self) -> Sequence[Board]: ...
+
+    async def topic(self, topic_id: str) -> Topic: ...
+
+    async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]: ...
+
+    async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]: ...
+
+    async def post(self, post_id: str) -> Post:
+        """The post as it is now; `removed` when hidden or deleted. `ForumNotFound` when it never was."""
+        ...
+
+
+class Writer(Protocol):
+    """Write as the signed-in account. `key` makes a write idempotent: the same key twice is one post.
+
+    `images` are JPEG or PNG bytes shown below the text, in order. `card` is the machine-readable status.
+    """
+
+    #: How often a post may be edited, or None when there is no limit.
+    max_edits: int | None
+
+    async def create_topic(
+        self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
+    ) -> Written: ...
+
+    async def reply(
+        self,
+        topic_id: str,
+        body: str,
+        *,
+        key: str,
+        reply_to: str | None = None,
+        images: Sequence[bytes] = (),
+        card: StatusCard | None = None,
+    ) -> Written: ...
+
+    async def edit(
+        self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        """Replace the text; images given are added to those the post has."""
+        ...
+
+    async def find(self, key: str) -> Post | None:
+        """The post that this account wrote under `key`, if any."""
+        ...
+
+
+class Accounts(Protocol):
+    """Who am I, and who is somebody else now (rights are asked again before motion)."""
+
+    async def me(self) -> Account: ...
+
+    async def account(self, name: str) -> Account | None: ...
+
+
+class Events(Protocol):
+    """What changed, oldest first, each event once."""
+
+    #: Whether `stream` works; otherwise the agent polls `changes`.
+    live: bool
+
+    async def now(self) -> tuple[str, datetime]:
+        """The id of the newest event (a watermark) and the forum's clock."""
+        ...
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]: ...
+
+    def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        """Events as they happen, and a heartbeat when nothing does. Ends with `ForumUnreachable` when cut."""
+        ...
+
+
+@runtime_checkable
+class Stage(Protocol):
+    """A forum that has a page per robot with its state and a live picture."""
+
+    async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
+        """Tell the page about the robot: model, ops, state, battery, board, queue."""
+        ...
+
+    async def publish_frame(self, robot: str, jpeg: bytes) -> int:
+        """Show a live picture; returns how many people watch."""
+        ...
+
+
+class Forum(Reader, Writer, Accounts, Events, Protocol):
+    """A whole forum, signed in as one account."""
+
+    async def close(self) -> None: ...

@@ -1,0 +1,1 @@
+"""Is this command possible, allowed and within limits, and why not (pure)."""

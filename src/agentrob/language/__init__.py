@@ -1,0 +1,1 @@
+"""Text to plan without any model, English and Chinese (pure)."""

@@ -1,0 +1,1 @@
+"""Minds: who turns a post into a plan."""

@@ -1,0 +1,1 @@
+"""The simulated world, behind the same DDS services that real robots offer."""
