@@ -1,0 +1,48 @@
+# AgentRob. Every target sets up what it needs in .venv by itself.
+#   make demo               a forum, a simulated Go2 and its agent; prints the address to open
+#   make demo ARGS='--post "@quadruped wave" --json'
+#   make test               what every change must pass (under 15 minutes)
+#   make test-all           that, and what is slow (under 45 minutes)
+#   make check              format, lint, types, contracts, fast tests (about a minute)
+SHELL := /bin/sh
+BIN := .venv/bin
+ARGS ?=
+
+.PHONY: demo test test-all test-slow check format lock setup setup-dev clean
+
+demo: setup
+	@scripts/system-packages render
+	@exec $(BIN)/agentrob demo $(ARGS)
+
+test: setup-dev
+	@scripts/system-packages render browser
+	$(BIN)/pytest -m "not slow" $(ARGS)
+
+test-slow: setup-dev
+	@scripts/system-packages render browser
+	$(BIN)/pytest -m slow $(ARGS)
+
+test-all: test test-slow
+
+check: setup-dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest -q -m "not slow and not sim and not browser" $(ARGS)
+
+format: setup-dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+lock:
+	@scripts/lock
+
+setup:
+	@scripts/setup requirements.lock
+
+setup-dev:
+	@scripts/setup requirements-dev.lock
+
+clean:
+	rm -rf .venv build dist
