@@ -1,0 +1,142 @@
+"""What the embedded forum's store gives and takes: frozen records, ids as strings, times as aware UTC datetimes.
+
+Paths are relative to the forum's address (`/t/12`); the JSON API puts the base URL before them, pages use them as they
+are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from enum import StrEnum
+from typing import Any, Generic, TypeVar
+
+from agentrob.model import Account
+
+T = TypeVar("T")
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+def from_us(us: int) -> datetime:
+    """An aware UTC datetime from microseconds since 1970, exact."""
+    return _EPOCH + timedelta(microseconds=us)
+
+
+class EventKind(StrEnum):
+    """What can happen on the forum. `heartbeat` is never stored: it only proves that a stream is alive."""
+
+    POST_CREATED = "post.created"
+    POST_EDITED = "post.edited"
+    POST_REMOVED = "post.removed"
+    ROBOT_STOP = "robot.stop"
+    ROBOT_RESET = "robot.reset"
+    ROBOT_WATCH = "robot.watch"
+    HEARTBEAT = "heartbeat"
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """A category; `id` is its slug."""
+
+    id: str
+    name: str
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A thread without its posts; `posts` counts those that are not removed."""
+
+    id: str
+    board_id: str
+    title: str
+    author: Account
+    created_at: datetime
+    last_post_at: datetime
+    posts: int
+
+    @property
+    def path(self) -> str:
+        return f"/t/{self.id}"
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """A picture that was uploaded; `media_type` is image/jpeg or image/png."""
+
+    id: str
+    width: int
+    height: int
+    media_type: str = "image/jpeg"
+
+    @property
+    def path(self) -> str:
+        return f"/images/{self.id}"
+
+
+@dataclass(frozen=True, slots=True)
+class Post:
+    """One post. `html` is safe to put into a page as it is. Of a removed post `raw`, `html`, images and card are empty.
+
+    `card` is the state of a command as the robot's agent sent it (fields of `model.StatusCard`).
+    """
+
+    id: str
+    topic_id: str
+    board_id: str
+    author: Account
+    raw: str
+    html: str
+    version: int
+    created_at: datetime
+    edited_at: datetime | None = None
+    removed: bool = False
+    mentions: tuple[str, ...] = ()
+    reply_to: str | None = None
+    key: str | None = None
+    images: tuple[Image, ...] = ()
+    card: Mapping[str, Any] | None = None
+
+    @property
+    def path(self) -> str:
+        """Permalink: redirects to the page of the topic that shows the post."""
+        return f"/p/{self.id}"
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """An earlier text of a post: what it was until `until`."""
+
+    version: int
+    raw: str
+    until: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[T]):
+    """A page of results; `next` is the opaque cursor of the following page, None at the end."""
+
+    items: tuple[T, ...]
+    next: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened, in order. `post` is the post as it is now, not as it was then."""
+
+    id: str
+    kind: EventKind
+    at: datetime
+    post: Post | None = None
+    robot: str | None = None
+    account: Account | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A post that was written; `created` is False when its key had been used before: then it is the old post."""
+
+    topic: Topic
+    post: Post
+    created: bool = True

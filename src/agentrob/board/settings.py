@@ -1,0 +1,77 @@
+"""Everything that the embedded forum must know before it starts."""
+
+from __future__ import annotations
+
+import ipaddress
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from agentrob.config import BoardConfig
+from agentrob.errors import ConfigError
+
+PROPOSED_PORT = 8088
+
+
+@dataclass(frozen=True, slots=True)
+class BoardSettings:
+    """`database` is a SQLAlchemy URL, `base_url` what browsers see (no slash at its end; https makes cookies Secure).
+
+    `sign_up`: anybody may make an account (as `member`). `public_read`: reading needs no sign-in.
+    """
+
+    database: str
+    host: str
+    port: int
+    base_url: str
+    images_dir: Path
+    title: str = "AgentRob"
+    sign_up: bool = False
+    public_read: bool = False
+    busy_timeout_s: float = 2.0
+
+    @classmethod
+    def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
+        """Settings from `[board]`; what is not given lives in `data_dir`. Raises `ConfigError`."""
+        host, port = parse_listen(board.listen)
+        base_url = (board.base_url or f"http://{_bracket(host)}:{port}").rstrip("/")
+        parts = urlsplit(base_url)
+        if parts.scheme not in ("http", "https") or not parts.netloc or parts.path or parts.query:
+            raise ConfigError(f"board.base_url: {base_url!r} is not an address; valid: https://forum.example.org")
+        sign_up = is_loopback(host) if board.sign_up is None else board.sign_up
+        database = board.database or f"sqlite:///{data_dir / 'board' / 'board.sqlite3'}"
+        if "://" not in database:
+            database = f"sqlite:///{Path(database).expanduser()}"
+        return cls(database, host, port, base_url, data_dir / "board" / "images", board.title, sign_up)
+
+    @property
+    def secure(self) -> bool:
+        return self.base_url.startswith("https://")
+
+    @property
+    def database_path(self) -> Path | None:
+        """The SQLite file, or None for another database."""
+        return Path(self.database.removeprefix("sqlite:///")) if self.database.startswith("sqlite:///") else None
+
+
+def parse_listen(listen: str) -> tuple[str, int]:
+    """`127.0.0.1:8088` or `[::1]:8088` as host and port; port 0 lets the system choose. Raises `ConfigError`."""
+    host, _, port = listen.rpartition(":")
+    host = host.strip("[]")
+    if not host or not port.isdigit() or int(port) > 65535:
+        raise ConfigError(f"board.listen: {listen!r} is not an address; valid: 127.0.0.1:{PROPOSED_PORT}")
+    return host, int(port)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine can reach `host`."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _bracket(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
