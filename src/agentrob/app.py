@@ -1,0 +1,201 @@
+"""Wiring: the only room that knows every other. Makes forums, minds, robots, boards and agents out of a configuration."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from agentrob import config as configuration
+from agentrob.config import Config, RobotConfig
+from agentrob.errors import ConfigError
+
+if TYPE_CHECKING:
+    from agentrob.agent.turn import RobotAgent
+    from agentrob.forums.forum import Forum
+    from agentrob.minds.mind import Mind
+
+load = configuration.load
+
+
+def find(family: str, name: str) -> Any:
+    """A member of a family (`forums`, `robots`, `minds`) by its entry point, built-in or a stranger's."""
+    members = {e.name: e for e in entry_points(group=f"agentrob.{family}")}
+    if name not in members:
+        raise ConfigError(f"no {family.removesuffix('s')} named {name!r}; there are: {', '.join(sorted(members))}")
+    return members[name].load()
+
+
+def make_forum(config: Config, token: str) -> Forum:
+    """The configured forum, signed in by a token."""
+    forum: Forum = find("forums", config.forum.kind)(config.forum, token)
+    return forum
+
+
+def make_mind(name: str) -> Mind:
+    mind: Mind = find("minds", name)()
+    return mind
+
+
+def secret(config: Config) -> str:
+    """The agent's token, from the environment."""
+    token = os.environ.get(config.forum.token_env, "")
+    if not token:
+        raise ConfigError(f"the environment variable {config.forum.token_env} must hold the agent's forum token")
+    return token
+
+
+def only_robot(config: Config, name: str | None) -> str:
+    """The robot that is meant: the one named, or the only one there is."""
+    if name is not None:
+        config.robot(name)
+        return name
+    if len(config.robots) == 1:
+        return next(iter(config.robots))
+    known = ", ".join(sorted(config.robots)) or "none is configured"
+    raise ConfigError(f"which robot? Name one of: {known}")
+
+
+# ---------------------------------------------------------------------- board
+def board_admin(config: Config) -> Any:
+    """Accounts, tokens and links of the embedded forum, for the command line; works while it runs."""
+    from agentrob.board.admin import Admin
+
+    return Admin(board_settings(config))
+
+
+def board_settings(config: Config) -> Any:
+    from agentrob.board.settings import BoardSettings
+
+    return BoardSettings.of(config.board, config.data_dir / "board")
+
+
+def serve_board(config: Config) -> None:
+    """Run the embedded forum until SIGTERM or Ctrl-C."""
+    from agentrob.board.server import serve
+
+    serve(board_settings(config))
+
+
+# ---------------------------------------------------------------------- agents
+def make_agent(config: Config, name: str) -> RobotAgent:
+    """The agent of one robot, wired to the configured forum, mind and driver."""
+    from agentrob.agent.turn import RobotAgent
+    from agentrob.robots.client import DriverClient
+
+    settings = config.robot(name)
+    return RobotAgent(
+        name=name,
+        settings=settings,
+        forum=make_forum(config, secret(config)),
+        driver=DriverClient(name),
+        mind=make_mind(settings.mind),
+        data=config.data_dir,
+    )
+
+
+def run_agent(config: Config, name: str, once: bool) -> None:
+    """Run an agent as a service until SIGTERM or Ctrl-C, or one single scan."""
+
+    async def serve() -> None:
+        agent = make_agent(config, name)
+        running = asyncio.ensure_future(agent.once() if once else agent.run())
+        for sign in (signal.SIGTERM, signal.SIGINT):
+            asyncio.get_running_loop().add_signal_handler(sign, running.cancel)
+        try:
+            await running
+        except asyncio.CancelledError:
+            pass
+        finally:
+            await agent.close()
+
+    asyncio.run(serve())
+
+
+def run_driver(config: Config, name: str) -> None:
+    """Hold one robot until SIGTERM or Ctrl-C."""
+    from agentrob.robots.driver import run_driver as run
+
+    run(name, config.robot(name))
+
+
+def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
+    """What the agent kept of a command (law 19); empty when there is nothing."""
+    path = data / "agents" / robot / "records" / f"{post_id}.json"
+    try:
+        record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    return record
+
+
+def capabilities_of(model: str, settings: RobotConfig | None = None) -> Any:
+    """What a kind of robot can do, without connecting to one."""
+    return find("robots", model).describe(settings or RobotConfig(model=model))
+
+
+# ---------------------------------------------------------------------- understanding
+async def understand(text: str, name: str, capabilities: Any, mind: str = "rules") -> Any:
+    """What a mind makes of a text that is meant for this robot."""
+    from agentrob.language.visible import visible_text
+    from agentrob.minds.mind import Listener
+
+    listener = Listener(names=(name,), others=(), capabilities=capabilities)
+    return await make_mind(mind).understand(visible_text(text), listener)
+
+
+def plan_text(text: str, model: str) -> dict[str, Any]:
+    """What a robot of this kind would make of a text, as data: intent, steps, notes, question, verdict."""
+    from agentrob.judge.screen import screen
+    from agentrob.language.visible import mentions, visible_text
+    from agentrob.model import Account, Intent, Role
+
+    capabilities = capabilities_of(model)
+    named = mentions(visible_text(text))
+    understood = asyncio.run(understand(text, named[0] if named else model, capabilities))
+    facts: dict[str, Any] = {
+        "intent": str(understood.intent),
+        "language": understood.language,
+        "plan": [{"op": str(s.op), **s.asked()} for s in understood.plan.steps],
+        "notes": list(understood.plan.notes),
+        "question": understood.question,
+    }
+    if understood.intent is Intent.COMMAND:
+        author = Account(id="local", name="local", role=Role.OPERATOR)
+        verdict = screen(
+            understood.plan, text=text, author=author, capabilities=capabilities, language=understood.language
+        )
+        facts["verdict"] = {"decision": str(verdict.decision), "rule": verdict.rule, "reason": verdict.reason}
+    return facts
+
+
+def describe_plan(facts: dict[str, Any]) -> str:
+    """`plan_text` for people."""
+    lines = [f"{facts['intent']}"]
+    for n, step in enumerate(facts["plan"], 1):
+        details = " ".join(f"{k}={v}" for k, v in step.items() if k != "op")
+        lines.append(f"  {n}. {step['op']} {details}".rstrip())
+    lines += [f"  note: {note}" for note in facts["notes"]]
+    if facts["question"]:
+        lines.append(f"  it would answer: {facts['question']}")
+    if verdict := facts.get("verdict"):
+        lines.append(f"  verdict: {verdict['decision']} ({verdict['rule']}) {verdict['reason']}".rstrip())
+    return "\n".join(lines)
+
+
+# ---------------------------------------------------------------------- world
+def serve_world(domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None) -> None:
+    """Run a simulated world until SIGTERM or Ctrl-C. `domains` are ROBOT=DOMAIN."""
+    from agentrob.sim.serve import WorldSettings, serve
+
+    pairs: dict[str, int] = {}
+    for text in domains:
+        robot, _, number = text.partition("=")
+        if not number.isdigit() or not 0 <= int(number) <= 230:
+            raise ConfigError(f"--domain {text!r} is not ROBOT=DOMAIN with a domain from 0 to 230, for example go2=1")
+        pairs[robot] = int(number)
+    serve(WorldSettings(domains=pairs, interface=interface, http_port=http_port, world=world, ledger=ledger))

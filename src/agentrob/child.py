@@ -1,0 +1,117 @@
+"""A process of our own: started with a ready line to wait for, logged to a file, ended when we end, however we end.
+
+A child prints one line of JSON with `"ready": true` on standard output when it can be used. The kernel sends it SIGTERM
+when its parent dies (`follow_parent`), so that a killed demo leaves no world and no driver behind.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from agentrob.errors import AgentRobError
+
+_PARENT = "AGENTROB_PARENT"
+_PR_SET_PDEATHSIG = 1
+
+
+class ChildError(AgentRobError):
+    """A process that we need did not start or has ended."""
+
+
+class Child:
+    """`python -m agentrob <args>` in a session of its own (a Ctrl-C reaches only us, and we end it in order)."""
+
+    def __init__(self, name: str, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
+        self.name = name
+        self.log = log
+        self.ready: dict[str, Any] | None = None
+        self._changed = threading.Event()
+        log.parent.mkdir(parents=True, exist_ok=True)
+        with log.open("ab") as errors:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "agentrob", *args],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                env={**os.environ, **(env or {}), _PARENT: str(os.getpid())},
+                start_new_session=True,
+            )
+        threading.Thread(target=self._listen, name=f"{name}-output", daemon=True).start()
+
+    def _listen(self) -> None:
+        assert self.process.stdout is not None
+        with self.log.open("ab") as log:
+            for line in self.process.stdout:
+                log.write(line)
+                log.flush()
+                if self.ready is None and line.startswith(b"{"):
+                    with contextlib.suppress(ValueError):
+                        said = json.loads(line)
+                        if said.get("ready"):
+                            self.ready = said
+                            self._changed.set()
+        self._changed.set()
+
+    def wait_ready(self, limit_s: float = 60.0) -> dict[str, Any]:
+        """What the ready line says; `ChildError` with the child's last words when it ends or is late."""
+        self._changed.wait(limit_s)
+        if self.ready is not None:
+            return self.ready
+        if self.process.poll() is None and self._changed.is_set():
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.process.wait(2)
+        state = "ended" if self.process.poll() is not None else f"was not ready after {limit_s:.0f} s"
+        raise ChildError(f"{self.name} {state}: {self.last_words()} (log: {self.log})")
+
+    def last_words(self) -> str:
+        """The last line that it wrote."""
+        lines = self.log.read_text(errors="replace").strip().splitlines() if self.log.exists() else []
+        return lines[-1].strip() if lines else "it said nothing"
+
+    @property
+    def alive(self) -> bool:
+        return self.process.poll() is None
+
+    def end(self) -> None:
+        """Ask it to end; `end_all` waits."""
+        if self.alive:
+            with contextlib.suppress(ProcessLookupError):
+                self.process.send_signal(signal.SIGTERM)
+
+
+def end_all(children: Sequence[Child], limit_s: float = 2.5) -> None:
+    """End them all at once; whoever is left at the limit is killed."""
+    for child in children:
+        child.end()
+    deadline = time.monotonic() + limit_s
+    for child in children:
+        try:
+            child.process.wait(max(0.01, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            child.process.kill()
+            child.process.wait()
+
+
+def follow_parent() -> None:
+    """Called by a child at its start: have the kernel end us when the process that started us is gone."""
+    if parent := os.environ.pop(_PARENT, None):
+        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+        if os.getppid() != int(parent):
+            sys.exit(0)
+
+
+def say_ready(**facts: Any) -> None:
+    """Print the ready line."""
+    sys.stdout.write(json.dumps({"ready": True, **facts}) + "\n")
+    sys.stdout.flush()

@@ -1,0 +1,207 @@
+"""The words a person types. Each command is a few lines: the work is done in the rooms, imported when needed."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, NoReturn
+
+import typer
+
+from agentrob import __version__, app
+from agentrob import config as configuration
+from agentrob.child import follow_parent
+from agentrob.errors import AgentRobError
+
+cli = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+demo_cli = typer.Typer(invoke_without_command=True)
+board_cli = typer.Typer(no_args_is_help=True)
+account_cli = typer.Typer(no_args_is_help=True)
+agent_cli = typer.Typer(no_args_is_help=True)
+cli.add_typer(demo_cli, name="demo", help="Forum, simulated world and robot on this machine.")
+cli.add_typer(board_cli, name="board", help="The embedded forum.")
+board_cli.add_typer(account_cli, name="account", help="Accounts of the embedded forum.")
+cli.add_typer(agent_cli, name="agent", help="The agent of one robot.")
+
+ConfigFile = Annotated[
+    Path | None, typer.Option("--config", "-c", help="The configuration file; ./agentrob.toml when it is there.")
+]
+RobotName = Annotated[str | None, typer.Argument(help="The robot's name in the configuration; not needed for one.")]
+
+
+@cli.callback(invoke_without_command=True)
+def _root(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+    """Robots on an online forum: a post comes in, a robot moves, a reply goes out."""
+    if version:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+# ---------------------------------------------------------------------- demo
+@demo_cli.callback()
+def demo(
+    context: typer.Context,
+    port: Annotated[int, typer.Option(help="Port of the forum; 0 for any free one.")] = 8088,
+    data: Annotated[Path | None, typer.Option(help="Folder that keeps everything.")] = None,
+    post: Annotated[str | None, typer.Option(help="Post this text, wait for the answer, print it and end.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="With --post: the last line is one JSON object.")] = False,
+    world: Annotated[str, typer.Option(help="The simulated world.")] = "room",
+) -> None:
+    """Start everything on this machine and print the address to open."""
+    if context.invoked_subcommand:
+        return
+    from agentrob import demo as demonstration
+
+    once = post is not None
+    settings = demonstration.DemoSettings(
+        data=data or configuration.default_data_dir() / ("demo-post" if once else "demo"),
+        port=None if once and port == 8088 else port or None,
+        post=post,
+        as_json=as_json,
+        world=world,
+    )
+    raise typer.Exit(demonstration.run(settings))
+
+
+@demo_cli.command("link")
+def demo_link(data: Annotated[Path | None, typer.Option(help="The demo's data folder.")] = None) -> None:
+    """Print another one-time link for the demo that runs."""
+    from agentrob import demo as demonstration
+
+    demonstration.print_link(data or configuration.default_data_dir() / "demo")
+
+
+# ---------------------------------------------------------------------- language and robots
+@cli.command()
+def plan(
+    text: Annotated[str, typer.Argument(help="What one would write in a post.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    model: Annotated[str, typer.Option(help="The kind of robot.")] = "go2",
+) -> None:
+    """Say what a robot would make of a text. Nothing moves."""
+    facts = app.plan_text(text, model)
+    if as_json:
+        typer.echo(json.dumps(facts, ensure_ascii=False))
+        return
+    typer.echo(app.describe_plan(facts))
+
+
+@cli.command()
+def drive(
+    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, fake.")],
+    text: Annotated[str, typer.Argument(help="What to do, in words.")],
+    config: ConfigFile = None,
+    interface: Annotated[
+        str | None, typer.Option(help="Network interface of a real robot; without it a simulated one is used.")
+    ] = None,
+    pictures: Annotated[Path, typer.Option(help="Where pictures are put.")] = Path("."),
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+) -> None:
+    """Drive a robot without a forum."""
+    from agentrob import drive as driving
+
+    raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json))
+
+
+@cli.command()
+def stop(
+    robot: Annotated[str | None, typer.Argument(help="The robot's name; without it --all is needed.")] = None,
+    everyone: Annotated[bool, typer.Option("--all", help="Every robot that a driver on this machine holds.")] = False,
+) -> None:
+    """Stop a robot now. Works without forum, agent and configuration."""
+    from agentrob.robots import stop as stopping
+
+    if robot is None and not everyone:
+        _fail("name a robot, or give --all")
+    raise typer.Exit(stopping.main(None if everyone else robot))
+
+
+@cli.command()
+def driver(robot: RobotName = None, config: ConfigFile = None) -> None:
+    """Hold one robot: the only process that moves it."""
+    settings = app.load(config)
+    app.run_driver(settings, app.only_robot(settings, robot))
+
+
+@cli.command()
+def sim(
+    domain: Annotated[list[str], typer.Option(help="ROBOT=DDS-DOMAIN, for example go2=1.")] = ["go2=1"],  # noqa: B006
+    world: Annotated[str, typer.Option(help="The world.")] = "room",
+    interface: Annotated[str, typer.Option(help="Network interface for DDS.")] = "lo",
+    http_port: Annotated[int, typer.Option(help="Port of the room's camera; 0 for any free one.")] = 0,
+    ledger: Annotated[Path | None, typer.Option(help="Write what really happened to this file, line by line.")] = None,
+) -> None:
+    """Run a simulated world with walking robots that speak the real robots' DDS."""
+    app.serve_world(domain, world, interface, http_port, ledger)
+
+
+# ---------------------------------------------------------------------- agent
+@agent_cli.command("run")
+def agent_run(robot: RobotName = None, config: ConfigFile = None) -> None:
+    """Serve the robot's mentions until ended."""
+    settings = app.load(config)
+    app.run_agent(settings, app.only_robot(settings, robot), once=False)
+
+
+@agent_cli.command("once")
+def agent_once(robot: RobotName = None, config: ConfigFile = None) -> None:
+    """Scan the forum once, do what is asked, and end."""
+    settings = app.load(config)
+    app.run_agent(settings, app.only_robot(settings, robot), once=True)
+
+
+# ---------------------------------------------------------------------- board
+@board_cli.command("serve")
+def board_serve(config: ConfigFile = None) -> None:
+    """Run the embedded forum."""
+    app.serve_board(app.load(config))
+
+
+@account_cli.command("add")
+def account_add(
+    name: Annotated[str, typer.Argument(help="The handle after the @: small letters, digits, - and _.")],
+    kind: Annotated[str, typer.Option(help="human, commanding_agent, robot_agent or monitoring_agent.")] = "human",
+    role: Annotated[str, typer.Option(help="member, operator or admin.")] = "member",
+    config: ConfigFile = None,
+) -> None:
+    """Add an account; prints a one-time link (people) or a token (agents)."""
+    admin = app.board_admin(app.load(config))
+    admin.bootstrap()
+    admin.create_account(name, kind=kind, role=role)
+    if kind == "human":
+        settings = app.load(config)
+        typer.echo((settings.board.base_url or f"http://{settings.board.listen}") + admin.issue_link(name))
+    else:
+        typer.echo(admin.issue_token(name))
+
+
+@account_cli.command("link")
+def account_link(name: str, config: ConfigFile = None) -> None:
+    """Print a one-time link that signs this account in."""
+    settings = app.load(config)
+    typer.echo((settings.board.base_url or f"http://{settings.board.listen}") + app.board_admin(settings).issue_link(name))
+
+
+@account_cli.command("token")
+def account_token(name: str, config: ConfigFile = None) -> None:
+    """Print a new bearer token of this account."""
+    typer.echo(app.board_admin(app.load(config)).issue_token(name))
+
+
+def _fail(message: str) -> NoReturn:
+    typer.echo(f"agentrob: {message}", err=True)
+    raise typer.Exit(2)
+
+
+def main() -> None:
+    """The entry point: errors of ours are one line on standard error and exit code 1."""
+    follow_parent()
+    try:
+        cli()
+    except AgentRobError as e:
+        sys.exit(f"agentrob: {e}")
+
+
+if __name__ == "__main__":
+    main()

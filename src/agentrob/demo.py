@@ -1,0 +1,313 @@
+"""Everything on one machine: forum, simulated world, driver and agent, started together and ended together."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import json
+import os
+import secrets
+import signal
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from agentrob import hostlock
+from agentrob.child import Child, ChildError, end_all
+from agentrob.errors import AgentRobError, ConfigError
+
+ROBOT = "quadruped"
+VISITOR = "visitor"
+SENTENCE = f"@{ROBOT} walk forward 1 metre, turn left, wave and take a photo"
+#: Domains that the demo may use; real robots are on 0.
+DOMAINS = range(40, 100)
+#: How long one posted command may take, in seconds: the limit of a command, its report, and a slow machine.
+POST_LIMIT_S = 180.0
+FINAL = frozenset({"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"})
+
+
+class DemoError(AgentRobError):
+    """The demo cannot start or go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class DemoSettings:
+    """`port` None means any free one; `data` is kept; `post` runs one post and ends."""
+
+    data: Path
+    port: int | None = 8088
+    post: str | None = None
+    as_json: bool = False
+    world: str = "room"
+
+
+def free_domain() -> int:
+    """A DDS domain that no driver or world of this host uses."""
+    taken = set(hostlock.held())
+    for domain in DOMAINS:
+        if not {f"world/lo/{domain}", f"driver/lo/{domain}"} & taken:
+            return domain
+    raise DemoError(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are in use on this host")
+
+
+def free_port() -> int:
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return int(s.getsockname()[1])
+
+
+def check_port(port: int) -> None:
+    with socket.socket() as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            s.bind(("127.0.0.1", port))
+        except OSError:
+            raise DemoError(f"port {port} is taken; choose another with --port (0 for any free one)") from None
+
+
+class Demo:
+    """A running demo; use it as a context manager. `url` and the children are there after `start`."""
+
+    def __init__(self, settings: DemoSettings) -> None:
+        self.settings = settings
+        self.data = settings.data
+        self.children: list[Child] = []
+        self._lock: IO[str] | None = None
+        self.url = ""
+        self.tokens: dict[str, str] = {}
+        self.room_url = ""
+
+    def __enter__(self) -> Demo:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        end_all(self.children)
+        if self._lock:
+            (self.data / "demo.json").unlink(missing_ok=True)
+            self._lock.close()
+
+    # ------------------------------------------------------------------ start
+    def start(self) -> None:
+        """Start all; returns when a post would be answered. `DemoError` or `ChildError` in one line otherwise."""
+        self._hold_data()
+        port = self.settings.port or free_port()
+        check_port(port)
+        self.url = f"http://127.0.0.1:{port}"
+        domain = free_domain()
+        world = self._child(
+            "world", "sim", "--domain", f"go2={domain}", "--ledger", str(self.data / "world.jsonl"), "--world", self.settings.world
+        )
+        config = self._write_config(port, domain, room_url="")
+        self._bootstrap(config)
+        board = self._child("board", "board", "serve", "--config", str(config))
+        self.room_url = world.wait_ready()["http"]
+        config = self._write_config(port, domain, self.room_url)
+        driver = self._child("driver", "driver", ROBOT, "--config", str(config))
+        board.wait_ready()
+        agent = self._child(
+            "agent", "agent", "run", ROBOT, "--config", str(config), env={"AGENTROB_TOKEN": self.tokens[ROBOT]}
+        )
+        driver.wait_ready()
+        agent.wait_ready()
+        (self.data / "demo.json").write_text(json.dumps({"pid": os.getpid(), "url": self.url, "room": self.room_url}))
+
+    def _child(self, name: str, *args: str, env: dict[str, str] | None = None) -> Child:
+        own = {"AGENTROB_DATA": str(self.data), **(env or {})}
+        child = Child(name, args, self.data / "log" / f"{name}.log", own)
+        self.children.append(child)
+        return child
+
+    def _hold_data(self) -> None:
+        try:
+            self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self._lock = (self.data / "demo.lock").open("w")
+        except OSError as e:
+            raise DemoError(f"cannot use the data folder {self.data}: {e.strerror}") from None
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            self._lock.close()
+            self._lock = None
+            where = running(self.data)
+            at = f" at {where['url']}" if where else ""
+            raise DemoError(f"a demo already runs{at} with the data folder {self.data}; end it or give --data") from None
+
+    def _write_config(self, port: int, domain: int, room_url: str) -> Path:
+        lines = [
+            "# Written by `agentrob demo` at each start; edit a copy.",
+            f"data = {json.dumps(str(self.data))}",
+            "[board]",
+            f'listen = "127.0.0.1:{port}"',
+            f'base_url = "{self.url}"',
+            "[forum]",
+            f'url = "{self.url}"',
+            f"[robots.{ROBOT}]",
+            'model = "go2"',
+            'interface = "lo"',
+            f"domain = {domain}",
+            "simulated = true",
+            "home_on_start = true",
+            f'owner = "{VISITOR}"',
+            f'room_camera = "{room_url}/overview.jpg"' if room_url else "",
+            f'room_reset = "{room_url}/reset"' if room_url else "",
+        ]
+        path = self.data / "agentrob.toml"
+        path.write_text("\n".join(line for line in lines if line) + "\n")
+        return path
+
+    def _bootstrap(self, config_path: Path) -> None:
+        from agentrob import app
+
+        admin = app.board_admin(app.load(config_path))
+        admin.bootstrap()
+        admin.ensure_account(ROBOT, kind="robot_agent", role="member", display_name="Quadruped")
+        admin.ensure_account(VISITOR, kind="human", role="operator", display_name="Visitor")
+        for name in (ROBOT, VISITOR):
+            self.tokens[name] = admin.issue_token(name, label="demo")
+
+    # ------------------------------------------------------------------ while it runs
+    def link(self) -> str:
+        """A one-time link that signs the visitor in."""
+        from agentrob import app
+
+        return self.url + app.board_admin(app.load(self.data / "agentrob.toml")).issue_link(VISITOR)
+
+    def watch(self) -> None:
+        """Return only when a child has ended, as `ChildError`."""
+        while True:
+            for child in self.children:
+                if not child.alive:
+                    raise ChildError(f"{child.name} has ended: {child.last_words()} (log: {child.log})")
+            time.sleep(0.5)
+
+
+def running(data: Path) -> dict[str, Any] | None:
+    """What `demo.json` says of the demo that runs with this data folder."""
+    with contextlib.suppress(OSError, ValueError):
+        facts: dict[str, Any] = json.loads((data / "demo.json").read_text())
+        return facts
+    return None
+
+
+@contextlib.contextmanager
+def sigterm_interrupts() -> Iterator[None]:
+    """SIGTERM ends us as Ctrl-C does."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    old = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, old)
+
+
+def run(settings: DemoSettings) -> int:
+    """The command `agentrob demo`; returns the exit code."""
+    with sigterm_interrupts(), Demo(settings) as demo:
+        try:
+            if settings.post is None:
+                print("AgentRob demo: starting the forum, the room and the robot …", file=sys.stderr)
+            demo.start()
+            if settings.post is not None:
+                return _post_once(demo, settings)
+            print(welcome(demo), flush=True)
+            demo.watch()
+        except KeyboardInterrupt:
+            print("\nAgentRob demo: ending", file=sys.stderr)
+            return 0 if settings.post is None else 130
+    return 0
+
+
+def welcome(demo: Demo) -> str:
+    return (
+        f"\n  Open   {demo.link()}\n"
+        f"         (signs you in once; `agentrob demo link` prints another)\n"
+        f"  Post   {SENTENCE}\n"
+        f"  Data   {demo.data} (kept)\n"
+        f"  End    Ctrl-C\n"
+    )
+
+
+def print_link(data: Path) -> None:
+    """The command `agentrob demo link`."""
+    facts = running(data)
+    if facts is None:
+        raise DemoError(f"no demo runs with the data folder {data}; start one with: agentrob demo")
+    demo = Demo(DemoSettings(data))
+    demo.url = facts["url"]
+    print(demo.link())
+
+
+# ---------------------------------------------------------------------- one post, then end
+def _post_once(demo: Demo, settings: DemoSettings) -> int:
+    assert settings.post is not None
+    outcome = asyncio.run(_ask(demo, settings.post))
+    if settings.as_json:
+        print(json.dumps(outcome, ensure_ascii=False), flush=True)
+    else:
+        print(outcome["reply_markdown"])
+    return 0 if outcome["status"] == "done" else 1
+
+
+async def _ask(demo: Demo, text: str) -> dict[str, Any]:
+    """Post as the visitor, wait for the final state, and collect what the thread and the agent's record say."""
+    from agentrob import app
+
+    config = app.load(demo.data / "agentrob.toml")
+    forum = app.make_forum(config, demo.tokens[VISITOR])
+    try:
+        watermark, _ = await forum.now()
+        written = await forum.create_topic(config.robot(ROBOT).boards[0], title(text), text, key=secrets.token_hex(8))
+        topic = await forum.topic(written.post.topic_id)
+        post = await asyncio.wait_for(_final(forum, watermark, written.post.topic_id), POST_LIMIT_S)
+        pictures = await _save_images(forum, post, demo.data / "pictures")
+    except TimeoutError:
+        raise DemoError(f"no final answer within {POST_LIMIT_S:.0f} s; see the logs in {demo.data / 'log'}") from None
+    finally:
+        await forum.close()
+    record = app.read_record(demo.data, ROBOT, written.post.id)
+    return {
+        "status": post.card.state if post.card else "unknown",
+        "topic_url": topic.url,
+        "reply_markdown": post.raw,
+        "steps": record.get("steps", []),
+        "timings_ms": record.get("timings_ms", {}),
+        "images": pictures,
+        "data": str(demo.data),
+    }
+
+
+async def _final(forum: Any, watermark: str, topic_id: str) -> Any:
+    async for event in forum.stream(watermark):
+        post = event.post
+        if post and post.topic_id == topic_id and post.author.name == ROBOT and post.card and post.card.state in FINAL:
+            return post
+    raise DemoError("the forum ended its event stream")
+
+
+async def _save_images(forum: Any, post: Any, folder: Path) -> list[str]:
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for n, url in enumerate(post.images):
+        data = await forum.download(url)
+        suffix = ".png" if data[:4] == b"\x89PNG" else ".jpg"
+        path = folder / f"post-{post.id}-{n + 1}{suffix}"
+        path.write_bytes(data)
+        paths.append(str(path))
+    return paths
+
+
+def title(text: str) -> str:
+    """A topic title made of the text: its first line, shortened."""
+    if not text.strip():
+        raise ConfigError('nothing to post; give a text, for example --post "@quadruped wave"')
+    line = text.strip().splitlines()[0]
+    return line if len(line) <= 80 else line[:79] + "…"
