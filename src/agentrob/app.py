@@ -1,4 +1,4 @@
-"""Wiring: the only room that knows every other. Makes forums, minds, robots, boards and agents out of a configuration."""
+"""Wiring: the only room that knows every other; it makes forums, minds, robots and agents of a configuration."""
 
 from __future__ import annotations
 

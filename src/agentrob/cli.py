@@ -180,7 +180,9 @@ def account_add(
 def account_link(name: str, config: ConfigFile = None) -> None:
     """Print a one-time link that signs this account in."""
     settings = app.load(config)
-    typer.echo((settings.board.base_url or f"http://{settings.board.listen}") + app.board_admin(settings).issue_link(name))
+    typer.echo(
+        (settings.board.base_url or f"http://{settings.board.listen}") + app.board_admin(settings).issue_link(name)
+    )
 
 
 @account_cli.command("token")

@@ -1,16 +1,16 @@
 """One `agentrob.toml` and the environment for secrets; an unknown key or a wrong value is refused with what is valid.
 
-    [board]                       # the embedded forum, when this machine runs it
-    listen = "127.0.0.1:8088"
+[board]                       # the embedded forum, when this machine runs it
+listen = "127.0.0.1:8088"
 
-    [forum]                       # where the agents read and write
-    kind = "board"
-    url = "http://127.0.0.1:8088"
+[forum]                       # where the agents read and write
+kind = "board"
+url = "http://127.0.0.1:8088"
 
-    [robots.quadruped]            # one table per robot; the name is the robot's account and its driver's name
-    model = "go2"
-    interface = "lo"
-    domain = 1
+[robots.quadruped]            # one table per robot; the name is the robot's account and its driver's name
+model = "go2"
+interface = "lo"
+domain = 1
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import cyclonedds.idl._xt_builder as _xt_builder
+from cyclonedds.idl import _xt_builder
 
 #: cyclonedds configuration; `{interface}` is `name="lo"` or `autodetermine="true"`. No log file (the SDK's shared one
 #: fails for a second user of the host).
@@ -32,7 +32,7 @@ class _ByteForUint8:
 def patch() -> None:
     """Apply the patch; calling again does nothing."""
     if not isinstance(_xt_builder.xt, _ByteForUint8):
-        _xt_builder.xt = _ByteForUint8(_xt_builder.xt)  # type: ignore[assignment]
+        _xt_builder.xt = _ByteForUint8(_xt_builder.xt)
 
 
 def config(interface: str | None) -> str:

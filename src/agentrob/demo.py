@@ -29,7 +29,9 @@ SENTENCE = f"@{ROBOT} walk forward 1 metre, turn left, wave and take a photo"
 DOMAINS = range(40, 100)
 #: How long one posted command may take, in seconds: the limit of a command, its report, and a slow machine.
 POST_LIMIT_S = 180.0
-FINAL = frozenset({"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"})
+FINAL = frozenset(
+    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+)
 
 
 class DemoError(AgentRobError):
@@ -86,7 +88,9 @@ class Demo:
     def __enter__(self) -> Demo:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         end_all(self.children)
         if self._lock:
             (self.data / "demo.json").unlink(missing_ok=True)
@@ -101,7 +105,14 @@ class Demo:
         self.url = f"http://127.0.0.1:{port}"
         domain = free_domain()
         world = self._child(
-            "world", "sim", "--domain", f"go2={domain}", "--ledger", str(self.data / "world.jsonl"), "--world", self.settings.world
+            "world",
+            "sim",
+            "--domain",
+            f"go2={domain}",
+            "--ledger",
+            str(self.data / "world.jsonl"),
+            "--world",
+            self.settings.world,
         )
         config = self._write_config(port, domain, room_url="")
         self._bootstrap(config)
@@ -136,7 +147,9 @@ class Demo:
             self._lock = None
             where = running(self.data)
             at = f" at {where['url']}" if where else ""
-            raise DemoError(f"a demo already runs{at} with the data folder {self.data}; end it or give --data") from None
+            raise DemoError(
+                f"a demo already runs{at} with the data folder {self.data}; end it or give --data"
+            ) from None
 
     def _write_config(self, port: int, domain: int, room_url: str) -> Path:
         lines = [

@@ -84,7 +84,9 @@ class BoardError(AgentRobError):
     `status` is the HTTP status, `code` a stable word for programs, `hint` what would be valid.
     """
 
-    def __init__(self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None) -> None:
+    def __init__(
+        self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None
+    ) -> None:
         super().__init__(message)
         self.status = status
         self.code = code
