@@ -171,7 +171,7 @@ def account_add(
     admin.create_account(name, kind=kind, role=role)
     if kind == "human":
         settings = app.load(config)
-        typer.echo((settings.board.base_url or f"http://{settings.board.listen}") + admin.issue_link(name))
+        typer.echo(settings.board.url + admin.issue_link(name))
     else:
         typer.echo(admin.issue_token(name))
 
@@ -180,9 +180,7 @@ def account_add(
 def account_link(name: str, config: ConfigFile = None) -> None:
     """Print a one-time link that signs this account in."""
     settings = app.load(config)
-    typer.echo(
-        (settings.board.base_url or f"http://{settings.board.listen}") + app.board_admin(settings).issue_link(name)
-    )
+    typer.echo(settings.board.url + app.board_admin(settings).issue_link(name))
 
 
 @account_cli.command("token")

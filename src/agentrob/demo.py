@@ -145,10 +145,10 @@ class Demo:
         except OSError:
             self._lock.close()
             self._lock = None
-            where = running(self.data)
-            at = f" at {where['url']}" if where else ""
+            where = (running(self.data) or {}).get("url", "")
             raise DemoError(
-                f"a demo already runs{at} with the data folder {self.data}; end it or give --data"
+                f"a demo already runs{' at ' + where if where else ''} with the data folder {self.data}; "
+                "end it, or give another --data"
             ) from None
 
     def _write_config(self, port: int, domain: int, room_url: str) -> Path:

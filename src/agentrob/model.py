@@ -319,7 +319,10 @@ class ActionResult:
 
 @dataclass(frozen=True, slots=True)
 class StopResult:
-    """What a stop did. `latency_ms`: asked to zero velocity commanded. `confirmed`: the robot's own state shows rest."""
+    """What a stop did.
+
+    `latency_ms`: from asked to zero velocity commanded. `confirmed`: the robot's own state shows rest.
+    """
 
     latency_ms: float
     confirmed: bool
