@@ -1,0 +1,179 @@
+"""Turns the Markdown of a post into HTML that is safe to show: no script, no style, no foreign picture survives.
+
+Two walls, each enough by itself for scripts: the Markdown parser does not pass HTML through, and what it makes is
+cleaned by nh3 (a real HTML parser) with a short list of what may stay.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+import nh3
+from markdown_it import MarkdownIt
+from markdown_it.rules_core import StateCore
+from markdown_it.token import Token
+
+IsAccount = Callable[[str], bool]
+
+#: Our own pictures; every other picture becomes a link, so that reading a post tells nobody who reads it.
+OWN_IMAGE = re.compile(r"/images/[A-Za-z0-9_-]+(\.(jpg|jpeg|png))?\Z")
+#: Only ASCII counts as part of a name, so that 请@quadruped前进 mentions it.
+_NAME = r"[@＠](?P<name>[A-Za-z][A-Za-z0-9_-]{1,31})(?![A-Za-z0-9_])"
+_MENTION = rf"(?<![A-Za-z0-9_@＠/.+-]){_NAME}"
+_URL = r"(?<![A-Za-z0-9])(?P<url>https?://[^\s<>\"'`|\\^{}\u3000-\u303f\uff00-\uffef]+)"
+_SPECIAL = re.compile(f"{_URL}|{_MENTION}", re.IGNORECASE)
+#: A scheme that may stay, or no scheme at all (then what comes before the first colon holds one of / ? #).
+_SAFE_LINK = re.compile(r"(https?:|mailto:|[^:/?#]*([/?#]|\Z))", re.IGNORECASE)
+#: Names in these are quoted or decoration, not addressed to anybody (law 3).
+_NOT_SAID = ("blockquote", "heading", "table")
+#: The page has its own h1 and h2, so a heading in a post begins at h3.
+_HEADING_SHIFT = 2
+
+_CLEANER = nh3.Cleaner(
+    tags={
+        *("p", "br", "hr", "em", "strong", "s", "blockquote", "pre", "code", "ul", "ol", "li"),
+        *("h3", "h4", "h5", "h6", "table", "thead", "tbody", "tr", "th", "td", "a", "img"),
+    },
+    clean_content_tags={"script", "style"},
+    attributes={"a": {"href", "title"}, "img": {"src", "alt", "title"}, "ol": {"start"}},
+    tag_attribute_values={"th": {"align": {"left", "center", "right"}}, "td": {"align": {"left", "center", "right"}}},
+    allowed_classes={"a": {"mention"}},
+    set_tag_attribute_values={"img": {"loading": "lazy"}},
+    attribute_filter=lambda tag, name, value: (
+        None if (tag, name) == ("img", "src") and not OWN_IMAGE.match(value) else value
+    ),
+    url_schemes={"http", "https", "mailto"},
+    link_rel="nofollow noopener ugc",
+)
+
+
+def render(raw: str, is_account: IsAccount) -> str:
+    """Safe HTML of a post's Markdown (CommonMark, tables, strikethrough, line breaks kept, bare addresses linked).
+
+    `is_account` says whether a name (lower case) is an account; `@name` of such a one becomes a link to it where it is
+    said in a paragraph or list, not where it is quoted, struck out, code, a heading or in a table. Never raises.
+    """
+    text = raw.encode("utf-8", "replace").decode()
+    return _CLEANER.clean(_MARKDOWN.render(text, {"is_account": is_account}))
+
+
+def mentions(raw: str, is_account: IsAccount) -> tuple[str, ...]:
+    """Accounts named in the text, each once, in order: exactly those that `render` makes links of."""
+    text = raw.encode("utf-8", "replace").decode()
+    found: dict[str, None] = {}
+
+    def seen(name: str) -> bool:
+        known = is_account(name)
+        if known:
+            found[name] = None
+        return known
+
+    _MARKDOWN.parse(text, {"is_account": seen})
+    return tuple(found)
+
+
+def _polish(state: StateCore) -> None:
+    """Last step of parsing: demote headings, turn alignment into an attribute, replace pictures, link names."""
+    is_account: IsAccount = state.env["is_account"]
+    not_said = 0
+    for token in state.tokens:
+        not_said += token.nesting * token.type.startswith(_NOT_SAID)
+        if token.type in ("heading_open", "heading_close"):
+            token.tag = f"h{min(6, int(token.tag[1]) + _HEADING_SHIFT)}"
+        elif token.type in ("th_open", "td_open") and "style" in token.attrs:
+            token.attrs["align"] = str(token.attrs.pop("style")).removeprefix("text-align:")
+        elif token.type == "inline" and token.children:
+            token.children = list(_inline(state.md, token.children, _nobody if not_said else is_account))
+
+
+def _inline(md: MarkdownIt, tokens: list[Token], is_account: IsAccount) -> Iterator[Token]:
+    links = struck = 0  # how deep we are in a link, in struck-out text
+    for token in tokens:
+        links += (token.type == "link_open") - (token.type == "link_close")
+        struck += (token.type == "s_open") - (token.type == "s_close")
+        if token.type == "image":
+            yield from _picture(token, inside_link=links > 0)
+        elif token.type == "text" and not links:
+            yield from _linked(md, token.content, _nobody if struck else is_account)
+        else:
+            yield token
+
+
+def _picture(token: Token, inside_link: bool) -> Iterator[Token]:
+    """The picture itself when it is ours, otherwise a link to it."""
+    src = str(token.attrs.get("src", ""))
+    if OWN_IMAGE.match(src):
+        yield token
+        return
+    label = "".join(child.content for child in token.children or ()).strip() or src
+    if inside_link or not src:
+        yield _text(label)
+    else:
+        yield from _link(src, label)
+
+
+def _linked(md: MarkdownIt, text: str, is_account: IsAccount) -> Iterator[Token]:
+    """The text, with accounts and bare web addresses as links."""
+    done = 0
+    for match in _SPECIAL.finditer(text):
+        if url := match["url"]:
+            url = _without_tail(url)
+            href, shown, css = md.normalizeLink(url), url, ""
+            if not md.validateLink(href):
+                continue
+        else:
+            name = _known(match["name"].lower(), is_account)
+            if not name:
+                continue
+            href, shown, css = f"/u/{name}", match[0][: len(name) + 1], "mention"
+        yield _text(text[done : match.start()])
+        yield from _link(href, shown, css)
+        done = match.start() + len(shown)
+    yield _text(text[done:])
+
+
+def _known(name: str, is_account: IsAccount) -> str:
+    """The account meant by `name`, also when a dash follows it (`@quadruped- go`); "" when there is none."""
+    for candidate in dict.fromkeys((name, name.rstrip("-_"))):
+        if is_account(candidate):
+            return candidate
+    return ""
+
+
+def _without_tail(url: str) -> str:
+    """Without the punctuation that ends the sentence rather than the address."""
+    while url and (url[-1] in ".,;:!?*_~]" or (url[-1] == ")" and url.count(")") > url.count("("))):
+        url = url[:-1]
+    return url
+
+
+def _nobody(_name: str) -> bool:
+    return False
+
+
+def _text(content: str) -> Token:
+    return Token("text", "", 0, content=content)
+
+
+def _link(href: str, shown: str, css: str = "") -> Iterator[Token]:
+    attrs: dict[str, str | int | float] = {"href": href}
+    if css:
+        attrs["class"] = css
+    yield Token("link_open", "a", 1, attrs=attrs)
+    yield _text(shown)
+    yield Token("link_close", "a", -1)
+
+
+def _valid_link(url: str) -> bool:
+    return bool(_SAFE_LINK.match(url.strip()))
+
+
+def _parser() -> MarkdownIt:
+    md = MarkdownIt("commonmark", {"html": False, "breaks": True}).enable(["table", "strikethrough"])
+    md.core.ruler.push("polish", _polish)
+    md.validateLink = _valid_link  # type: ignore[method-assign]
+    return md
+
+
+_MARKDOWN = _parser()
