@@ -1,0 +1,72 @@
+"""Every command of the README works as it stands there."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = [
+    line for block in re.findall(r"^```sh\n(.*?)^```", README, re.MULTILINE | re.DOTALL) for line in block.splitlines()
+]
+MAKE = [c for c in COMMANDS if c.startswith("make ")]
+SHELL = [c for c in COMMANDS if not c.startswith("make ")]
+PYTHON = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+LIMIT_S = 110
+
+
+def environment(data: Path) -> dict[str, str]:
+    return {**os.environ, "AGENTROB_DATA": str(data)}
+
+
+def test_the_readme_has_the_two_commands_and_they_are_targets() -> None:
+    assert MAKE == ["make demo", "make test"]
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert {c.split()[1] for c in MAKE} <= set(targets)
+
+
+@pytest.mark.sim
+@pytest.mark.timeout(LIMIT_S + 10)
+@pytest.mark.parametrize("command", SHELL)
+def test_a_shell_command_of_the_readme_runs(command: str, tmp_path: Path) -> None:
+    program, *args = shlex.split(command)
+    assert program == ".venv/bin/agentrob", "the README calls the program where make puts it"
+    done = subprocess.run(
+        [Path(sys.executable).with_name("agentrob"), *args],
+        cwd=tmp_path,
+        env=environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.sim
+@pytest.mark.timeout(LIMIT_S + 10)
+@pytest.mark.parametrize("code", PYTHON)
+def test_the_python_of_the_readme_drives_a_robot(code: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env=environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "move" in done.stdout
+    assert "done" in done.stdout
+
+
+def test_links_of_the_readme_lead_somewhere() -> None:
+    targets = re.findall(r"\]\(((?!https?:)[^)#]+)\)", README)
+    missing = [t for t in targets if not (ROOT / t).exists()]
+    assert not missing
