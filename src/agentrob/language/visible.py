@@ -1,0 +1,185 @@
+"""The text of a post that counts: what a reader plainly sees in paragraphs and lists, and whom it mentions.
+
+Everything that can hide words is left out: headings, code, quotes, strikethrough, HTML and all text inside HTML
+elements, image descriptions, link targets, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether something
+is hidden (a tag or a quote never closed), the rest is left out too: a robot then does less, never more.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable
+from html.parser import HTMLParser
+
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
+
+#: Longer posts have no visible text at all: nobody commands a robot with a book, and parsing stays quick.
+MAX_CHARS = 10_000
+
+_MARKDOWN = MarkdownIt("commonmark", {"html": True}).enable(["strikethrough", "table"])
+_PARAGRAPHS = ("paragraph_open",)
+_HIDING_BLOCKS = ("blockquote", "table", "heading")
+_VOID_TAGS = frozenset("area base br col embed hr img input link meta source track wbr".split())
+_BBCODE = re.compile(
+    r"\[(/?)(quote|code|s|strike|del|spoiler|details|hide|hidden|noparse)\b[^\[\]\n]*\]", re.IGNORECASE
+)
+# Letters and symbols that are drawn as nothing, beyond the categories Cf, Cc, Cs, Co and Cn.
+_BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
+
+
+def visible_text(raw: str) -> str:
+    """The visible paragraph and list text of a Markdown body, NFKC-normalised, one line per line, mentions included."""
+    if len(raw) > MAX_CHARS:
+        return ""
+    walker = _Walker()
+    walker.blocks(_MARKDOWN.parse(raw))
+    return _without_bbcode(_plain("".join(walker.out))).strip()
+
+
+# A handle must not run on in letters that merely look Latin; Chinese, which is written without spaces, may touch it.
+_HANDLE = re.compile(r"@([A-Za-z][A-Za-z0-9_-]{1,31})(?![A-Za-z0-9_@-]|[/\\.][A-Za-z0-9_]|:[0-9])")
+_NO_MENTION_AFTER = frozenset("@/\\.+%=&#~-")
+
+
+def mentions(visible: str) -> tuple[str, ...]:
+    """Handles after an @, lower case, in order, each once. Not those inside e-mail addresses, paths or longer words."""
+    found = (name for name, _, _ in mention_spans(visible))
+    return tuple(dict.fromkeys(found))
+
+
+def mention_spans(visible: str) -> Iterable[tuple[str, int, int]]:
+    """Every mention as (handle, start, end) with `visible[start]` the @."""
+    for match in _HANDLE.finditer(visible):
+        before = visible[match.start() - 1] if match.start() else " "
+        after = visible[match.end()] if match.end() < len(visible) else " "
+        if before in _NO_MENTION_AFTER or _joins_words(before) or _joins_words(after):
+            continue
+        yield match[1].lower(), match.start(), match.end()
+
+
+def _joins_words(char: str) -> bool:
+    """Whether a character would make one word with its neighbour: letters, digits, marks, but no CJK."""
+    if "\u3040" <= char <= "\u30ff" or "\u3400" <= char <= "\u9fff" or "\uac00" <= char <= "\ud7af":
+        return False
+    return char == "_" or unicodedata.category(char)[0] in "LNM"
+
+
+class _Walker:
+    """Collects the text of visible paragraphs from Markdown tokens, in reading order."""
+
+    def __init__(self) -> None:
+        self.out: list[str] = []
+        self._html = _OpenElements()
+
+    def blocks(self, tokens: Iterable[Token]) -> None:
+        hidden = 0
+        in_paragraph = False
+        for token in tokens:
+            if token.type.startswith(_HIDING_BLOCKS):
+                hidden += token.nesting
+            elif token.type in _PARAGRAPHS:
+                in_paragraph = True
+            elif token.type == "html_block":
+                self._html.feed(token.content)
+            elif token.type == "inline":
+                # Inline tags of hidden blocks count too: they may open an element that hides what follows.
+                self._inline(token.children or [], hidden=hidden > 0 or not in_paragraph)
+            elif token.type == "paragraph_close":
+                in_paragraph = False
+                self.out.append("\n")
+
+    def _inline(self, children: list[Token], hidden: bool) -> None:
+        struck = 0
+        autolink = False
+        link_start = 0
+        for token in children:
+            visible = not (hidden or struck or autolink or self._html.depth)
+            if token.type == "html_inline":
+                self._html.feed(token.content)
+                self.out.append(" " if visible else "")
+            elif token.type in ("s_open", "s_close"):
+                struck += token.nesting
+            elif token.type == "link_open":
+                autolink = token.info == "auto"
+                link_start = len(self.out)
+            elif token.type == "link_close":
+                autolink = False
+                self._undisguise(link_start)
+            elif visible and token.type == "text":
+                self.out.append(token.content)
+            elif visible and token.type in ("softbreak", "hardbreak"):
+                self.out.append("\n")
+            elif visible and token.type not in ("em_open", "em_close", "strong_open", "strong_close"):
+                self.out.append(" ")  # code and images hide their words but still separate those around them
+
+    def _undisguise(self, link_start: int) -> None:
+        """A link reference named "quote" would swallow the brackets of a [quote]: put them back."""
+        text = "".join(self.out[link_start:])
+        if _BBCODE.fullmatch(bracketed := f"[{_plain(text).strip()}]"):
+            self.out[link_start:] = [bracketed]
+
+
+class _OpenElements(HTMLParser):
+    """Follows which HTML elements are open; all text inside any of them is left out."""
+
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=False)
+        self._open: list[str] = []
+
+    @property
+    def depth(self) -> int:
+        """How many elements are open; a comment, script or tag left unfinished counts as one."""
+        return len(self._open) + bool(self.rawdata)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in _VOID_TAGS:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)  # browsers ignore the slash of <div/>
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag in self._open:
+            last = len(self._open) - 1 - self._open[::-1].index(tag)
+            del self._open[last:]
+
+
+def _plain(text: str) -> str:
+    """NFKC without invisible and bidirectional characters; spaces become plain spaces, line ends `\\n`."""
+    shown = "".join(filter(None, map(_shown, unicodedata.normalize("NFKC", text))))
+    return unicodedata.normalize("NFKC", shown)
+
+
+def _shown(char: str) -> str:
+    if char.isascii() and char.isprintable() or char == "\n":
+        return char
+    if char in "\t\r\v\f\u2028\u2029\x85":
+        return " " if char == "\t" else "\n"
+    category = unicodedata.category(char)
+    if category == "Zs":
+        return " "
+    if category in ("Cf", "Cc", "Cs", "Co", "Cn") or char in _BLANKS or _is_selector(char):
+        return ""
+    return char
+
+
+def _is_selector(char: str) -> bool:
+    """Variation selectors: they change how the character before them is drawn and are nothing themselves."""
+    return "\u180b" <= char <= "\u180f" or "\ufe00" <= char <= "\ufe0f" or "\U000e0100" <= char <= "\U000e01ef"
+
+
+def _without_bbcode(text: str) -> str:
+    """Drop `[quote]…[/quote]` and the like, nested ones too; one that is never closed hides all that follows."""
+    kept: list[str] = []
+    depth = 0
+    at = 0
+    for tag in _BBCODE.finditer(text):
+        if depth == 0:
+            kept.append(text[at : tag.start()] + "\n")
+        depth = max(0, depth + (-1 if tag[1] else 1))
+        at = tag.end()
+    if depth == 0:
+        kept.append(text[at:])
+    return "".join(kept)
