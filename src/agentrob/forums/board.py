@@ -1,0 +1,291 @@
+"""The adapter to our own board: its HTTP API and its event stream, as `docs/seams.md` says."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, fields
+from datetime import UTC, datetime
+from typing import Any
+from urllib.parse import quote
+
+import httpx2
+
+from agentrob.config import ForumConfig
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
+from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+
+USER_AGENT = "AgentRob/0.1"
+_KINDS = frozenset(EventKind)
+_JSON = dict[str, Any]
+
+
+class BoardForum:
+    """Our board over HTTP, signed in with a bearer token; fulfils `Forum` and `Stage`.
+
+    Cookies are never kept: they would fight with the token. Nothing is asked of the board before the first call.
+    """
+
+    max_edits: int | None = None
+    live = True
+
+    def __init__(self, settings: ForumConfig, token: str) -> None:
+        self._http = httpx2.AsyncClient(
+            base_url=settings.url.rstrip("/") + "/api/v1",
+            headers={"Authorization": f"Bearer {token}", "User-Agent": USER_AGENT},
+            timeout=httpx2.Timeout(10.0, connect=5.0),
+            trust_env=False,
+        )
+
+    async def close(self) -> None:
+        await self._http.aclose()
+
+    # ---------------------------------------------------------------- Reader
+    async def boards(self) -> Sequence[Board]:
+        found = await self._call("GET", "/boards")
+        return tuple(Board(b["id"], b["name"], b.get("description") or "") for b in found["items"])
+
+    async def topic(self, topic_id: str) -> Topic:
+        return _topic(await self._call("GET", f"/topics/{quote(topic_id, safe='')}"))
+
+    async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
+        found = await self._call("GET", f"/boards/{quote(board_id, safe='')}/topics", params=_paging(cursor, limit))
+        return Page(tuple(_topic(t) for t in found["items"]), found.get("next"))
+
+    async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
+        found = await self._call("GET", f"/topics/{quote(topic_id, safe='')}/posts", params=_paging(cursor, limit))
+        return Page(tuple(_post(p) for p in found["items"]), found.get("next"))
+
+    async def post(self, post_id: str) -> Post:
+        return _post(await self._call("GET", f"/posts/{quote(post_id, safe='')}"))
+
+    # ---------------------------------------------------------------- Writer
+    async def create_topic(
+        self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
+    ) -> Written:
+        content = {"board": board_id, "title": title, "body": body, **await self._upload(images)}
+        return _written(await self._call("POST", "/topics", content, key=key))
+
+    async def reply(
+        self,
+        topic_id: str,
+        body: str,
+        *,
+        key: str,
+        reply_to: str | None = None,
+        images: Sequence[bytes] = (),
+        card: StatusCard | None = None,
+    ) -> Written:
+        content: _JSON = {"body": body, **await self._upload(images), **_card(card)}
+        if reply_to is not None:
+            content["reply_to"] = reply_to
+        return _written(await self._call("POST", f"/topics/{quote(topic_id, safe='')}/posts", content, key=key))
+
+    async def edit(
+        self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        content = {"body": body, **await self._upload(images), **_card(card)}
+        return _post(await self._call("PATCH", f"/posts/{quote(post_id, safe='')}", content))
+
+    async def find(self, key: str) -> Post | None:
+        found = await self._call("GET", "/posts", params={"key": key})
+        return _post(found["items"][0]) if found["items"] else None
+
+    async def _upload(self, images: Sequence[bytes]) -> _JSON:
+        """Send pictures first; the text then names them. Uploaded twice after a lost answer is harmless."""
+        ids = []
+        for number, image in enumerate(images, 1):
+            kind = "png" if image.startswith(b"\x89PNG") else "jpeg"
+            sent = await self._call("POST", "/images", files={"file": (f"{number}.{kind}", image, f"image/{kind}")})
+            ids.append(sent["id"])
+        return {"images": ids} if ids else {}
+
+    # ---------------------------------------------------------------- Accounts
+    async def me(self) -> Account:
+        return _account(await self._call("GET", "/me"))
+
+    async def account(self, name: str) -> Account | None:
+        try:
+            return _account(await self._call("GET", f"/accounts/{quote(name, safe='')}"))
+        except ForumNotFound:
+            return None
+
+    # ---------------------------------------------------------------- Events
+    async def now(self) -> tuple[str, datetime]:
+        now = (await self._call("GET", "/changes"))["now"]
+        return str(now["id"]), _time(now["at"])
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        found = await self._call("GET", "/changes", params={"after": after, "limit": limit})
+        return tuple(_event(e) for e in found["items"] if e["kind"] in _KINDS)
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        params: dict[str, str | float] = {"after": after, "heartbeat": heartbeat_s}
+        # A silent stream is a dead one: several heartbeats must have been missed before it is given up.
+        timeout = httpx2.Timeout(10.0, read=max(2.0, 4 * heartbeat_s))
+        with _translated():
+            request = self._http.stream(
+                "GET", "/events", params=params, timeout=timeout, headers={"Accept": "text/event-stream"}
+            )
+            async with request as response:
+                await _raise_for(response)
+                async for message in httpx2.EventSource(response):
+                    if message.event == EventKind.HEARTBEAT:
+                        yield Event("", EventKind.HEARTBEAT, _heartbeat_at(message.data))
+                    elif message.event in _KINDS:
+                        yield _event(json.loads(message.data))
+        raise ForumUnreachable("the board ended the event stream")
+
+    # ---------------------------------------------------------------- Stage
+    async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
+        await self._call("PUT", f"/robots/{quote(robot, safe='')}", {"card": card})
+
+    async def publish_frame(self, robot: str, jpeg: bytes) -> int:
+        answer = await self._call(
+            "PUT", f"/robots/{quote(robot, safe='')}/frame", content=jpeg, headers={"Content-Type": "image/jpeg"}
+        )
+        return int(answer["viewers"])
+
+    # ---------------------------------------------------------------- buttons
+    async def press_stop(self, robot: str) -> None:
+        """The stop button of a robot's page."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/stop")
+
+    async def press_reset(self, robot: str) -> None:
+        """The button that resets a simulated room; operators only."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/reset")
+
+    # ---------------------------------------------------------------- inside
+    async def _call(
+        self, method: str, path: str, body: Mapping[str, Any] | None = None, *, key: str | None = None, **more: Any
+    ) -> Any:
+        headers = dict(more.pop("headers", {}))
+        if key is not None:
+            headers["Idempotency-Key"] = key
+        with _translated():
+            response = await self._http.request(method, path, json=body, headers=headers, **more)
+            await _raise_for(response)
+            return response.json() if response.content else None
+
+
+@contextmanager
+def _translated() -> Iterator[None]:
+    """Nothing of the transport gets out: no answer is `ForumUnreachable`, nonsense is `ForumError`."""
+    try:
+        yield
+    except httpx2.TransportError as e:
+        raise ForumUnreachable(f"the board does not answer: {type(e).__name__} {e}".rstrip()) from None
+    except (httpx2.HTTPError, httpx2.InvalidURL, httpx2.SSEError, httpx2.StreamError) as e:
+        raise ForumError(f"the board cannot be used: {e}") from None
+    except (ValueError, KeyError, TypeError, AttributeError) as e:
+        raise ForumError(f"the board answered what is not in its API: {e!r}") from None
+
+
+async def _raise_for(response: httpx2.Response) -> None:
+    if response.is_success:
+        return
+    await response.aread()
+    said = _problem(response)
+    match response.status_code:
+        case 401 | 403:
+            raise ForumDenied(said)
+        case 404 | 410:
+            raise ForumNotFound(said)
+        case 429:
+            raise ForumLimited(said, _retry_after_s(response))
+        case 502 | 503 | 504:
+            raise ForumUnreachable(said)
+    raise ForumError(said)
+
+
+def _problem(response: httpx2.Response) -> str:
+    """One sentence of a problem-detail answer, or of whatever a proxy put in its place."""
+    where = f"{response.request.method} {response.request.url.path}: {response.status_code}"
+    try:
+        problem = response.json()
+        said = " ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k)) or str(problem.get("title", ""))
+    except (ValueError, AttributeError, TypeError):
+        said = response.text[:200]
+    return f"{where} {said}".rstrip()
+
+
+def _retry_after_s(response: httpx2.Response) -> float:
+    try:
+        return max(0.1, float(response.headers.get("retry-after", "1")))
+    except ValueError:
+        return 1.0
+
+
+def _paging(cursor: str | None, limit: int) -> _JSON:
+    return {"limit": limit, **({"cursor": cursor} if cursor else {})}
+
+
+def _card(card: StatusCard | None) -> _JSON:
+    return {"card": asdict(card)} if card else {}
+
+
+def _time(text: str) -> datetime:
+    return datetime.fromisoformat(text).astimezone(UTC)
+
+
+def _account(a: _JSON) -> Account:
+    """A kind or role that we do not know is the one with fewest rights."""
+    kind = AccountKind(a["kind"]) if a["kind"] in frozenset(AccountKind) else AccountKind.MONITORING_AGENT
+    role = Role(a["role"]) if a["role"] in frozenset(Role) else Role.MEMBER
+    return Account(str(a["id"]), a["name"], kind, role, bool(a.get("suspended")), a.get("display_name") or "")
+
+
+def _topic(t: _JSON) -> Topic:
+    return Topic(
+        str(t["id"]), str(t["board"]), t["title"], t.get("url") or "", _account(t["author"]), _time(t["created_at"])
+    )
+
+
+_CARD_FIELDS = frozenset(f.name for f in fields(StatusCard))
+
+
+def _post(p: _JSON) -> Post:
+    card = p.get("card")
+    return Post(
+        id=str(p["id"]),
+        topic_id=str(p["topic_id"]),
+        board_id=str(p["board_id"]),
+        author=_account(p["author"]),
+        raw=p["raw"],
+        created_at=_time(p["created_at"]),
+        version=int(p["version"]),
+        edited_at=_time(p["edited_at"]) if p.get("edited_at") else None,
+        removed=bool(p.get("removed")),
+        mentions=tuple(p.get("mentions") or ()),
+        reply_to=str(p["reply_to"]) if p.get("reply_to") is not None else None,
+        key=p.get("key"),
+        url=p.get("url") or "",
+        images=tuple(i["url"] for i in p.get("images") or ()),
+        card=StatusCard(**{k: v for k, v in card.items() if k in _CARD_FIELDS}) if card else None,
+    )
+
+
+def _written(answer: _JSON) -> Written:
+    return Written(_post(answer["post"]), created=bool(answer.get("created", True)))
+
+
+def _heartbeat_at(data: str) -> datetime:
+    """The board's clock when the heartbeat carries it, else ours."""
+    try:
+        return _time(json.loads(data)["at"])
+    except (ValueError, KeyError, TypeError):
+        return datetime.now(UTC)
+
+
+def _event(e: _JSON) -> Event:
+    post, account = e.get("post"), e.get("account")
+    return Event(
+        str(e["id"]),
+        EventKind(e["kind"]),
+        _time(e["at"]),
+        post=_post(post) if post else None,
+        robot=e.get("robot"),
+        account=_account(account) if account else None,
+    )

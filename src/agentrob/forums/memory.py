@@ -1,0 +1,343 @@
+"""A whole forum in memory: several accounts on one world, with events, keys, edits, limits and failures on demand.
+
+It is a product, not a mock: examples, stories and other people's tests stand on it. It behaves as our board does, and
+passes the same contract.
+
+    world = MemoryForum.world()
+    alice = world.sign_in("alice", role=Role.OPERATOR)
+    robot = world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
+    written = await alice.create_topic("robots", "A walk", "@quadruped walk forward 1 m", key="1")
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime, timedelta
+from typing import Any, TypeVar
+
+from agentrob.config import ForumConfig
+from agentrob.errors import ForumDenied, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
+from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+
+T = TypeVar("T")
+_MENTION = re.compile(r"(?<![\w@])@([a-z][a-z0-9_-]*)", re.IGNORECASE)
+
+
+@dataclass
+class MemoryWorld:
+    """The forum itself, shared by everybody who signs in; times are the machine's clock plus `clock_offset_s`.
+
+    `max_edits` limits edits per post, `live=False` has no event stream (agents must poll). `reachable = False` makes
+    every call and every open stream of everybody fail with `ForumUnreachable` until it is set back; `limited_s > 0`
+    makes writes fail with `ForumLimited`.
+    """
+
+    max_edits: int | None = None
+    live: bool = True
+    clock_offset_s: float = 0.0
+    limited_s: float = 0.0
+    boards: dict[str, Board] = field(default_factory=lambda: {"robots": Board("robots", "Robots")})
+    accounts: dict[str, Account] = field(default_factory=dict)
+    topics: dict[str, Topic] = field(default_factory=dict)
+    posts: dict[str, Post] = field(default_factory=dict)
+    pictures: dict[str, bytes] = field(default_factory=dict)
+    events: list[Event] = field(default_factory=list)
+    robots: dict[str, dict[str, Any]] = field(default_factory=dict)
+    frames: dict[str, bytes] = field(default_factory=dict)
+    viewers: dict[str, int] = field(default_factory=dict)
+    _keys: dict[tuple[str, str], str] = field(default_factory=dict)
+    _waiting: set[asyncio.Event] = field(default_factory=set)
+    _reachable: bool = True
+
+    def sign_in(
+        self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER, display_name: str = ""
+    ) -> MemoryForum:
+        """The forum as this account sees it; the account is made when it is not there yet."""
+        if name not in self.accounts:
+            account = Account(f"a{len(self.accounts) + 1}", name, kind, role, display_name=display_name or name)
+            self.accounts[name] = account
+        return MemoryForum(self, name)
+
+    def now(self) -> datetime:
+        return datetime.now(UTC) + timedelta(seconds=self.clock_offset_s)
+
+    # ---------------------------------------------------------------- what moderators and bad days do
+    def suspend(self, name: str, suspended: bool = True) -> None:
+        self.accounts[name] = replace(self.accounts[name], suspended=suspended)
+
+    def set_role(self, name: str, role: Role) -> None:
+        self.accounts[name] = replace(self.accounts[name], role=role)
+
+    def remove(self, post_id: str) -> None:
+        """Hide a post, as its author or a moderator does."""
+        post = replace(self.fresh(post_id), removed=True)
+        self.posts[post_id] = post
+        self.emit(EventKind.POST_REMOVED, post=post)
+
+    def watch(self, robot: str, viewers: int) -> None:
+        """So many people look at the robot's camera now."""
+        first = viewers > 0 and self.viewers.get(robot, 0) == 0
+        self.viewers[robot] = viewers
+        if first:
+            self.emit(EventKind.ROBOT_WATCH, robot=robot)
+
+    @property
+    def reachable(self) -> bool:
+        return self._reachable
+
+    @reachable.setter
+    def reachable(self, value: bool) -> None:
+        self._reachable = value
+        self._wake()
+
+    # ---------------------------------------------------------------- inside
+    def fresh(self, post_id: str) -> Post:
+        """The post with its author as the account is now."""
+        if post_id not in self.posts:
+            raise ForumNotFound(f"there is no post {post_id}")
+        post = self.posts[post_id]
+        return replace(post, author=self.accounts[post.author.name])
+
+    def written_under(self, name: str, key: str) -> Post | None:
+        post_id = self._keys.get((name, key))
+        return self.fresh(post_id) if post_id else None
+
+    def add_post(self, topic: Topic, name: str, body: str, key: str, images: Sequence[bytes], **more: Any) -> Post:
+        number = str(len(self.posts) + 1)
+        post = Post(
+            number, topic.id, topic.board_id, self.accounts[name], body, self.now(), key=key,
+            mentions=self.mentioned(body), url=f"{topic.url}#{number}", images=self.keep(number, images), **more,
+        )  # fmt: skip
+        self.posts[number] = post
+        self._keys[name, key] = number
+        self.emit(EventKind.POST_CREATED, post=post)
+        return post
+
+    def keep(self, post_id: str, images: Sequence[bytes]) -> tuple[str, ...]:
+        names = tuple(f"memory:{post_id}/{len(self.pictures) + n}" for n in range(len(images)))
+        self.pictures.update(zip(names, images, strict=True))
+        return names
+
+    def mentioned(self, body: str) -> tuple[str, ...]:
+        names = (m.group(1).lower() for m in _MENTION.finditer(body))
+        return tuple(dict.fromkeys(n for n in names if n in self.accounts))
+
+    def emit(self, kind: EventKind, **more: Any) -> None:
+        self.events.append(Event(str(len(self.events) + 1), kind, self.now(), **more))
+        self._wake()
+
+    def after(self, event_id: str, limit: int) -> tuple[Event, ...]:
+        start = int(event_id or 0)
+        return tuple(self._delivered(e) for e in self.events[start : start + limit])
+
+    def _delivered(self, event: Event) -> Event:
+        """A post event carries the post as it is at delivery, as on the board."""
+        return replace(event, post=self.fresh(event.post.id)) if event.post else event
+
+    def _wake(self) -> None:
+        for waiting in self._waiting:
+            waiting.set()
+
+    async def wait(self, seconds: float) -> bool:
+        """Wait until something happens; False when nothing did in time."""
+        waiting = asyncio.Event()
+        self._waiting.add(waiting)
+        try:
+            await asyncio.wait_for(waiting.wait(), seconds)
+        except TimeoutError:
+            return False
+        finally:
+            self._waiting.discard(waiting)
+        return True
+
+
+#: Worlds that are named by a configuration, for whoever builds a memory forum through its entry point.
+_named: dict[str, MemoryWorld] = {}
+
+
+class MemoryForum:
+    """One account's view of a `MemoryWorld`; fulfils `Forum` and `Stage`."""
+
+    def __init__(self, world: MemoryWorld | ForumConfig, name: str) -> None:
+        """From a world, or (as every forum adapter) from settings and a token: `url` names the world, the token the
+        account."""
+        self._world = world if isinstance(world, MemoryWorld) else _named.setdefault(world.url, MemoryWorld())
+        if name not in self._world.accounts:
+            self._world.sign_in(name)
+        self._name = name
+        self.max_edits = self._world.max_edits
+        self.live = self._world.live
+
+    @staticmethod
+    def world(**settings: Any) -> MemoryWorld:
+        """A new, empty forum; settings as in `MemoryWorld`."""
+        return MemoryWorld(**settings)
+
+    async def close(self) -> None:
+        """Nothing is held."""
+
+    # ---------------------------------------------------------------- Reader
+    async def boards(self) -> Sequence[Board]:
+        return tuple(self._up().boards.values())
+
+    async def topic(self, topic_id: str) -> Topic:
+        topics = self._up().topics
+        if topic_id not in topics:
+            raise ForumNotFound(f"there is no topic {topic_id}")
+        return topics[topic_id]
+
+    async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
+        world = self._up()
+        self._board(board_id)
+        last = {p.topic_id: int(p.id) for p in world.posts.values()}
+        found = sorted((t for t in world.topics.values() if t.board_id == board_id), key=lambda t: -last[t.id])
+        return _page(found, cursor, limit)
+
+    async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
+        await self.topic(topic_id)
+        world = self._up()
+        return _page([self._seen(p.id) for p in world.posts.values() if p.topic_id == topic_id], cursor, limit)
+
+    async def post(self, post_id: str) -> Post:
+        self._up()
+        return self._seen(post_id)
+
+    # ---------------------------------------------------------------- Writer
+    async def create_topic(
+        self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
+    ) -> Written:
+        world = self._writing()
+        if old := world.written_under(self._name, key):
+            return Written(old, created=False)
+        self._board(board_id)
+        number = str(len(world.topics) + 1)
+        topic = Topic(number, board_id, title, f"memory:/t/{number}", world.accounts[self._name], world.now())
+        world.topics[number] = topic
+        return Written(world.add_post(topic, self._name, body, key, images))
+
+    async def reply(
+        self,
+        topic_id: str,
+        body: str,
+        *,
+        key: str,
+        reply_to: str | None = None,
+        images: Sequence[bytes] = (),
+        card: StatusCard | None = None,
+    ) -> Written:
+        world = self._writing()
+        if old := world.written_under(self._name, key):
+            return Written(old, created=False)
+        topic = await self.topic(topic_id)
+        return Written(world.add_post(topic, self._name, body, key, images, reply_to=reply_to, card=card))
+
+    async def edit(
+        self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        world = self._writing()
+        post = world.fresh(post_id)
+        if post.author.name != self._name:
+            raise ForumDenied(f"post {post_id} belongs to {post.author.name}")
+        if world.max_edits is not None and post.version > world.max_edits:
+            raise ForumDenied(f"a post may be edited {world.max_edits} times here")
+        edited = replace(
+            post, raw=body, version=post.version + 1, edited_at=world.now(), mentions=world.mentioned(body),
+            images=post.images + world.keep(post_id, images), card=card or post.card,
+        )  # fmt: skip
+        world.posts[post_id] = edited
+        world.emit(EventKind.POST_EDITED, post=edited)
+        return edited
+
+    async def find(self, key: str) -> Post | None:
+        return self._up().written_under(self._name, key)
+
+    # ---------------------------------------------------------------- Accounts
+    async def me(self) -> Account:
+        return self._up().accounts[self._name]
+
+    async def account(self, name: str) -> Account | None:
+        return self._up().accounts.get(name)
+
+    # ---------------------------------------------------------------- Events
+    async def now(self) -> tuple[str, datetime]:
+        world = self._up()
+        return str(len(world.events)), world.now()
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        return tuple(self._mine(e) for e in self._up().after(after, limit))
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        if not self.live:
+            raise ForumUnreachable("this forum has no event stream; poll changes()")
+        while True:
+            events = self._up().after(after, 100)
+            for event in events:
+                after = event.id
+                yield self._mine(event)
+                self._up()
+            if not events and not await self._world.wait(heartbeat_s):
+                yield Event("", EventKind.HEARTBEAT, self._up().now())
+
+    # ---------------------------------------------------------------- Stage
+    async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
+        self._writing().robots[robot] = card
+
+    async def publish_frame(self, robot: str, jpeg: bytes) -> int:
+        world = self._writing()
+        world.frames[robot] = jpeg
+        return world.viewers.get(robot, 0)
+
+    # ---------------------------------------------------------------- buttons
+    async def press_stop(self, robot: str) -> None:
+        """The stop button of a robot's page."""
+        self._press(EventKind.ROBOT_STOP, robot)
+
+    async def press_reset(self, robot: str) -> None:
+        """The button that resets a simulated room; operators only."""
+        if self._up().accounts[self._name].role is Role.MEMBER:
+            raise ForumDenied("resetting the room needs an operator")
+        self._press(EventKind.ROBOT_RESET, robot)
+
+    def _press(self, kind: EventKind, robot: str) -> None:
+        world = self._writing()
+        world.emit(kind, robot=robot, account=world.accounts[self._name])
+
+    # ---------------------------------------------------------------- inside
+    def _up(self) -> MemoryWorld:
+        if not self._world.reachable:
+            raise ForumUnreachable("the forum does not answer")
+        return self._world
+
+    def _writing(self) -> MemoryWorld:
+        world = self._up()
+        if world.accounts[self._name].suspended:
+            raise ForumDenied(f"{self._name} is suspended")
+        if world.limited_s > 0:
+            raise ForumLimited(f"too fast, try again in {world.limited_s} s", world.limited_s)
+        return world
+
+    def _board(self, board_id: str) -> Board:
+        boards = self._world.boards
+        if board_id not in boards:
+            raise ForumNotFound(f"there is no board {board_id!r}; there are: {', '.join(boards)}")
+        return boards[board_id]
+
+    def _seen(self, post_id: str) -> Post:
+        """Keys are shown to their writer only."""
+        post = self._world.fresh(post_id)
+        return post if post.author.name == self._name else replace(post, key=None)
+
+    def _mine(self, event: Event) -> Event:
+        if event.post is None or event.post.author.name == self._name:
+            return event
+        return replace(event, post=replace(event.post, key=None))
+
+
+def _page(items: Sequence[T], cursor: str | None, limit: int) -> Page[T]:
+    start = int(cursor or 0)
+    end = start + limit
+    return Page(tuple(items[start:end]), str(end) if end < len(items) else None)
