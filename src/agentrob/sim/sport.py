@@ -1,0 +1,256 @@
+"""The Go2's sport service without the network: what each call does to the body, and what it answers when.
+
+Everything here runs in the world's thread. Answers are codes of the real robot: 0 only for what was really done.
+
+Postures: *balance* (walks when told to), *locked* (stands on stiff legs), *lying*, *sitting*, *limp*. A call that the
+posture does not allow answers 4206; a call while an action runs answers 4205; an action that was broken off answers
+4201. Move is held for one second. StopMove is always accepted: it ends a move at once, and ends an action by putting
+all feet down and standing up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from agentrob.sim import gestures
+from agentrob.sim.gestures import Motion
+from agentrob.sim.go2 import Go2
+from agentrob.sim.ledger import Ledger
+from agentrob.sim.legged import Array
+
+OK, NOT_IMPLEMENTED, BAD_PARAMETER = 0, 3203, 3204
+BROKEN_OFF, BUSY, UNSUITABLE = 4201, 4205, 4206
+
+DAMP, BALANCE_STAND, STOP_MOVE, STAND_UP, STAND_DOWN, RECOVERY_STAND = 1001, 1002, 1003, 1004, 1005, 1006
+MOVE, SIT, RISE_SIT, HELLO, STRETCH, HEART = 1008, 1009, 1010, 1016, 1017, 1036
+
+MOVE_HELD_S = 1.0
+FALLEN_BELOW = 0.3  # cosine of the tilt
+
+Answer = Callable[[int], None]
+
+
+class Posture(StrEnum):
+    BALANCE = "balance"
+    LOCKED = "locked"
+    LYING = "lying"
+    SITTING = "sitting"
+    LIMP = "limp"
+
+
+#: `error_code` and `mode` of sportmodestate at rest in each posture.
+CODES: Mapping[Posture, tuple[int, int]] = {
+    Posture.BALANCE: (1013, 1),
+    Posture.LOCKED: (1002, 6),
+    Posture.LYING: (1004, 5),
+    Posture.SITTING: (1007, 10),
+    Posture.LIMP: (1001, 7),
+}
+WALKING, GESTURING = (1015, 3), (1006, 9)
+
+
+@dataclass
+class Action:
+    """Something that takes time and is answered when it has ended."""
+
+    name: str
+    then: Posture
+    seconds: float
+    began_s: float
+    answer: Answer
+    codes: tuple[int, int]
+    broken_off: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """One action as the service offers it: from which postures, how it is played, where it ends."""
+
+    name: str
+    from_: frozenset[Posture]
+    make: Callable[[Array], Motion]
+    then: Posture
+    codes: tuple[int, int] = GESTURING
+
+
+_STANDING = frozenset({Posture.BALANCE, Posture.LOCKED})
+_UP = _STANDING | {Posture.SITTING}
+_DOWN = frozenset({Posture.LYING, Posture.LIMP})
+OFFERS: Mapping[int, Offer] = {
+    HELLO: Offer("hello", _STANDING, gestures.hello, Posture.BALANCE),
+    HEART: Offer("heart", _STANDING, gestures.heart, Posture.BALANCE),
+    STRETCH: Offer("stretch", _STANDING, gestures.stretch, Posture.BALANCE),
+    SIT: Offer("sit", _STANDING, gestures.sit, Posture.SITTING, CODES[Posture.SITTING]),
+    RISE_SIT: Offer("rise from sitting", frozenset({Posture.SITTING}), gestures.stand, Posture.BALANCE),
+    STAND_DOWN: Offer("lie down", _UP | _DOWN, gestures.lie_down, Posture.LYING, CODES[Posture.LYING]),
+}
+
+
+class Sport:
+    """The service's state. `now_s` is the world's time; `ledger` writes down what really happened."""
+
+    def __init__(self, body: Go2, now_s: Callable[[], float], ledger: Ledger) -> None:
+        self._body = body
+        self._now_s = now_s
+        self._ledger = ledger
+        self.posture = Posture.BALANCE
+        self.action: Action | None = None
+        self._held_until_s: float | None = None
+        self._moving = False
+
+    # ------------------------------------------------------------------ calls
+    def call(self, api_id: int, parameter: Mapping[str, Any], answer: Answer) -> None:
+        """Do one call. `answer` is called once, now or when the action has ended."""
+        if api_id == MOVE:
+            answer(self._move(parameter))
+        elif api_id == STOP_MOVE:
+            answer(self._stop())
+        elif api_id == DAMP:
+            answer(self._damp())
+        elif self.action is not None and (api_id in OFFERS or api_id in (BALANCE_STAND, STAND_UP, RECOVERY_STAND)):
+            answer(BUSY)
+        elif api_id == BALANCE_STAND:
+            answer(self._balance())
+        elif api_id in (STAND_UP, RECOVERY_STAND):
+            self._stand_up(Posture.LOCKED if api_id == STAND_UP else Posture.BALANCE, answer)
+        elif api_id in OFFERS:
+            offer = OFFERS[api_id]
+            if self.posture not in offer.from_:
+                answer(UNSUITABLE)
+            else:
+                self._begin(offer, answer)
+        else:
+            answer(NOT_IMPLEMENTED)
+
+    def _move(self, parameter: Mapping[str, Any]) -> int:
+        try:
+            velocity = np.array([float(parameter[k]) for k in ("x", "y", "z")])
+        except (KeyError, TypeError, ValueError):
+            return BAD_PARAMETER
+        if not np.isfinite(velocity).all():
+            return BAD_PARAMETER
+        if self.action is not None:
+            return BUSY
+        if self.posture is not Posture.BALANCE:
+            return UNSUITABLE
+        if velocity.any() and not self._moving:
+            self._moving = True
+            self._note("move_begin", velocity=[round(float(v), 3) for v in velocity])
+        self._body.walk(velocity)
+        self._held_until_s = self._now_s() + MOVE_HELD_S
+        return OK
+
+    def _stop(self) -> int:
+        self._note("stop_move", moving=self._moving, action=self.action.name if self.action else None)
+        self._held_until_s = None
+        if self.action is not None:
+            self._break_off(self.action)
+        elif self.posture is Posture.BALANCE:
+            self._body.walk(np.zeros(3))
+        return OK
+
+    def _break_off(self, action: Action) -> None:
+        if action.broken_off or action.then is Posture.LYING:
+            return  # going down is the safe end already; half way up again would be more motion, not less
+        action.broken_off = True
+        motion = gestures.stand(self._body.target_rad)
+        action.then = Posture.BALANCE
+        action.seconds = self._now_s() - action.began_s + motion.seconds
+        self._body.play(motion)
+
+    def _damp(self) -> int:
+        self._note("damp")
+        self._end_action(BROKEN_OFF)
+        self._held_until_s = None
+        self.posture = Posture.LIMP
+        self._body.go_limp()
+        return OK
+
+    def _balance(self) -> int:
+        if self.posture not in _STANDING:
+            return UNSUITABLE
+        if self.posture is Posture.LOCKED:
+            self.posture = Posture.BALANCE
+            self._body.walk(np.zeros(3))
+        return OK
+
+    def _stand_up(self, then: Posture, answer: Answer) -> None:
+        if self._body.upright < FALLEN_BELOW:
+            answer(UNSUITABLE)  # on its side or back: turning over is not simulated
+        elif self.posture in _DOWN:
+            self._begin(Offer("stand up", _DOWN, gestures.rise, then, CODES[then]), answer)
+        elif self.posture is Posture.SITTING or then is Posture.LOCKED:
+            self._begin(Offer("stand up", _UP, gestures.stand, then, CODES[then]), answer)
+        else:
+            answer(self._balance())
+
+    def _begin(self, offer: Offer, answer: Answer) -> None:
+        self._held_until_s = None
+        start = self._body.joints_rad if self.posture is Posture.LIMP else self._body.target_rad
+        motion = offer.make(start)
+        self.action = Action(offer.name, offer.then, motion.seconds, self._now_s(), answer, offer.codes)
+        self._body.play(motion)
+        self._note("action_begin", action=offer.name)
+
+    # ------------------------------------------------------------------ time
+    def tick(self) -> None:
+        """Once per period, before the world's tick."""
+        if self._held_until_s is not None and self._now_s() >= self._held_until_s:
+            self._held_until_s = None
+            if self.posture is Posture.BALANCE and self.action is None:
+                self._body.walk(np.zeros(3))
+        if self.action is not None and not self._body.playing:
+            self.posture = self.action.then
+            if self.posture is Posture.BALANCE:
+                self._body.walk(np.zeros(3))
+            self._end_action(BROKEN_OFF if self.action.broken_off else OK)
+        if self._moving and (self._body.standing or self.action or self.posture is not Posture.BALANCE):
+            self._moving = False
+            self._note("move_end")
+        if self._body.upright < FALLEN_BELOW and self.posture is not Posture.LIMP:
+            self._note("fell")
+            self._damp()
+
+    def reset(self) -> None:
+        """The world was put back: nothing runs, the robot stands in balance."""
+        self._end_action(BROKEN_OFF)
+        self._held_until_s = None
+        self._moving = False
+        self.posture = Posture.BALANCE
+        self._note("reset")
+
+    def _end_action(self, code: int) -> None:
+        if self.action is None:
+            return
+        action, self.action = self.action, None
+        self._note("action_end", action=action.name, code=code)
+        action.answer(code)
+
+    # ------------------------------------------------------------------ state
+    @property
+    def codes(self) -> tuple[int, int]:
+        """`error_code` and `mode` as sportmodestate carries them."""
+        if self.action is not None:
+            return self.action.codes
+        if self.posture is Posture.BALANCE and not self._body.standing:
+            return WALKING
+        return CODES[self.posture]
+
+    @property
+    def progress(self) -> float:
+        """Of the running action, 0 to 1."""
+        if self.action is None:
+            return 0.0
+        return min(1.0, (self._now_s() - self.action.began_s) / self.action.seconds)
+
+    def _note(self, event: str, **facts: Any) -> None:
+        body = self._body
+        x, y = body.xy_m
+        pose = {"x_m": round(float(x), 4), "y_m": round(float(y), 4), "yaw_deg": round(math.degrees(body.yaw_rad), 2)}
+        self._ledger.write(self._now_s(), body.name, event, pose, facts)

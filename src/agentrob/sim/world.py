@@ -1,0 +1,93 @@
+"""One MuJoCo world with any number of robots: `tick()` advances everything by one control period of 20 ms.
+
+No clock, no network: whoever owns the world decides how fast it runs. Only one thread may tick it; `pose` is a copy
+that other threads may read at any time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from agentrob.errors import SimError
+from agentrob.sim import room
+from agentrob.sim.legged import Array, Legged
+
+PERIOD_S = 0.02
+TIME_STEP_S = 0.0025
+SUB_STEPS = round(PERIOD_S / TIME_STEP_S)
+SETTLE_S = 1.2  # from being placed to standing still
+FIRST_ROBOT_GROUP = 3  # collision shapes of robot k are in group 3 + k, so that its own rays can leave them out
+MOST_ROBOTS = 3  # MuJoCo has six groups
+
+
+class World:
+    """The room with robots standing at their starts.
+
+    `time_s` is simulated time and never goes back, not even on `reset`.
+    """
+
+    def __init__(self, robots: Sequence[Legged], things: tuple[room.Thing, ...] = room.THINGS) -> None:
+        if not 1 <= len(robots) <= MOST_ROBOTS:
+            raise SimError(f"a world has 1 to {MOST_ROBOTS} robots, not {len(robots)}")
+        self.robots = tuple(robots)
+        self.model = _compile(self.robots, things)
+        self.data = mujoco.MjData(self.model)
+        for robot in self.robots:
+            robot.bind(self.model, self.data)
+        self._q = np.concatenate([r.q for r in self.robots])
+        self._v = np.concatenate([r.v for r in self.robots])
+        self._kp = np.concatenate([r.build.kp for r in self.robots])
+        self._kd = np.concatenate([r.build.kd for r in self.robots])
+        self._bound = np.concatenate([r.build.torque_nm for r in self.robots])
+        self.ticks = 0
+        self.reset()
+
+    @property
+    def time_s(self) -> float:
+        return self.ticks * PERIOD_S
+
+    def reset(self) -> None:
+        """Everything back to its start, the robots standing still."""
+        mujoco.mj_resetData(self.model, self.data)
+        for robot in self.robots:
+            robot.place()
+        mujoco.mj_forward(self.model, self.data)
+        self.run(SETTLE_S)
+
+    def tick(self) -> None:
+        """One control period: every robot decides, then the physics."""
+        drives = [robot.drive() for robot in self.robots]
+        target = np.concatenate([d.target_rad for d in drives])
+        counts = [len(d.target_rad) for d in drives]
+        kp = self._kp * np.repeat([d.kp_factor for d in drives], counts)
+        kd = self._kd * np.repeat([d.kd_factor for d in drives], counts)
+        data = self.data
+        for _ in range(SUB_STEPS):
+            torque = kp * (target - data.qpos[self._q]) - kd * data.qvel[self._v]
+            data.qfrc_applied[self._v] = np.clip(torque, -self._bound, self._bound)
+            mujoco.mj_step(self.model, data)
+        self.ticks += 1
+        self.pose: Array = data.qpos.copy()
+
+    def run(self, seconds: float) -> None:
+        """Tick for some simulated time, as fast as it goes."""
+        for _ in range(round(seconds / PERIOD_S)):
+            self.tick()
+
+
+def _compile(robots: Sequence[Legged], things: tuple[room.Thing, ...]) -> Any:
+    spec = mujoco.MjSpec()
+    spec.option.timestep = TIME_STEP_S
+    # The walking policies were tuned with these contacts; the defaults let the feet slip.
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 100
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = 1280, 720
+    spec.visual.map.znear, spec.stat.extent = 0.01, 4
+    room.furnish(spec, things)
+    for k, robot in enumerate(robots):
+        robot.add_to(spec, FIRST_ROBOT_GROUP + k)
+    return spec.compile()
