@@ -5,15 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from agentrob.model import ActionResult, Capabilities, Primitive, RobotState, StopResult
+from agentrob.config import RobotConfig
+from agentrob.model import ActionResult, Capabilities, Limits, Primitive, RobotState, StopResult
 
 #: Looked at 20 times a second while a step runs: a reason to stop now (a stable word as in `ActionResult.reason`), or
 #: None to go on. The guard and the driver pass their own; a robot must ask it at every control period.
 Watch = Callable[[RobotState], str | None]
 
+#: From the centre of the body to its corners: what a turn on the spot sweeps (Go2: 0.70 m x 0.31 m).
+BODY_RADIUS_M = 0.40
+
 
 class Robot(Protocol):
-    """One robot. `step` blocks until the step has ended, `stop` may be called from another thread at any time."""
+    """One robot, made as `cls(settings: RobotConfig)`. `step` blocks until the step has ended.
+
+    `stop` may be called from another thread at any time, also while a step runs.
+    """
 
     capabilities: Capabilities
 
@@ -24,7 +31,8 @@ class Robot(Protocol):
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
         """Do one step and measure it. When `watch` gives a reason: stop the body, then return `stopped` with it.
 
-        A step that cannot be done is a result, not an exception.
+        A step that cannot be done is a result, not an exception. `primitive.speed_mps` bounds the speed; of a turn it
+        bounds the speed of the body's corners (`BODY_RADIUS_M` from the centre).
         """
         ...
 
@@ -33,3 +41,8 @@ class Robot(Protocol):
         ...
 
     def close(self) -> None: ...
+
+
+def limits_of(settings: RobotConfig) -> Limits:
+    """The limits of law 10 as the settings have them."""
+    return Limits(**settings.limits.model_dump())

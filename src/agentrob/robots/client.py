@@ -1,0 +1,158 @@
+"""Talks to a robot's driver over its Unix socket: what the agent, `agentrob drive` and scripts use to move a robot."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import httpx2
+
+from agentrob.config import runtime_dir
+from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
+from agentrob.model import ActionResult, Capabilities, Outcome, Plan, Primitive, RobotState, StopResult
+from agentrob.robots import wire
+
+RENEW_S = 0.2
+#: Beyond a step's own deadline: coming to rest, measuring, answering.
+GRACE_S = 10.0
+CALL_S = 5.0
+
+
+class DriverClient:
+    """One robot's driver. All calls raise `RobotUnreachable` when there is none.
+
+    >>> robot = DriverClient("quadruped")
+    >>> async with robot.lease("me") as lease:
+    ...     result = await robot.step(lease, Primitive(Op.TURN, Direction.LEFT, degrees=90), deadline_s=30)
+    """
+
+    def __init__(self, robot: str, socket: Path | None = None) -> None:
+        self.robot = robot
+        self.socket = socket or runtime_dir() / f"{robot}.sock"
+        transport = httpx2.AsyncHTTPTransport(uds=str(self.socket))
+        self._http = httpx2.AsyncClient(transport=transport, base_url="http://driver", timeout=CALL_S)
+
+    async def capabilities(self) -> Capabilities:
+        return wire.decode_capabilities(await self._call("GET", "/capabilities"))
+
+    async def state(self) -> RobotState:
+        data = await self._call("GET", "/state")
+        return wire.decode_state({k: v for k, v in data.items() if k not in ("lease", "busy")})
+
+    async def holder(self) -> str | None:
+        """Who holds the lease now."""
+        lease = (await self._call("GET", "/state"))["lease"]
+        return None if lease is None else str(lease["holder"])
+
+    @contextlib.asynccontextmanager
+    async def lease(self, holder: str) -> AsyncIterator[str]:
+        """The right to move the robot, renewed five times a second until the context ends.
+
+        `RobotBusy` names who has it. A stop ends it: then `step` raises `LeaseLost`.
+        """
+        lease = str((await self._call("POST", "/lease", {"holder": holder}))["lease"])
+        renewing = asyncio.create_task(self._renew(lease), name=f"lease of {self.robot}")
+        try:
+            yield lease
+        finally:
+            renewing.cancel()
+            with contextlib.suppress(RobotError):
+                await asyncio.shield(self._call("DELETE", f"/lease/{lease}"))
+
+    async def _renew(self, lease: str) -> None:
+        """Until the lease is lost; the holder learns of that by `step`."""
+        while True:
+            await asyncio.sleep(RENEW_S)
+            try:
+                await self._call("PUT", f"/lease/{lease}", timeout_s=1.0)
+            except LeaseLost:
+                return
+            except RobotError:
+                continue  # the driver may be slow for a moment: the lease itself decides
+
+    async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
+        """Blocks until the step has ended. A refusal or a failure is a result; `LeaseLost` without a good lease."""
+        body = {"lease": lease, "primitive": wire.encode(primitive), "deadline_s": deadline_s}
+        return wire.decode_result(await self._call("POST", "/step", body, timeout_s=max(deadline_s, 0.0) + GRACE_S))
+
+    async def stop(self, by: str) -> StopResult:
+        """Stop the robot now; needs no lease. Answers when it has come to rest, at most 3 s later."""
+        return wire.decode_stop(await self._call("POST", "/stop", {"by": by}, timeout_s=GRACE_S))
+
+    async def halt(self, by: str) -> StopResult:
+        """Stop, and refuse all motion until `release`, also across restarts."""
+        return wire.decode_stop(await self._call("POST", "/halt", {"by": by}, timeout_s=GRACE_S))
+
+    async def release(self, by: str) -> None:
+        """Let a halted robot move again; the owner's to do."""
+        await self._call("POST", "/release", {"by": by})
+
+    async def home(self, by: str) -> None:
+        """Where the robot stands now is its home; the owner's to do. `RobotError` when it cannot be."""
+        await self._call("POST", "/home", {"by": by})
+
+    async def close(self) -> None:
+        await self._http.aclose()
+
+    async def __aenter__(self) -> DriverClient:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def _call(self, method: str, path: str, body: Any = None, timeout_s: float = CALL_S) -> Any:
+        try:
+            answer = await self._http.request(method, path, json=body, timeout=timeout_s)
+        except (httpx2.TransportError, OSError) as e:
+            raise RobotUnreachable(
+                f"no driver of {self.robot!r} answers at {self.socket} ({type(e).__name__}); "
+                f"start one with: agentrob driver {self.robot}"
+            ) from None
+        if answer.is_success:
+            return answer.json()
+        try:
+            problem = answer.json()
+            code, detail = str(problem["code"]), str(problem["detail"])
+        except (ValueError, KeyError, TypeError):
+            code, detail = "", f"the driver answered {answer.status_code}"
+        raise {"lease_lost": LeaseLost, "busy": RobotBusy}.get(code, RobotError)(detail)
+
+
+def run_plan(
+    robot: str,
+    plan: Plan,
+    holder: str,
+    *,
+    socket: Path | None = None,
+    deadline_s: float = 60.0,
+    on_result: Callable[[ActionResult], None] = lambda _: None,
+) -> tuple[ActionResult, ...]:
+    """Drive a robot through a plan from a script; blocks. After a step that is not done the rest is `skipped`.
+
+    `deadline_s` is for the whole plan. `on_result` hears of each step as it ends. Raises `RobotError` subclasses.
+    """
+    return asyncio.run(_run_plan(robot, plan, holder, socket, deadline_s, on_result))
+
+
+async def _run_plan(
+    robot: str,
+    plan: Plan,
+    holder: str,
+    socket: Path | None,
+    deadline_s: float,
+    on_result: Callable[[ActionResult], None],
+) -> tuple[ActionResult, ...]:
+    results: list[ActionResult] = []
+    end_s = asyncio.get_running_loop().time() + deadline_s
+    async with DriverClient(robot, socket) as client, client.lease(holder) as lease:
+        for primitive in plan.steps:
+            if results and not results[-1].ok:
+                result = ActionResult(primitive, Outcome.SKIPPED, message="An earlier step was not done.")
+            else:
+                result = await client.step(lease, primitive, end_s - asyncio.get_running_loop().time())
+            results.append(result)
+            on_result(result)
+    return tuple(results)

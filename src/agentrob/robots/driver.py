@@ -1,0 +1,216 @@
+"""The one process that holds a robot (law 11): guard, lease and stop channel, served as docs/seams.md says.
+
+Whoever wants the robot to move is a client of this process. Steps run one at a time for the holder of the lease; a stop
+needs no lease, runs on a thread of its own, and ends the step and the lease.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import os
+import signal
+import socket
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from agentrob.config import RobotConfig, default_data_dir, runtime_dir
+from agentrob.errors import ConfigError, RobotBusy, RobotError
+from agentrob.hostlock import HostLock
+from agentrob.model import ActionResult, Primitive, RobotState, StopResult
+from agentrob.robots.guard import Guard
+from agentrob.robots.halt import Halt
+from agentrob.robots.lease import Leases
+from agentrob.robots.robot import Robot
+from agentrob.robots.wire import encode
+
+log = logging.getLogger(__name__)
+
+#: At most so long is waited for rest before the process ends.
+LAST_STOP_S = 0.6
+#: A line on the stop channel must come within this time.
+LINE_S = 2.0
+
+
+class Driver:
+    """What the process does, without sockets: all calls are thread-safe."""
+
+    def __init__(self, name: str, guard: Guard) -> None:
+        self.name, self.guard = name, guard
+        self.leases = Leases()
+        self._step = threading.Lock()
+
+    @property
+    def busy(self) -> bool:
+        return self._step.locked()
+
+    def state(self) -> RobotState:
+        return self.guard.state()
+
+    def take(self, holder: str) -> str:
+        """A lease; not while a step of the last holder is still coming to rest. Raises `RobotBusy`."""
+        if self.leases.holder is None and self.busy:
+            raise RobotBusy("the robot is still ending the step of its last holder; try again in a moment")
+        lease = self.leases.take(holder)
+        log.info("lease to %s", holder)
+        return lease
+
+    def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
+        """Blocks until the step has ended. Raises `LeaseLost`, `RobotBusy`."""
+        self.leases.renew(lease)
+        if not self._step.acquire(blocking=False):
+            raise RobotBusy("another step of this lease is still running")
+        try:
+            result = self.guard.step(primitive, lambda _: self.leases.lost(lease), deadline_s)
+        finally:
+            self._step.release()
+        log.info("step %s %s: %s %s", primitive.op, primitive.asked(), result.outcome, result.message)
+        return result
+
+    def stop(self, by: str) -> StopResult:
+        """Ends the running step and the lease: what its holder was about to do is over too."""
+        asked_s = time.monotonic()
+        self.leases.end("stop")
+        late_ms = 1000 * (time.monotonic() - asked_s)
+        result = self.guard.stop()
+        log.warning("stop by %s: %s", by, result)
+        return replace(result, latency_ms=round(result.latency_ms + late_ms, 3))
+
+    def halt(self, by: str) -> StopResult:
+        self.leases.end("halt")
+        return self.guard.halt(by)
+
+    def release(self, by: str) -> None:
+        self.guard.release(by)
+
+    def home(self, by: str) -> None:
+        self.guard.home(by)
+
+    def close(self) -> None:
+        """Stop the robot, waiting for its rest only a moment, and let it go."""
+        self.leases.end("shutdown")
+        last = threading.Thread(target=self.guard.stop, daemon=True)
+        last.start()
+        last.join(LAST_STOP_S)
+        self.guard.close()
+
+
+# ------------------------------------------------------------------ the process
+def lock_name(name: str, settings: RobotConfig) -> str:
+    """The host lock of a robot's driver; also the name of its stop channel."""
+    return f"driver/fake/{name}" if settings.model == "fake" else f"driver/{settings.interface}/{settings.domain}"
+
+
+def make_robot(settings: RobotConfig) -> Robot:
+    """The robot of the entry point (`agentrob.robots`) that the settings name. Raises `ConfigError`."""
+    found = {e.name: e for e in entry_points(group="agentrob.robots")}
+    if settings.model not in found:
+        raise ConfigError(f"no robot model {settings.model!r} is installed; there are: {', '.join(sorted(found))}")
+    robot: Robot = found[settings.model].load()(settings)
+    return robot
+
+
+def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None, data: Path | None = None) -> None:
+    """Hold the robot until SIGTERM or SIGINT; the robot is stopped before this returns (within a second).
+
+    Prints one line of JSON on standard output when it serves. Raises `RobotBusy` when another driver holds this robot
+    or this socket, `ConfigError` for a robot model that is not installed. Call it from the main thread only.
+    """
+    from agentrob.robots.service import Service
+
+    path = socket_path or runtime_dir() / f"{name}.sock"
+    ended = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: ended.set())
+    lock = lock_name(name, settings)
+    with HostLock(lock, f"the robot {name!r}") as held, listening(path) as listener, _only_own_lines() as out:
+        halt = Halt((data or default_data_dir()) / "drivers" / f"{name}.halt")
+        driver = Driver(name, Guard(make_robot(settings), settings, halt))
+        try:
+            threading.Thread(target=serve_stops, args=(held.socket, driver), name="stop-channel", daemon=True).start()
+            with Service(driver, listener):
+                ready = {"ready": "driver", "robot": name, "socket": str(path), "lock": lock, "pid": os.getpid()}
+                print(json.dumps(ready), file=out, flush=True)
+                ended.wait()
+                driver.close()
+        except BaseException:
+            driver.close()
+            raise
+
+
+@contextlib.contextmanager
+def _only_own_lines() -> Iterator[Any]:
+    """The real standard output; whatever a robot's SDK prints goes to standard error meanwhile."""
+    out = sys.stdout
+    with contextlib.redirect_stdout(sys.stderr):
+        yield out
+
+
+@contextlib.contextmanager
+def listening(path: Path) -> Iterator[socket.socket]:
+    """A listening Unix socket at `path`, for this user only; one that a killed driver left behind is replaced."""
+    _refuse_when_served(path)
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    fresh.unlink(missing_ok=True)
+    try:
+        old_mask = os.umask(0o177)
+        try:
+            listener.bind(str(fresh))
+        finally:
+            os.umask(old_mask)
+        listener.listen(64)
+        ours = fresh.stat().st_ino
+        fresh.replace(path)  # at once: no client ever sees a socket that does not listen
+    except OSError as e:
+        listener.close()
+        raise RobotError(f"cannot listen at {path}: {e.strerror or e}") from None
+    try:
+        yield listener
+    finally:
+        listener.close()
+        with contextlib.suppress(FileNotFoundError):
+            if path.stat().st_ino == ours:
+                path.unlink()
+
+
+def _refuse_when_served(path: Path) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        probe.settimeout(1.0)
+        try:
+            probe.connect(str(path))
+        except (FileNotFoundError, ConnectionRefusedError):
+            return
+        except OSError as e:
+            raise RobotError(f"cannot use {path}: {e.strerror or e}") from None
+    raise RobotBusy(f"another driver serves {path}; stop it first or give this robot another name")
+
+
+# ------------------------------------------------------------------ the stop channel
+def serve_stops(channel: socket.socket, driver: Driver) -> None:
+    """Accept `stop <who>` on the host lock's socket until it is closed; each connection has a thread of its own."""
+    while True:
+        try:
+            connection, _ = channel.accept()
+        except OSError:
+            return
+        threading.Thread(target=_serve_stop, args=(connection, driver), daemon=True).start()
+
+
+def _serve_stop(connection: socket.socket, driver: Driver) -> None:
+    with connection, contextlib.suppress(OSError):
+        connection.settimeout(LINE_S)
+        word, _, who = connection.makefile("r", encoding="utf-8", errors="replace").readline(200).strip().partition(" ")
+        if word == "stop":
+            answer = encode(driver.stop(who.strip()[:100] or "somebody local"))
+        else:
+            answer = {"error": "say: stop <who>"}
+        connection.settimeout(LINE_S)
+        connection.sendall((json.dumps(answer) + "\n").encode())

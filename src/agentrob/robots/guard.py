@@ -1,0 +1,274 @@
+"""The guard: a Robot around a Robot that refuses or ends what laws 8, 9, 10 and 12 do not allow, for every client.
+
+Covered, before a step and 20 times a second while it runs:
+- limits of speed, distance and angle of a step: beyond is refused with the limit named, never clipped;
+- the fence around the owner's home, along the whole predicted path and with the way the body coasts;
+- obstacles in the direction of motion by the robot's own four range readings; readings that are missing, zero or never
+  change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so;
+- state older than 0.5 s, a fall, the deadline, a halt, which holds until the owner releases it, also across restarts;
+- an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
+  (a simulated robot that homes itself at start does so again once it stands still);
+- a mode or a motion that we did not command: that is a halt.
+
+Not covered:
+- people, animals, and all that is below, above or between the four range beams: stairs, cables, glass, table edges;
+- obstacles that move towards the robot, and all obstacles during gestures and flips, which need free space around;
+- drift of the odometry within plausible speed: fence and measured values stand on it;
+- a robot that reports wrong data, or that does not obey a stop: the stop's result then says `confirmed: false`;
+- the sum of several steps (a command's limits): the agent's mandate counts them;
+- anybody who speaks DDS to the robot past this process. Nothing here replaces the robot's hardware stop.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+from dataclasses import replace
+
+from agentrob.config import RobotConfig
+from agentrob.errors import RobotError
+from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
+from agentrob.robots.fence import Fence, ahead
+from agentrob.robots.halt import Halt
+from agentrob.robots.limits import beyond_limits
+from agentrob.robots.odometry import Hands, Odometry
+from agentrob.robots.ranges import STOPPING_S, Ranges
+from agentrob.robots.robot import Robot, Watch
+
+log = logging.getLogger(__name__)
+
+STATE_AGE_S = 0.5
+#: At most this fast where ranges are unknown (law 8).
+BLIND_MPS = 0.2
+OBSERVE_HZ = 20.0
+#: A first step waits so long for range readings and for the simulated home.
+PREPARE_S = 1.5
+
+Refusal = tuple[str, str]  # (stable word, sentence)
+
+
+class Guard:
+    """See `agentrob.robots.robot.Robot`. Starts a thread that watches the robot also while nothing runs."""
+
+    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt) -> None:
+        self.capabilities: Capabilities = robot.capabilities
+        self._robot, self._settings, self._halt = robot, settings, halt
+        self._ranges, self._odometry, self._hands = Ranges(), Odometry(), Hands()
+        self._fence: Fence | None = None
+        self._homes_itself = settings.simulated and settings.home_on_start
+        self._stepping = threading.Lock()
+        self._looking = threading.Lock()
+        self._running: Primitive | None = None
+        self._sentence = ""
+        self._closed = threading.Event()
+        self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
+        self._observer.start()
+
+    # ------------------------------------------------------------ the robot
+    def state(self) -> RobotState:
+        return replace(self._robot.state(), homed=self._fence is not None, halted=self._halt.why is not None)
+
+    def step(self, primitive: Primitive, watch: Watch, deadline_s: float | None = None) -> ActionResult:
+        """As any robot's; `deadline_s` is how long it may take, at most the limit of a command."""
+        if not self._stepping.acquire(blocking=False):
+            return _refused(primitive, "busy", "Another step is still running.")
+        try:
+            limit_s = self.capabilities.limits.command_s
+            return self._guarded(primitive, watch, limit_s if deadline_s is None else min(deadline_s, limit_s))
+        finally:
+            self._running = None
+            self._stepping.release()
+
+    def stop(self) -> StopResult:
+        """Never waits for anything of the guard."""
+        self._hands.ours(time.monotonic())
+        return self._robot.stop()
+
+    def close(self) -> None:
+        self._closed.set()
+        self._robot.close()
+
+    # ------------------------------------------------------------ home and halt
+    def home(self, by: str) -> Pose:
+        """The robot's place and heading now are its home: the fence lies around it. Raises `RobotError`."""
+        state = self._robot.state()
+        if state.pose is None or state.age_s >= STATE_AGE_S:
+            raise RobotError(
+                f"cannot set home: the robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s"
+            )
+        if self._running is not None or not self._odometry.still(time.monotonic()):
+            raise RobotError("cannot set home while the robot moves; let it stand still for a moment")
+        self._fence = Fence(self._settings.fence, state.pose)
+        log.info("home set by %s at x %.2f m, y %.2f m", by, state.pose.x_m, state.pose.y_m)
+        return state.pose
+
+    def halt(self, by: str, why: str = "on request") -> StopResult:
+        """Stop, and refuse all motion until `release`, also after a restart."""
+        sentence = self._halt.set(by, why)
+        log.warning("%s", sentence)
+        kept: list[bool] = []
+        writer = threading.Thread(target=lambda: kept.append(self._halt.keep()), daemon=True)
+        writer.start()  # the disk must not delay the stop
+        result = self.stop()
+        writer.join(2.0)
+        if kept != [True]:
+            note = "The halt could not be written to disk: it holds until this driver ends, not beyond."
+            result = replace(result, message=f"{result.message} {note}".strip())
+        return result
+
+    def release(self, by: str) -> None:
+        """Allow motion again. Raises `RobotError` when the halt cannot be taken off the disk."""
+        try:
+            self._halt.release()
+        except OSError as e:
+            raise RobotError(f"the halt stays: {self._halt.path} cannot be removed ({e.strerror})") from None
+        log.warning("halt released by %s", by)
+
+    # ------------------------------------------------------------ before a step
+    def _guarded(self, primitive: Primitive, watch: Watch, deadline_s: float) -> ActionResult:
+        if refusal := self._malformed(primitive):
+            return _refused(primitive, *refusal)
+        if not primitive.moves:
+            return self._robot.step(primitive, watch)
+        until_s = time.monotonic() + deadline_s
+        self._prepare()
+        if refusal := self._unfit(primitive) or self._misplaced(primitive):
+            return _refused(primitive, *refusal)
+        careful, note = self._careful(primitive)
+        refusal = self._blocked(careful) or self._late(careful, deadline_s)
+        if refusal:
+            return _refused(primitive, *refusal)
+        self._sentence, self._running = "", primitive
+        result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
+        self._hands.ours(time.monotonic())
+        message = " ".join(s for s in (result.message, self._sentence, note) if s)
+        return replace(result, primitive=primitive, message=message)
+
+    def _malformed(self, primitive: Primitive) -> Refusal | None:
+        if primitive.op not in self.capabilities.ops:
+            ops = ", ".join(sorted(self.capabilities.ops))
+            return "unsupported", f"This robot cannot {primitive.op}; it can: {ops}."
+        return beyond_limits(primitive, self.capabilities)
+
+    def _unfit(self, primitive: Primitive) -> Refusal | None:
+        state = self._robot.state()
+        if (why := self._halt.why) is not None:
+            return "halted", f"{why} No motion until the owner releases it."
+        if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
+            return "consent", "A flip needs the owner's consent (allow_flip)."
+        if state.age_s >= STATE_AGE_S or state.pose is None:
+            return "stale_state", f"The robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s."
+        if state.mode == "fallen" or not state.upright:
+            return "fallen", "The robot is not known to stand upright."
+        return None
+
+    def _misplaced(self, primitive: Primitive) -> Refusal | None:
+        if self._fence is None:
+            return "not_homed", "The robot has no home, so its fence is unknown; its owner must set home first."
+        pose = self._robot.state().pose
+        sentence = self._fence.refusal(pose, primitive) if pose else "The robot gives no position."
+        return ("fence", sentence) if sentence else None
+
+    def _careful(self, primitive: Primitive) -> tuple[Primitive, str]:
+        """The step as it may be done: with its speed set, slower where the ranges are unknown (then with a note)."""
+        limit_mps = self.capabilities.limits.speed_mps
+        speed_mps = primitive.speed_mps or (limit_mps if primitive.op is Op.MOVE else None)
+        if not self._ranges.unknown(primitive) or (speed_mps or math.inf) <= BLIND_MPS:
+            return replace(primitive, speed_mps=speed_mps), ""
+        note = f"Its range readings are unknown, so it went at most {BLIND_MPS} m/s."
+        return replace(primitive, speed_mps=BLIND_MPS), note
+
+    def _blocked(self, primitive: Primitive) -> Refusal | None:
+        if self._ranges.unknown(primitive) and not self._settings.allow_unknown_ranges:
+            return (
+                "ranges_unknown",
+                "The range readings that this step needs are missing, zero or never change, so free space is unknown; "
+                f"the owner may allow up to {BLIND_MPS} m/s (allow_unknown_ranges).",
+            )
+        sentence = self._ranges.obstacle(primitive, primitive.speed_mps or 0.0)
+        return ("obstacle", sentence) if sentence else None
+
+    def _late(self, primitive: Primitive, deadline_s: float) -> Refusal | None:
+        limits = self.capabilities.limits
+        needed_s = (primitive.distance_m or 0.0) / (primitive.speed_mps or limits.speed_mps)
+        needed_s += (primitive.degrees or 0.0) / limits.turn_dps
+        if needed_s >= deadline_s:
+            return (
+                "deadline",
+                f"This step needs at least {needed_s:.1f} s, and only {max(deadline_s, 0):.1f} s are left.",
+            )
+        return None
+
+    def _prepare(self) -> None:
+        """Wait a moment for what a driver that has just started does not know yet."""
+        end_s = time.monotonic() + PREPARE_S
+        while time.monotonic() < end_s and self._robot.state().age_s < STATE_AGE_S:
+            if self._ranges.enough and (self._fence is not None or not self._homes_itself):
+                return
+            self._closed.wait(1 / OBSERVE_HZ)
+
+    # ------------------------------------------------------------ during a step
+    def _look(self, primitive: Primitive, state: RobotState, until_s: float) -> str | None:
+        word, self._sentence = self._danger(primitive, state, until_s) or (None, self._sentence)
+        return word
+
+    def _danger(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
+        now_s = time.monotonic()
+        self._see(now_s, state)
+        if self._halt.why is not None:
+            return "halted", self._halt.why
+        if state.age_s >= STATE_AGE_S or state.pose is None:
+            return "stale_state", f"The robot's state was {_age(state)}."
+        if state.mode == "fallen" or not state.upright:
+            return "fallen", "The robot is not known to stand upright."
+        if self._fence is None:
+            return "odometry_jump", self._lost_home
+        if now_s >= until_s:
+            return "deadline", "The time for this step was over."
+        speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
+        x_m, y_m = ahead(state.pose, primitive, speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0)
+        if (outside_m := self._fence.outside_m(x_m, y_m)) > 0:
+            return "fence", f"It would have come to rest {outside_m:.2f} m outside its fence."
+        if self._ranges.unknown(primitive) and (primitive.speed_mps or math.inf) > BLIND_MPS:
+            return "ranges_unknown", "Its range readings stopped changing or went missing on the way."
+        sentence = self._ranges.obstacle(primitive, speed_mps)
+        return ("obstacle", sentence) if sentence else None
+
+    # ------------------------------------------------------------ always
+    _lost_home = ""
+
+    def _observe(self) -> None:
+        while not self._closed.wait(1 / OBSERVE_HZ):
+            try:
+                if self._running is None:
+                    self._see(time.monotonic(), self._robot.state())
+            except Exception:  # the observer must outlive whatever one look does
+                log.exception("the guard could not look at the robot")
+
+    def _see(self, now_s: float, state: RobotState) -> None:
+        with self._looking:
+            if state.age_s < STATE_AGE_S:
+                self._ranges.see(now_s, state)
+            if (why := self._odometry.see(now_s, state)) and self._fence is not None:
+                self._fence, self._lost_home = None, f"Home is void: {why}."
+                log.warning("%s", self._lost_home)
+            running = self._running
+            walking = running is not None and running.op in (Op.MOVE, Op.TURN)
+            foreign = self._hands.see(now_s, state, walking=walking, gesturing=running is not None and not walking)
+        if foreign and self._halt.why is None:
+            threading.Thread(target=self.halt, args=("the guard", foreign + "."), daemon=True).start()
+            self._halt.set("the guard", foreign + ".")
+        if self._homes_itself and self._fence is None and running is None and self._odometry.still(now_s):
+            if state.pose is not None and state.age_s < STATE_AGE_S and state.upright:
+                self.home("the simulation")
+
+
+def _age(state: RobotState) -> str:
+    return "unknown" if math.isinf(state.age_s) else f"{state.age_s:.1f} s old"
+
+
+def _refused(primitive: Primitive, word: str, sentence: str) -> ActionResult:
+    now_s = time.monotonic()
+    return ActionResult(primitive, Outcome.REFUSED, {}, word, sentence, now_s, now_s)

@@ -1,0 +1,67 @@
+"""Who may move the robot: one lease at a time, worthless one second after its last renewal."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+import time
+
+from agentrob.errors import LeaseLost, RobotBusy
+
+TTL_S = 1.0
+
+
+class Leases:
+    """Thread-safe; the lock is held for a few assignments only, so a stop never waits for it."""
+
+    def __init__(self, ttl_s: float = TTL_S) -> None:
+        self.ttl_s = ttl_s
+        self._lock = threading.Lock()
+        self._lease, self._holder, self._until_s = "", "", 0.0
+        self._ended: tuple[str, str] = ("", "")  # (lease, why) of the last one that ended before its time
+
+    @property
+    def holder(self) -> str | None:
+        """Who holds the robot now."""
+        return self._holder if self._lease and time.monotonic() < self._until_s else None
+
+    def take(self, holder: str) -> str:
+        """A new lease. `RobotBusy` names who has it already."""
+        with self._lock:
+            if (other := self.holder) is not None:
+                raise RobotBusy(
+                    f"{other} holds the robot; it is free when they give it back or fall silent for a second"
+                )
+            self._lease, self._holder = secrets.token_urlsafe(12), holder
+            self._until_s = time.monotonic() + self.ttl_s
+            return self._lease
+
+    def renew(self, lease: str) -> None:
+        """Another second. `LeaseLost` says why not."""
+        with self._lock:
+            if (why := self.lost(lease)) is not None:
+                raise LeaseLost(self.sentence(why))
+            self._until_s = time.monotonic() + self.ttl_s
+
+    def give_back(self, lease: str) -> None:
+        with self._lock:
+            if lease and lease == self._lease:
+                self._lease = ""
+
+    def end(self, why: str) -> None:
+        """Take the lease away from whoever has it (a stop does)."""
+        with self._lock:
+            if self._lease:
+                self._ended, self._lease = (self._lease, why), ""
+
+    def lost(self, lease: str) -> str | None:
+        """None while the lease is good, else a stable word: `lease_lapsed`, or why it was ended."""
+        if lease and lease == self._lease and time.monotonic() < self._until_s:
+            return None
+        return self._ended[1] if lease and lease == self._ended[0] else "lease_lapsed"
+
+    @staticmethod
+    def sentence(why: str) -> str:
+        if why == "lease_lapsed":
+            return "the lease lapsed, was given back or never existed; take a new one"
+        return f"the lease was ended by a {why}; take a new one"

@@ -1,0 +1,80 @@
+"""Range readings over time: what is free, what is near, and what is not known (law 8). Pure arithmetic.
+
+Readings are taken as metres from the middle of the body, in the order front, left, back, right.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from agentrob.model import Direction, Op, Primitive, RobotState
+from agentrob.robots.robot import BODY_RADIUS_M
+
+#: A reading must have changed within this time: a sensor that lives is never perfectly still.
+WINDOW_S = 1.0
+#: So many readings are needed before anything is believed.
+SAMPLES = 5
+#: From the middle of the body to its hull: front, left, back, right (Go2).
+HULL_M = (0.35, 0.16, 0.35, 0.16)
+#: Free space that stays between hull and obstacle when the robot has come to rest.
+MARGIN_M = 0.15
+#: A body goes on for about this long after it was decided to stop (measured coasting 0.25 s, sensing and sending 0.1 s).
+STOPPING_S = 0.35
+
+SIDES = {Direction.FORWARD: 0, Direction.LEFT: 1, Direction.BACKWARD: 2, Direction.RIGHT: 3}
+NAMES = ("ahead", "to the left", "behind", "to the right")
+
+
+def needed_m(side: int, speed_mps: float) -> float:
+    """How far an obstacle must be away while moving towards it."""
+    return HULL_M[side] + MARGIN_M + speed_mps * STOPPING_S
+
+
+class Ranges:
+    """Remembers a second of readings."""
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[float, tuple[float | None, ...]]] = deque(maxlen=200)
+
+    def see(self, now_s: float, state: RobotState) -> None:
+        self._seen.append((now_s, state.ranges_m))
+        while self._seen[0][0] < now_s - WINDOW_S:
+            self._seen.popleft()
+
+    @property
+    def enough(self) -> bool:
+        return len(self._seen) >= SAMPLES
+
+    def known(self) -> tuple[float | None, ...]:
+        """The newest reading of each side; None when it is missing, zero, or did not change within the window."""
+        if not self.enough:
+            return (None,) * 4
+        return tuple(self._known(side) for side in range(4))
+
+    def _known(self, side: int) -> float | None:
+        values = [ranges[side] for _, ranges in self._seen]
+        last = values[-1]
+        if last is None or not math.isfinite(last) or last <= 0.0 or len(set(values)) == 1:
+            return None
+        return last
+
+    def unknown(self, primitive: Primitive) -> bool:
+        """Whether a side that this step needs is not known."""
+        return any(self.known()[side] is None for side in sides(primitive))
+
+    def obstacle(self, primitive: Primitive, speed_mps: float) -> str | None:
+        """A sentence when something known is too near for this step at this speed."""
+        known = self.known()
+        for side in sides(primitive):
+            limit_m = BODY_RADIUS_M if primitive.op is Op.TURN else needed_m(side, speed_mps)
+            if (distance_m := known[side]) is not None and distance_m < limit_m:
+                return f"Something is {distance_m:.2f} m {NAMES[side]}; this step needs {limit_m:.2f} m there."
+        return None
+
+
+def sides(primitive: Primitive) -> tuple[int, ...]:
+    """The sides that must be free: in the direction of a move, all around for a turn, none for a gesture."""
+    if primitive.op is Op.MOVE:
+        return (SIDES[primitive.direction or Direction.FORWARD],)
+    return (0, 1, 2, 3) if primitive.op is Op.TURN else ()

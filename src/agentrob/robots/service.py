@@ -1,0 +1,169 @@
+"""The driver's HTTP face on its Unix socket: the table of docs/seams.md, word for word."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+import socket
+import threading
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse
+from starlette.routing import Route
+
+from agentrob.errors import LeaseLost, RobotBusy, RobotError
+from agentrob.robots.wire import decode_primitive, encode
+
+if TYPE_CHECKING:
+    from agentrob.robots.driver import Driver
+
+T = TypeVar("T")
+log = logging.getLogger(__name__)
+Answer = Callable[[Request], Awaitable[JSONResponse]]
+
+
+async def in_thread(work: Callable[[], T]) -> T:
+    """Run blocking work on a thread of its own: no pool, so that a stop never waits for a free worker."""
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[T] = loop.create_future()
+
+    def settle(result: T | None, error: BaseException | None) -> None:
+        if not future.done():
+            future.set_exception(error) if error else future.set_result(result)  # type: ignore[arg-type]
+
+    def run() -> None:
+        result, error = None, None
+        try:
+            result = work()
+        except BaseException as e:
+            error = e
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(settle, result, error)
+
+    threading.Thread(target=run, daemon=True).start()
+    return await future
+
+
+def _problem(status: int, code: str, message: str) -> JSONResponse:
+    return JSONResponse({"status": status, "code": code, "detail": message}, status)
+
+
+async def _body(request: Request) -> dict[str, Any]:
+    try:
+        data = await request.json()
+    except ValueError:
+        raise RobotError("the body must be a JSON object") from None
+    if not isinstance(data, dict):
+        raise RobotError("the body must be a JSON object")
+    return data
+
+
+def _text(data: dict[str, Any], key: str) -> str:
+    value = data.get(key)
+    if not isinstance(value, str) or not value.strip():
+        raise RobotError(f"{key!r} must be a text that is not empty")
+    return value.strip()[:100]
+
+
+def app(driver: Driver) -> Starlette:
+    """The routes of one driver."""
+
+    async def capabilities(_: Request) -> JSONResponse:
+        return JSONResponse(encode(driver.guard.capabilities))
+
+    async def state(_: Request) -> JSONResponse:
+        holder = driver.leases.holder
+        lease = None if holder is None else {"holder": holder}
+        return JSONResponse({**encode(driver.state()), "lease": lease, "busy": driver.busy})
+
+    async def take(request: Request) -> JSONResponse:
+        lease = driver.take(_text(await _body(request), "holder"))
+        return JSONResponse({"lease": lease, "ttl_s": driver.leases.ttl_s})
+
+    async def renew(request: Request) -> JSONResponse:
+        driver.leases.renew(request.path_params["lease"])
+        return JSONResponse({"ttl_s": driver.leases.ttl_s})
+
+    async def give_back(request: Request) -> JSONResponse:
+        driver.leases.give_back(request.path_params["lease"])
+        return JSONResponse({})
+
+    async def step(request: Request) -> JSONResponse:
+        data = await _body(request)
+        lease, primitive = _text(data, "lease"), decode_primitive(data.get("primitive"))
+        deadline_s = data.get("deadline_s")
+        if not isinstance(deadline_s, int | float) or not math.isfinite(deadline_s):
+            raise RobotError("'deadline_s' must be a number of seconds")
+        return JSONResponse(encode(await in_thread(lambda: driver.step(lease, primitive, deadline_s))))
+
+    async def stop(request: Request) -> JSONResponse:
+        by = _text(await _body(request), "by")
+        return JSONResponse(encode(await in_thread(lambda: driver.stop(by))))
+
+    async def halt(request: Request) -> JSONResponse:
+        by = _text(await _body(request), "by")
+        return JSONResponse(encode(await in_thread(lambda: driver.halt(by))))
+
+    async def release(request: Request) -> JSONResponse:
+        by = _text(await _body(request), "by")
+        await in_thread(lambda: driver.release(by))
+        return JSONResponse({})
+
+    async def home(request: Request) -> JSONResponse:
+        by = _text(await _body(request), "by")
+        await in_thread(lambda: driver.home(by))
+        return JSONResponse({})
+
+    routes = [
+        Route("/capabilities", _translated(capabilities)),
+        Route("/state", _translated(state)),
+        Route("/lease", _translated(take), methods=["POST"]),
+        Route("/lease/{lease}", _translated(renew), methods=["PUT"]),
+        Route("/lease/{lease}", _translated(give_back), methods=["DELETE"]),
+        Route("/step", _translated(step), methods=["POST"]),
+        Route("/stop", _translated(stop), methods=["POST"]),
+        Route("/halt", _translated(halt), methods=["POST"]),
+        Route("/release", _translated(release), methods=["POST"]),
+        Route("/home", _translated(home), methods=["POST"]),
+    ]
+    return Starlette(routes=routes)
+
+
+def _translated(answer: Answer) -> Answer:
+    """Our errors as HTTP: 409 for who holds the robot (`lease_lost`, `busy`), 422 for what cannot be."""
+
+    async def translated(request: Request) -> JSONResponse:
+        try:
+            return await answer(request)
+        except LeaseLost as e:
+            return _problem(409, "lease_lost", str(e))
+        except RobotBusy as e:
+            return _problem(409, "busy", str(e))
+        except RobotError as e:
+            return _problem(422, "invalid", str(e))
+
+    return translated
+
+
+class Service:
+    """Serves a driver on a listening socket, in a thread, while the context is open."""
+
+    def __init__(self, driver: Driver, listener: socket.socket) -> None:
+        config = uvicorn.Config(
+            app(driver), log_config=None, access_log=False, lifespan="off", ws="none", timeout_graceful_shutdown=0
+        )
+        self._server = uvicorn.Server(config)
+        self._thread = threading.Thread(target=self._server.run, args=([listener],), name="service", daemon=True)
+
+    def __enter__(self) -> Service:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._server.should_exit = True
+        self._thread.join(0.3)

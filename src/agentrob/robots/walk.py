@@ -1,0 +1,196 @@
+"""Walks any body through one move or turn: the control loop, the path, what was measured, and what to call it."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
+from agentrob.robots.motion import RATE_HZ, REST_WINDOW_S, Gait, Motion, Velocity, rotate, wrap
+from agentrob.robots.robot import BODY_RADIUS_M, Watch
+
+#: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %).
+TOLERANCE_M, TOLERANCE_DEG, TOLERANCE_SHARE = 0.05, 4.0, 0.005
+#: After a stop, rest is awaited no longer than this.
+REST_LIMIT_S = 3.0
+#: A path has at most this many points; longer ones are thinned.
+PATH_POINTS = 1000
+
+_AXES = {
+    Direction.FORWARD: (1.0, 0.0),
+    Direction.BACKWARD: (-1.0, 0.0),
+    Direction.LEFT: (0.0, 1.0),
+    Direction.RIGHT: (0.0, -1.0),
+}
+
+
+class Body(Protocol):
+    """What the loop needs of a robot. Times are seconds of the body's own clock (a fake's may run faster)."""
+
+    def now_s(self) -> float: ...
+
+    def state(self) -> RobotState: ...
+
+    def command(self, velocity: Velocity) -> None: ...
+
+    def rest(self) -> None:
+        """Command zero velocity."""
+        ...
+
+    def wait_until(self, time_s: float) -> None: ...
+
+
+def axis(direction: Direction | None) -> tuple[float, float]:
+    """The unit vector of a direction in the body's frame."""
+    return _AXES[direction or Direction.FORWARD]
+
+
+def gait_for(primitive: Primitive, gait: Gait) -> Gait:
+    """The gait slowed to the step's speed; for a turn that is the speed of the body's corners."""
+    if primitive.speed_mps is None:
+        return gait
+    if primitive.op is Op.TURN:
+        return gait.at_most(gait.speed_mps, primitive.speed_mps / BODY_RADIUS_M)
+    return gait.at_most(primitive.speed_mps, gait.turn_rps)
+
+
+def motion_for(primitive: Primitive, gait: Gait) -> Motion:
+    gait = gait_for(primitive, gait)
+    if primitive.op is Op.TURN:
+        sign = -1.0 if primitive.direction is Direction.RIGHT else 1.0
+        return Motion(gait, turn_rad=sign * math.radians(primitive.degrees or 0.0))
+    x, y = axis(primitive.direction)
+    distance_m = primitive.distance_m or 0.0
+    return Motion(gait, forward_m=x * distance_m, left_m=y * distance_m)
+
+
+@dataclass
+class _Track:
+    """Odometry since the start of a step, with the angle unwrapped."""
+
+    points: list[tuple[float, Pose, float]] = field(default_factory=list)  # (seconds, pose, radians turned)
+
+    def add(self, t_s: float, pose: Pose) -> None:
+        turned = self.points[-1][2] + wrap(pose.yaw_rad - self.points[-1][1].yaw_rad) if self.points else 0.0
+        self.points.append((t_s, pose, turned))
+
+    def end(self) -> tuple[float, float, float]:
+        """x, y and the angle turned, averaged over the last moments."""
+        last_s = self.points[-1][0]
+        tail = [p for p in self.points if p[0] >= last_s - REST_WINDOW_S]
+        n = len(tail)
+        return sum(p.x_m for _, p, _ in tail) / n, sum(p.y_m for _, p, _ in tail) / n, sum(w for *_, w in tail) / n
+
+    def at_rest(self) -> bool:
+        """Whether the body kept its place over the rest window."""
+        last_s, last, last_turned = self.points[-1]
+        tail = [p for p in self.points if p[0] >= last_s - REST_WINDOW_S]
+        return tail[0][0] <= last_s - 0.8 * REST_WINDOW_S and all(
+            math.hypot(p.x_m - last.x_m, p.y_m - last.y_m) < 0.015 and abs(w - last_turned) < math.radians(1.5)
+            for _, p, w in tail
+        )
+
+    def measured(self, primitive: Primitive) -> dict[str, float]:
+        start = self.points[0][1]
+        x, y, turned = self.end()
+        forward, left = rotate(x - start.x_m, y - start.y_m, -start.yaw_rad)
+        if primitive.op is Op.TURN:
+            sign = -1.0 if primitive.direction is Direction.RIGHT else 1.0
+            return _rounded(degrees=sign * math.degrees(turned), drift_m=math.hypot(forward, left))
+        ax, ay = axis(primitive.direction)
+        return _rounded(
+            distance_m=forward * ax + left * ay,
+            sideways_m=left * ax - forward * ay,
+            heading_deg=math.degrees(turned),
+        )
+
+    def path(self) -> tuple[tuple[float, float, float, float], ...]:
+        t0 = self.points[0][0]
+        thin = self.points[:: 1 + len(self.points) // PATH_POINTS]
+        return tuple((round(t - t0, 3), round(p.x_m, 4), round(p.y_m, 4), round(p.yaw_rad, 4)) for t, p, _ in thin)
+
+
+def _rounded(**values: float) -> dict[str, float]:
+    return {k: round(v, 4) + 0.0 for k, v in values.items()}
+
+
+def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionResult:
+    """Do one `move` or `turn`. The body is at rest, or has been told to be, when this returns."""
+    started_s = time.monotonic()
+    motion, track, reason = motion_for(primitive, gait), _Track(), ""
+    try:
+        reason = _drive(body, motion, track, watch)
+    finally:
+        body.rest()
+    if reason and track.points:
+        _come_to_rest(body, track)
+    if not track.points:
+        message = "The robot gives no position, so it was not moved."
+        return ActionResult(
+            primitive, Outcome.FAILED, {}, reason or "stale_state", message, started_s, time.monotonic()
+        )
+    measured = track.measured(primitive)
+    outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
+    return ActionResult(primitive, outcome, measured, word, message, started_s, time.monotonic(), track.path())
+
+
+def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
+    """Until the motion has ended (returns "") or the watch gave a reason."""
+    start_s, n = body.now_s(), 0
+    while True:
+        state = body.state()
+        if reason := watch(state):
+            return reason
+        if state.pose is None:
+            return "stale_state"
+        now_s = body.now_s()
+        track.add(now_s, state.pose)
+        velocity = motion.step(now_s, state.pose)
+        if velocity is None:
+            return ""
+        body.command(velocity)
+        n = max(n + 1, math.ceil((now_s - start_s) * RATE_HZ))  # after a hiccup go on from now, without a burst
+        body.wait_until(start_s + n / RATE_HZ)
+
+
+def _come_to_rest(body: Body, track: _Track) -> None:
+    """Record how the body coasts; not the watch's matter any more, since it is stopping already."""
+    end_s = body.now_s() + REST_LIMIT_S
+    while body.now_s() < end_s and not track.at_rest():
+        body.wait_until(body.now_s() + 1 / RATE_HZ)
+        if (pose := body.state().pose) is None:
+            return
+        track.add(body.now_s(), pose)
+
+
+_ENDINGS = {
+    "stalled": "it stopped making progress",
+    "timeout": "it took too long",
+    "inaccurate": "it did not come closer after several corrections",
+    "arrived": "it ended there",
+}
+
+
+def judge(primitive: Primitive, measured: Mapping[str, float], how: str, *, stopped: bool) -> tuple[Outcome, str, str]:
+    """Outcome, reason and message from what was asked and measured alone (law 18), whatever the loop believes."""
+    turn = primitive.op is Op.TURN
+    asked = (primitive.degrees if turn else primitive.distance_m) or 0.0
+    got = measured["degrees" if turn else "distance_m"]
+    pair = f"Asked {asked:g}°, measured {got:.1f}°" if turn else f"Asked {asked:g} m, measured {got:.2f} m"
+    if stopped:
+        return Outcome.STOPPED, how, f"{pair}: stopped ({how.replace('_', ' ')})."
+    allowed = (TOLERANCE_DEG if turn else TOLERANCE_M) + TOLERANCE_SHARE * asked
+    aside_m = measured["drift_m"] if turn else abs(measured["sideways_m"])
+    turned_deg = 0.0 if turn else abs(measured["heading_deg"])
+    if abs(got - asked) <= allowed and aside_m <= TOLERANCE_M + TOLERANCE_SHARE * asked and turned_deg <= TOLERANCE_DEG:
+        return Outcome.DONE, "", f"{pair}."
+    if turn:
+        pair += f", {100 * aside_m:.0f} cm off its place"
+    else:
+        pair += f", {100 * aside_m:.0f} cm aside and {turned_deg:.0f}° off its heading"
+    outcome = Outcome.INACCURATE if abs(got - asked) <= max(allowed, 0.2 * asked) else Outcome.FAILED
+    word = "inaccurate" if how == "arrived" else how
+    return outcome, word, f"{pair}: {_ENDINGS.get(how, how)}."

@@ -1,0 +1,72 @@
+"""The facts of robots as JSON and back: what crosses the driver's socket (docs/seams.md)."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import asdict
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from agentrob.errors import RobotError
+from agentrob.model import ActionResult, Capabilities, Primitive, RobotState, StopResult
+
+T = TypeVar("T")
+
+_PRIMITIVE = TypeAdapter(Primitive)
+_CAPABILITIES = TypeAdapter(Capabilities)
+_STATE = TypeAdapter(RobotState)
+_RESULT = TypeAdapter(ActionResult)
+_STOP = TypeAdapter(StopResult)
+
+
+def encode(fact: Capabilities | RobotState | Primitive | ActionResult | StopResult) -> dict[str, Any]:
+    """Plain JSON data: enums as words, sets and tuples as lists, an image as base64, infinities as null."""
+    if not isinstance(fact, ActionResult):
+        return _plain(asdict(fact))  # type: ignore[no-any-return]
+    image = None if fact.image is None else base64.b64encode(fact.image).decode()
+    return {**_plain(asdict(fact)), "image": image}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, frozenset):
+        return sorted(str(v) for v in value)
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if isinstance(value, float) and value - value != 0.0:  # infinity and NaN are not JSON
+        return None
+    return None if isinstance(value, bytes) else value
+
+
+def decode_primitive(data: Any) -> Primitive:
+    return _read(_PRIMITIVE, data)
+
+
+def decode_capabilities(data: Any) -> Capabilities:
+    return _read(_CAPABILITIES, data)
+
+
+def decode_state(data: Any) -> RobotState:
+    """`age_s` is null on the wire when no state ever came: infinite."""
+    age_s = data.get("age_s")
+    return _read(_STATE, {**data, "age_s": float("inf") if age_s is None else age_s})
+
+
+def decode_result(data: Any) -> ActionResult:
+    image = data.get("image")
+    return _read(_RESULT, {**data, "image": None if image is None else base64.b64decode(image)})
+
+
+def decode_stop(data: Any) -> StopResult:
+    return _read(_STOP, data)
+
+
+def _read(adapter: TypeAdapter[T], data: Any) -> T:
+    try:
+        return adapter.validate_python(data)
+    except ValidationError as e:
+        first = e.errors()[0]
+        where = ".".join(str(p) for p in first["loc"])
+        raise RobotError(f"{where or 'value'}: {first['msg']} (found {first['input']!r})") from None
