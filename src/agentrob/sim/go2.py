@@ -23,6 +23,7 @@ CAMERA_AT_M, CAMERA_FOVY_DEG = [0.32715, 0.0, 0.04297], 60
 CALM_MPS, CALM_RPS = 0.12, 0.35  # slower than this is calm
 CALM_S, LEAST_STILL_S = 0.10, 0.25  # calm for so long, and at least so long after the command ended
 LOCK_BLEND_S, LOCK_STIFFNESS = 0.40, 2.5
+SETTLED_S = LOCK_BLEND_S + 0.2  # locked for so long
 BRAKE_KEEP = 0.8  # of the trim, each period while braking
 LIMP_DAMPING = 4.0  # factor on KD: what the real robot's damping mode feels like
 BUILD = Build(
@@ -105,6 +106,11 @@ class Go2(Legged):
     def standing(self) -> bool:
         """Told to stand and come to rest."""
         return self._lock_s is not None and not self._wanted.any()
+
+    @property
+    def settled(self) -> bool:
+        """Standing on locked joints in the standing pose: where a pose player may begin without tipping over."""
+        return self.standing and self._lock_s is not None and self._lock_s >= SETTLED_S
 
     @property
     def target_rad(self) -> Array:

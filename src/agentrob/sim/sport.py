@@ -31,6 +31,7 @@ DAMP, BALANCE_STAND, STOP_MOVE, STAND_UP, STAND_DOWN, RECOVERY_STAND = 1001, 100
 MOVE, SIT, RISE_SIT, HELLO, STRETCH, HEART = 1008, 1009, 1010, 1016, 1017, 1036
 
 MOVE_HELD_S = 1.0
+SETTLE_LIMIT_S = 4.0  # for coming to rest before an action
 FALLEN_BELOW = 0.3  # cosine of the tilt
 
 Answer = Callable[[int], None]
@@ -57,14 +58,19 @@ WALKING, GESTURING = (1015, 3), (1006, 9)
 
 @dataclass
 class Action:
-    """Something that takes time and is answered when it has ended."""
+    """Something that takes time and is answered when it has ended.
+
+    `settling`: the body still comes to rest on its feet, only then is the motion played.
+    """
 
     name: str
+    make: Callable[[Array], Motion]
     then: Posture
-    seconds: float
     began_s: float
     answer: Answer
     codes: tuple[int, int]
+    settling: bool = False
+    seconds: float = 1.0
     broken_off: bool = False
 
 
@@ -159,8 +165,16 @@ class Sport:
         if action.broken_off or action.then is Posture.LYING:
             return  # going down is the safe end already; half way up again would be more motion, not less
         action.broken_off = True
-        motion = gestures.stand(self._body.target_rad)
         action.then = Posture.BALANCE
+        if action.settling:
+            self._end_action(BROKEN_OFF)
+        else:
+            self._play(action, gestures.stand)
+
+    def _play(self, action: Action, make: Callable[[Array], Motion]) -> None:
+        start = self._body.joints_rad if self.posture is Posture.LIMP else self._body.target_rad
+        motion = make(start)
+        action.settling = False
         action.seconds = self._now_s() - action.began_s + motion.seconds
         self._body.play(motion)
 
@@ -192,11 +206,14 @@ class Sport:
 
     def _begin(self, offer: Offer, answer: Answer) -> None:
         self._held_until_s = None
-        start = self._body.joints_rad if self.posture is Posture.LIMP else self._body.target_rad
-        motion = offer.make(start)
-        self.action = Action(offer.name, offer.then, motion.seconds, self._now_s(), answer, offer.codes)
-        self._body.play(motion)
+        action = Action(offer.name, offer.make, offer.then, self._now_s(), answer, offer.codes)
+        self.action = action
         self._note("action_begin", action=offer.name)
+        if self.posture is Posture.BALANCE and not self._body.settled:
+            action.settling = True
+            self._body.walk(np.zeros(3))
+        else:
+            self._play(action, offer.make)
 
     # ------------------------------------------------------------------ time
     def tick(self) -> None:
@@ -205,7 +222,9 @@ class Sport:
             self._held_until_s = None
             if self.posture is Posture.BALANCE and self.action is None:
                 self._body.walk(np.zeros(3))
-        if self.action is not None and not self._body.playing:
+        if self.action is not None and self.action.settling:
+            self._settle(self.action)
+        elif self.action is not None and not self._body.playing:
             self.posture = self.action.then
             if self.posture is Posture.BALANCE:
                 self._body.walk(np.zeros(3))
@@ -216,6 +235,12 @@ class Sport:
         if self._body.upright < FALLEN_BELOW and self.posture is not Posture.LIMP:
             self._note("fell")
             self._damp()
+
+    def _settle(self, action: Action) -> None:
+        if self._body.settled:
+            self._play(action, action.make)
+        elif self._now_s() - action.began_s > SETTLE_LIMIT_S:
+            self._end_action(BROKEN_OFF)  # pushed, or leaning on something: no gesture from there
 
     def reset(self) -> None:
         """The world was put back: nothing runs, the robot stands in balance."""
