@@ -58,21 +58,6 @@ def render(raw: str, is_account: IsAccount) -> str:
     return _CLEANER.clean(_MARKDOWN.render(text, {"is_account": is_account}))
 
 
-def mentions(raw: str, is_account: IsAccount) -> tuple[str, ...]:
-    """Accounts named in the text, each once, in order: exactly those that `render` makes links of."""
-    text = raw.encode("utf-8", "replace").decode()
-    found: dict[str, None] = {}
-
-    def seen(name: str) -> bool:
-        known = is_account(name)
-        if known:
-            found[name] = None
-        return known
-
-    _MARKDOWN.parse(text, {"is_account": seen})
-    return tuple(found)
-
-
 def _polish(state: StateCore) -> None:
     """Last step of parsing: demote headings, turn alignment into an attribute, replace pictures, link names."""
     is_account: IsAccount = state.env["is_account"]

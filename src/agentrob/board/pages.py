@@ -1,0 +1,374 @@
+"""The pages of the embedded forum: plain HTML and forms that work without scripts, and become live with them."""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+from typing import Annotated, Any
+from urllib.parse import quote
+
+from fastapi import APIRouter, Depends, Request
+from starlette.datastructures import FormData
+from starlette.responses import HTMLResponse, PlainTextResponse, Response
+
+from agentrob.board import access, robot_view
+from agentrob.board.access import Viewer
+from agentrob.board.records import EventKind, Page, Post
+from agentrob.board.services import services
+from agentrob.board.store import Store
+from agentrob.board.templating import error_page, go, own_path, show, static_file
+from agentrob.errors import BoardError
+from agentrob.model import AccountKind, Role
+
+__all__ = ["error_page", "router"]
+
+router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
+
+Reading = Annotated[Viewer, Depends(access.reader)]
+Anybody = Annotated[Viewer, Depends(access.viewer)]
+Data = dict[str, Any]
+
+#: Posts on one page of a topic.
+POSTS = 50
+_LATEST = 10
+#: More than any post may have; a form beyond it is not even read.
+_MAX_FORM_BYTES = 1 << 20
+
+
+# ------------------------------------------------------------------ boards and topics
+@router.get("/")
+async def home(request: Request, viewer: Reading, after: str | None = None) -> Response:
+    known = services(request)
+    boards = known.store.boards()
+    data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "robots": robot_view.robots(known)}
+    return show(request, viewer, "home.html", data | {"topics": known.store.latest(after)}, here="home")
+
+
+@router.get("/b/{board_id}")
+async def board(request: Request, viewer: Reading, board_id: str, after: str | None = None) -> Response:
+    known = services(request)
+    newest = known.store.newest_event_id()  # before the topics are read, so that nothing falls between
+    topics = known.store.topics(board_id, after)
+    data: Data = {"board": known.store.board(board_id), "topics": topics, "robots": robot_view.robots(known)}
+    return show(request, viewer, "board.html", data | {"after": newest}, here="home")
+
+
+@router.get("/b/{board_id}/new")
+async def new_topic(request: Request, viewer: Reading, board_id: str, to: str = "") -> Response:
+    access.account_of(viewer)
+    account = services(request).store.account(to)
+    return _new_topic(request, viewer, board_id, draft=f"@{account.name} " if account else "")
+
+
+@router.post("/b/{board_id}/new")
+async def create_topic(request: Request, viewer: Anybody, board_id: str) -> Response:
+    form = await _form(request)
+    title, body = _field(form, "title"), _field(form, "body")
+    try:
+        access.check_form(viewer, form.get("csrf"))
+        author = access.account_of(viewer)
+        key = _key(form, title, body)
+        written = await services(request).store.create_topic(author, board_id, title, body, key=key)
+    except BoardError as e:
+        if viewer.account is None or e.code == "no_such_board":
+            return await error_page(request, e.status, str(e), e.hint, draft=body)
+        return _new_topic(request, viewer, board_id, draft=body, title=title, error=e)
+    return go(written.topic.path)
+
+
+@router.get("/t/{topic_id}")
+async def topic(request: Request, viewer: Reading, topic_id: str, after: str | None = None) -> Response:
+    return _topic(request, viewer, topic_id, after)
+
+
+@router.post("/t/{topic_id}/reply")
+async def reply(request: Request, viewer: Anybody, topic_id: str) -> Response:
+    form = await _form(request)
+    body = _field(form, "body")
+    store = services(request).store
+    try:
+        access.check_form(viewer, form.get("csrf"))
+        written = await store.reply(access.account_of(viewer), topic_id, body, key=_key(form, topic_id, body))
+    except BoardError as e:
+        if viewer.account is None or e.code == "no_such_topic":
+            return await error_page(request, e.status, str(e), e.hint, draft=body)
+        return _topic(request, viewer, topic_id, None, draft=body, error=e)
+    return go(_path(store, written.post))
+
+
+# ------------------------------------------------------------------ one post
+@router.get("/p/{post_id}")
+async def post(request: Request, viewer: Reading, post_id: str) -> Response:
+    store = services(request).store
+    stopped = request.query_params.get("stopped", "")
+    return go(_path(store, store.post(post_id), stopped))
+
+
+@router.get("/p/{post_id}/fragment")
+async def fragment(request: Request, viewer: Reading, post_id: str) -> Response:
+    return show(request, viewer, "post.html", {"post": services(request).store.post(post_id)})
+
+
+@router.get("/p/{post_id}/raw")
+async def raw(request: Request, viewer: Reading, post_id: str) -> Response:
+    headers = {"X-Content-Type-Options": "nosniff", "Content-Security-Policy": "default-src 'none'; sandbox"}
+    return PlainTextResponse(services(request).store.post(post_id).raw, headers=headers)
+
+
+@router.get("/p/{post_id}/history")
+async def history(request: Request, viewer: Reading, post_id: str) -> Response:
+    store = services(request).store
+    data = {"post": store.post(post_id), "versions": store.versions(post_id)}
+    return show(request, viewer, "history.html", data)
+
+
+@router.get("/p/{post_id}/edit")
+async def edit_form(request: Request, viewer: Reading, post_id: str) -> Response:
+    found = services(request).store.post(post_id)
+    if found.author.id != access.account_of(viewer).id or found.removed:
+        raise BoardError(403, "not_yours", "only its author may edit a post, and only while it is there")
+    return show(request, viewer, "edit.html", {"post": found, "draft": found.raw, "key": _nonce()})
+
+
+@router.post("/p/{post_id}/edit")
+async def edit(request: Request, viewer: Anybody, post_id: str) -> Response:
+    form = await _form(request)
+    body = _field(form, "body")
+    store = services(request).store
+    try:
+        access.check_form(viewer, form.get("csrf"))
+        changed = await store.edit(access.account_of(viewer), post_id, body, key=_key(form, post_id, body))
+    except BoardError as e:
+        if viewer.account is None or e.status == 404:
+            return await error_page(request, e.status, str(e), e.hint, draft=body)
+        data = {"post": store.post(post_id), "draft": body, "key": _nonce(), "problem": _problem(e)}
+        return show(request, viewer, "edit.html", data, status=e.status)
+    return go(_path(store, changed))
+
+
+@router.get("/p/{post_id}/remove")
+async def remove_form(request: Request, viewer: Reading, post_id: str) -> Response:
+    access.account_of(viewer)
+    return show(request, viewer, "remove.html", {"post": services(request).store.post(post_id)})
+
+
+@router.post("/p/{post_id}/remove")
+async def remove(request: Request, viewer: Anybody, post_id: str) -> Response:
+    form = await _form(request)
+    access.check_form(viewer, form.get("csrf"))
+    store = services(request).store
+    return go(_path(store, await store.remove(access.account_of(viewer), post_id)))
+
+
+# ------------------------------------------------------------------ robots and people
+@router.get("/robots")
+async def robots(request: Request, viewer: Reading) -> Response:
+    return show(request, viewer, "robots.html", {"robots": robot_view.robots(services(request))}, here="robots")
+
+
+@router.get("/robots/{name}")
+async def robot(request: Request, viewer: Reading, name: str, stopped: str = "", reset: str = "") -> Response:
+    known = services(request)
+    account, view = robot_view.robot(known, name)
+    latest = known.store.posts_by(name, limit=_LATEST).items
+    note = f"Asked for the room of @{name} to be put back." if reset else ""
+    data = {"robot": view, "account": account, "latest": latest, "stopped": bool(stopped), "note": note}
+    return show(request, viewer, "robot.html", data, here="robots")
+
+
+@router.get("/robots/{name}/fragment")
+async def robot_fragment(request: Request, viewer: Reading, name: str) -> Response:
+    return show(request, viewer, "robot_facts.html", {"robot": robot_view.robot(services(request), name)[1]})
+
+
+@router.post("/robots/{name}/stop")
+async def stop(request: Request, viewer: Anybody, name: str) -> Response:
+    """Anybody signed in, at any rate, whatever the robot's agent last said."""
+    form = await _form(request)
+    access.check_form(viewer, form.get("csrf"))
+    known = services(request)
+    account, _ = robot_view.robot(known, name)
+    await known.store.record(EventKind.ROBOT_STOP, account.name, access.account_of(viewer))
+    if request.headers.get("x-live"):
+        return Response(status_code=204)
+    return go(f"{own_path(form.get('back'), f'/robots/{name}').partition('?')[0]}?stopped={account.name}")
+
+
+@router.post("/robots/{name}/reset")
+async def reset(request: Request, viewer: Anybody, name: str) -> Response:
+    form = await _form(request)
+    access.check_form(viewer, form.get("csrf"))
+    known = services(request)
+    by = access.account_of(viewer)
+    if by.role is Role.MEMBER:
+        raise BoardError(403, "operators_only", "only operators may reset the room")
+    account, view = robot_view.robot(known, name)
+    if not view.can_reset:
+        raise BoardError(409, "cannot_reset", f"the room of @{name} cannot be reset", "Only simulated rooms can.")
+    await known.store.record(EventKind.ROBOT_RESET, account.name, by)
+    return go(f"/robots/{name}?reset=1")
+
+
+@router.get("/u/{name}")
+async def account(request: Request, viewer: Reading, name: str) -> Response:
+    store = services(request).store
+    found = store.account(name)
+    if found is None:
+        raise BoardError(404, "no_such_account", f"there is no account {name[:64]!r}")
+    if found.kind is AccountKind.ROBOT_AGENT:
+        return go(f"/robots/{found.name}")
+    mine = viewer.account is not None and viewer.account.id == found.id
+    latest = store.posts_by(found.name, limit=_LATEST).items
+    data = {"account": found, "mine": mine, "latest": latest}
+    return show(request, viewer, "account.html", data, here="me" if mine else "")
+
+
+# ------------------------------------------------------------------ coming and going
+@router.get("/sign-in")
+async def sign_in_form(request: Request, viewer: Anybody, next: str = "/") -> Response:
+    if viewer.account:
+        return go(own_path(next))
+    return show(request, viewer, "sign_in.html", {"up": False, "next": own_path(next), "draft": ""}, here="sign-in")
+
+
+@router.get("/sign-up")
+async def sign_up_form(request: Request, viewer: Anybody, next: str = "/") -> Response:
+    if not services(request).settings.sign_up:
+        raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself")
+    return show(request, viewer, "sign_in.html", {"up": True, "next": own_path(next), "draft": ""}, here="sign-in")
+
+
+@router.post("/sign-in")
+async def sign_in(request: Request, viewer: Anybody) -> Response:
+    return await _open_session(request, viewer, up=False)
+
+
+@router.post("/sign-up")
+async def sign_up(request: Request, viewer: Anybody) -> Response:
+    return await _open_session(request, viewer, up=True)
+
+
+@router.post("/sign-out")
+async def sign_out(request: Request, viewer: Anybody) -> Response:
+    access.check_form(viewer, (await _form(request)).get("csrf"))
+    response = go("/sign-in")
+    await access.sign_out(services(request), viewer, response)
+    return response
+
+
+@router.get("/enter/{secret}")
+async def enter_form(request: Request, viewer: Anybody, secret: str) -> Response:
+    """Shows a button only: a prefetch of the link spends nothing."""
+    return show(request, viewer, "enter.html", {"secret": secret}, here="sign-in")
+
+
+@router.post("/enter/{secret}")
+async def enter(request: Request, viewer: Anybody, secret: str) -> Response:
+    access.check_form(viewer, (await _form(request)).get("csrf"))
+    known = services(request)
+    response = go("/")
+    access.set_session(response, known, await access.enter(known, secret))
+    return response
+
+
+@router.get("/static/{version}/{name}")
+async def static(version: str, name: str) -> Response:
+    return static_file(version, name)
+
+
+@router.get("/favicon.ico")
+async def favicon() -> Response:
+    return static_file("", "logo.svg")
+
+
+# ------------------------------------------------------------------ pieces
+async def _open_session(request: Request, viewer: Viewer, *, up: bool) -> Response:
+    form = await _form(request)
+    name, password, path = _field(form, "name").strip(), _field(form, "password"), own_path(form.get("next"))
+    known = services(request)
+    address = request.client.host if request.client else ""
+    try:
+        access.check_form(viewer, form.get("csrf"))
+        session = await (access.sign_up if up else access.sign_in)(known, name, password, address)
+    except BoardError as e:
+        data = {"up": up, "next": path, "draft": name, "problem": _problem(e)}
+        return show(request, viewer, "sign_in.html", data, status=e.status, here="sign-in")
+    response = go(path)
+    access.set_session(response, known, session)
+    return response
+
+
+def _new_topic(
+    request: Request,
+    viewer: Viewer,
+    board_id: str,
+    *,
+    draft: str = "",
+    title: str = "",
+    error: BoardError | None = None,
+) -> Response:
+    known = services(request)
+    data: Data = {"board": known.store.board(board_id), "robots": robot_view.robots(known), "key": _nonce()}
+    data |= {"draft": draft, "draft_title": title, "problem": _problem(error)}
+    return show(request, viewer, "new_topic.html", data, status=error.status if error else 200, here="home")
+
+
+def _topic(
+    request: Request,
+    viewer: Viewer,
+    topic_id: str,
+    after: str | None,
+    *,
+    draft: str = "",
+    error: BoardError | None = None,
+) -> Response:
+    known = services(request)
+    newest = known.store.newest_event_id()  # before the posts are read, so that nothing falls between
+    found = known.store.topic(topic_id)
+    posts: Page[Post] = known.store.posts(topic_id, after, POSTS)
+    data: Data = {"topic": found, "posts": posts, "first_page": not after, "board": known.store.board(found.board_id)}
+    data |= {"after": newest, "robots": robot_view.robots(known), "key": _nonce(), "draft": draft}
+    data |= {"problem": _problem(error), "stopped": request.query_params.get("stopped", "")[:64]}
+    return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
+
+
+def _path(store: Store, post: Post, stopped: str = "") -> str:
+    """Where a post is to be seen: the page of its topic that shows it."""
+    cursor = store.cursor_before(post.id, POSTS)
+    query = "&".join(f"{k}={quote(v, safe='')}" for k, v in (("after", cursor), ("stopped", stopped)) if v)
+    return f"/t/{post.topic_id}{'?' + query if query else ''}#post-{post.id}"
+
+
+def _problem(error: BoardError | None) -> str:
+    """What went wrong in one line, and what would be right."""
+    if error is None:
+        return ""
+    text = str(error)[:1].upper() + str(error)[1:]
+    wait = f"Wait {max(1, round(error.retry_after_s))} seconds." if error.retry_after_s is not None else ""
+    return ". ".join(filter(None, (text.rstrip("."), error.hint[:1].upper() + error.hint[1:]))) + (wait and f". {wait}")
+
+
+async def _form(request: Request) -> FormData:
+    """The form that was sent. Raises `BoardError` 411 or 413 rather than reading without end."""
+    length = request.headers.get("content-length", "")
+    if not length.isdigit():
+        raise BoardError(411, "length_required", "the form does not say how long it is")
+    if int(length) > _MAX_FORM_BYTES:
+        raise BoardError(413, "too_long", "that is more than a post may have")
+    return await request.form(max_files=0)
+
+
+def _field(form: FormData, name: str) -> str:
+    """A field as text, with the line ends that people use (browsers send others)."""
+    value = form.get(name)
+    return value.replace("\r\n", "\n") if isinstance(value, str) else ""
+
+
+def _nonce() -> str:
+    return secrets.token_urlsafe(9)
+
+
+def _key(form: FormData, *content: str) -> str:
+    """The same form sent twice with the same content is one post; changed content (after going back) is another."""
+    digest = hashlib.sha256("\0".join(content).encode("utf-8", "replace")).hexdigest()[:24]
+    return f"form:{_field(form, 'key')[:32]}:{digest}"

@@ -1,0 +1,119 @@
+"""What pages show of a robot, made from the card that its agent sent; whatever is in the card, the page holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from agentrob.board.services import Services
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind
+
+#: An agent renews its card at least every 5 s; three missed ones in a row mean that it is gone.
+LIVE_FOR = timedelta(seconds=15)
+_KNOWN = {"model", "ops", "limits", "state", "battery_percent", "board", "simulated", "can_reset"}
+_LIMITS = {
+    "speed_mps": ("Speed", "m/s"),
+    "turn_dps": ("Turning", "°/s"),
+    "step_m": ("One move", "m"),
+    "step_deg": ("One turn", "°"),
+    "command_m": ("One command", "m"),
+    "command_s": ("One command", "s"),
+    "command_steps": ("One command", "steps"),
+}
+_OPS = {"get_front_image": "take a photo", "hello": "wave"}
+
+
+@dataclass(frozen=True, slots=True)
+class RobotView:
+    """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
+
+    `limits` and `facts` are (name, value) in words for people; `facts` are what else the card says.
+    """
+
+    name: str
+    live: bool = False
+    seen_at: datetime | None = None
+    state: str = ""
+    model: str = ""
+    simulated: bool = False
+    battery: int | None = None
+    board: str = ""
+    can_reset: bool = False
+    ops: tuple[str, ...] = ()
+    limits: tuple[tuple[str, str], ...] = ()
+    facts: tuple[tuple[str, str], ...] = ()
+
+
+def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> RobotView:
+    """The view of one robot; fields of the wrong type are left out rather than believed."""
+    limits = card.get("limits")
+    ops = card.get("ops")
+    facts = [("Model", _words(card.get("model"))), ("Simulated", "yes" if card.get("simulated") is True else "")]
+    facts += [(str(k)[:40].replace("_", " ").capitalize(), _words(v)) for k, v in card.items() if k not in _KNOWN]
+    return RobotView(
+        name=name,
+        live=seen_at is not None and datetime.now(UTC) - seen_at < LIVE_FOR,
+        seen_at=seen_at,
+        state=_words(card.get("state")),
+        model=_words(card.get("model")),
+        simulated=card.get("simulated") is True,
+        battery=_percent(card.get("battery_percent")),
+        board=_words(card.get("board")),
+        can_reset=card.get("can_reset") is True,
+        ops=tuple(_op(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
+        limits=tuple(_limit(k, v) for k, v in limits.items()) if isinstance(limits, Mapping) else (),
+        facts=tuple((name, value) for name, value in facts[:20] if value),
+    )
+
+
+def robots(services: Services) -> tuple[RobotView, ...]:
+    """All robots that have an account, those that are here now first."""
+    found = [_look(services, account) for account in services.store.robots() if not account.suspended]
+    return tuple(sorted(found, key=lambda robot: (not robot.live, robot.name)))
+
+
+def robot(services: Services, name: str) -> tuple[Account, RobotView]:
+    """One robot. Raises `BoardError` 404."""
+    account = services.store.account(name)
+    if account is None or account.kind is not AccountKind.ROBOT_AGENT:
+        there = ", ".join(f"@{a.name}" for a in services.store.robots()) or "none"
+        raise BoardError(404, "no_such_robot", f"there is no robot {name[:64]!r}", f"Robots here: {there}.")
+    return account, _look(services, account)
+
+
+def _look(services: Services, account: Account) -> RobotView:
+    now = services.stage.robot(account.name)
+    return robot_view(account.name, now.card, now.seen_at)
+
+
+def _op(op: str) -> str:
+    return _OPS.get(op, op.replace("_", " "))[:40]
+
+
+def _limit(name: str, value: object) -> tuple[str, str]:
+    label, unit = _LIMITS.get(name, (str(name)[:40].replace("_", " ").capitalize(), ""))
+    shown = f"{value:g}" if isinstance(value, (int, float)) and not isinstance(value, bool) else _words(value)
+    return label, f"{shown}{'' if unit in ('°', '°/s', '') else ' '}{unit}"
+
+
+def _percent(value: object) -> int | None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        return None
+    return round(min(max(value, 0), 100))
+
+
+def _words(value: object) -> str:
+    """A value of a card as a short line; nothing for nothing."""
+    if value is None or value == "":
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(filter(None, map(_words, value[:20])))[:200] or "empty"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{k}: {_words(v)}" for k, v in list(value.items())[:20])[:200]
+    return f"{value:g}" if isinstance(value, float) else str(value)[:200]

@@ -1,0 +1,208 @@
+// Makes pages live where scripts run: new and edited posts, the robot's state and camera, stop without leaving the page.
+// Everything here is an addition: without it the same forms and links do the same things.
+"use strict";
+
+const main = document.getElementById("main");
+const live = document.getElementById("live");
+document.documentElement.classList.add("live");
+
+const say = (text) => { if (live && live.textContent !== text) live.textContent = text; };
+
+// ---------------------------------------------------------------- times in the reader's own zone
+function localTimes(root) {
+  const today = new Date().toDateString();
+  for (const time of root.querySelectorAll("time[datetime]")) {
+    const at = new Date(time.dateTime);
+    if (Number.isNaN(at.getTime())) continue;
+    const clock = at.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit", second: "2-digit" });
+    const day = at.toLocaleDateString([], { day: "numeric", month: "short", year: "numeric" });
+    time.textContent = at.toDateString() === today ? clock : `${day}, ${clock.replace(/:\d\d(?=\D*$)/, "")}`;
+    time.title = at.toLocaleString();
+  }
+}
+localTimes(document);
+
+// ---------------------------------------------------------------- the event stream
+// Closed while nobody looks (a browser has few connections to one server), resumed after the last event seen.
+function listen(query, after, handle) {
+  let source = null;
+  let last = after;
+  let retry = 0;
+  const open = () => {
+    if (source) return;
+    source = new EventSource(`/api/v1/events?${query}after=${encodeURIComponent(last)}`);
+    source.onopen = () => { retry = 0; document.documentElement.dataset.live = "on"; say(""); };
+    source.onerror = () => {
+      document.documentElement.dataset.live = "off";
+      say("Connection lost, trying again…");
+      if (source.readyState !== EventSource.CLOSED) return; // the browser tries again by itself
+      close();
+      retry = Math.min(retry + 1, 5);
+      setTimeout(() => { if (!document.hidden) open(); }, 1000 * 2 ** retry);
+    };
+    for (const kind of ["post.created", "post.edited", "post.removed"]) {
+      source.addEventListener(kind, (event) => {
+        last = event.lastEventId || last;
+        handle(kind, JSON.parse(event.data));
+      });
+    }
+  };
+  const close = () => { if (source) { source.close(); source = null; } };
+  let hiding = 0;
+  document.addEventListener("visibilitychange", () => {
+    clearTimeout(hiding);
+    if (document.hidden) hiding = setTimeout(close, 20000);
+    else open();
+  });
+  addEventListener("pagehide", close);
+  addEventListener("pageshow", (event) => { if (event.persisted) open(); });
+  open();
+}
+
+// ---------------------------------------------------------------- a topic
+const posts = document.getElementById("posts");
+
+// Keeps what the reader looks at where it is while `change` alters the page above it.
+function inPlace(change) {
+  const composer = document.getElementById("reply");
+  const writing = composer && composer.contains(document.activeElement);
+  const seen = writing ? composer : [...posts.children].find((post) => post.getBoundingClientRect().bottom > 0);
+  const before = seen ? seen.getBoundingClientRect().top : 0;
+  const kept = change(seen) || seen;
+  if (kept && kept.isConnected) {
+    const moved = kept.getBoundingClientRect().top - before;
+    if (moved) scrollBy({ top: moved, behavior: "instant" });
+  }
+}
+
+function place(fresh) {
+  const old = document.getElementById(fresh.id);
+  if (old && Number(old.dataset.version) >= Number(fresh.dataset.version) && !fresh.classList.contains("removed")) return;
+  if (!old && !("last" in main.dataset)) { offer("New posts", `/p/${fresh.dataset.post}`); return; }
+  localTimes(fresh);
+  inPlace((seen) => {
+    if (old) {
+      const focused = old.contains(document.activeElement) ? document.activeElement : null;
+      old.replaceWith(fresh);
+      if (focused) (fresh.querySelector(focused.matches(".stop") ? ".stop" : "a") || main).focus({ preventScroll: true });
+      return seen === old ? fresh : seen;
+    }
+    fresh.classList.add("new");
+    const next = [...posts.children].find((post) => Number(post.dataset.post) > Number(fresh.dataset.post));
+    posts.insertBefore(fresh, next || null);
+    return seen;
+  });
+  if (!old && fresh.getBoundingClientRect().top > innerHeight) offer("New posts below", `#${fresh.id}`);
+}
+
+function offer(text, href) {
+  let pill = document.querySelector(".pill");
+  if (!pill) {
+    pill = document.createElement("a");
+    pill.className = "pill button primary";
+    document.body.append(pill);
+    pill.addEventListener("click", () => pill.remove());
+    addEventListener("scroll", () => { if (pill.hash && arrived(pill.hash)) pill.remove(); }, { passive: true });
+  }
+  pill.textContent = text;
+  pill.setAttribute("href", href);
+  say(text);
+}
+
+const arrived = (hash) => {
+  const post = document.getElementById(hash.slice(1));
+  return post && post.getBoundingClientRect().top < innerHeight;
+};
+
+const pending = new Map(); // post id -> whether to fetch once more: many edits in a row cost few requests
+
+async function refresh(id) {
+  if (pending.has(id)) { pending.set(id, true); return; }
+  pending.set(id, false);
+  try {
+    const answer = await fetch(`/p/${id}/fragment`, { headers: { Accept: "text/html" } });
+    if (answer.ok) {
+      const parsed = new DOMParser().parseFromString(await answer.text(), "text/html");
+      const fresh = parsed.querySelector("article.post");
+      if (fresh) place(document.adoptNode(fresh));
+    }
+  } catch { say("Connection lost, trying again…"); }
+  const again = pending.get(id);
+  pending.delete(id);
+  if (again) refresh(id);
+}
+
+if (main.dataset.topic) {
+  listen(`topic=${encodeURIComponent(main.dataset.topic)}&`, main.dataset.after, (_, event) => {
+    if (event.post) refresh(event.post.id);
+  });
+}
+
+// ---------------------------------------------------------------- a board: say that there is something new
+if (main.dataset.board) {
+  listen("", main.dataset.after, (kind, event) => {
+    const fresh = document.getElementById("fresh");
+    if (kind !== "post.created" || !event.post || event.post.board_id !== main.dataset.board || fresh.firstChild) return;
+    const link = document.createElement("a");
+    link.className = "button";
+    link.href = location.pathname;
+    link.textContent = "New posts: show them";
+    fresh.append(link);
+  });
+}
+
+// ---------------------------------------------------------------- stop without leaving the page
+document.addEventListener("submit", async (event) => {
+  const form = event.target.closest("[data-stop]");
+  if (!form) return;
+  event.preventDefault();
+  const button = form.querySelector("button");
+  try {
+    const answer = await fetch(form.action, { method: "POST", body: new FormData(form), headers: { "X-Live": "1" }, keepalive: true });
+    if (!answer.ok) throw new Error(String(answer.status));
+    button.textContent = "Stop sent";
+    say(`Stop sent to @${form.dataset.stop}. Its reply says how fast it stopped, or that it did not confirm.`);
+    setTimeout(() => { button.textContent = `Stop @${form.dataset.stop}`; }, 3000);
+  } catch {
+    form.submit(); // the plain way, which also shows what is wrong
+  }
+});
+
+// ---------------------------------------------------------------- a robot's page
+const facts = document.getElementById("robot-facts");
+if (facts) {
+  setInterval(async () => {
+    if (document.hidden) return;
+    try {
+      const answer = await fetch(facts.dataset.refresh, { headers: { Accept: "text/html" } });
+      if (!answer.ok) return;
+      const text = await answer.text();
+      if (text === facts.dataset.shown) return;
+      facts.dataset.shown = text;
+      facts.replaceChildren(...new DOMParser().parseFromString(text, "text/html").body.childNodes);
+      localTimes(facts);
+    } catch { /* the next time */ }
+  }, 2000);
+}
+
+// The camera runs only while its picture is on the screen: somebody looking is what makes the robot's room render.
+const camera = document.querySelector("[data-camera]");
+if (camera) {
+  let picture = null;
+  let inView = false;
+  const look = () => {
+    if (inView && !document.hidden && !picture) {
+      picture = new Image();
+      picture.alt = `Live picture of the room with @${camera.dataset.name}`;
+      picture.addEventListener("error", () => { picture?.remove(); picture = null; setTimeout(look, 3000); });
+      picture.src = `${camera.dataset.camera}?t=${Date.now()}`;
+      camera.append(picture);
+    } else if ((!inView || document.hidden) && picture) {
+      picture.src = "";
+      picture.remove();
+      picture = null;
+    }
+  };
+  new IntersectionObserver((seen) => { inView = seen[seen.length - 1].isIntersecting; look(); }).observe(camera);
+  document.addEventListener("visibilitychange", look);
+}

@@ -1,0 +1,224 @@
+"""Puts a template and data together into a page with the headers that keep it safe, and serves the static files."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import fields
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, RedirectResponse, Response
+
+from agentrob.board import access
+from agentrob.board.access import Viewer
+from agentrob.board.services import services
+from agentrob.errors import BoardError
+from agentrob.model import AccountKind, Role, StatusCard
+
+HERE = Path(__file__).parent
+NAME = re.compile(r"[a-z][a-z0-9_-]{0,63}\Z")
+
+#: The states of a command as words for people.
+STATES = {
+    **{s: s for s in ("seen", "queued", "running", "done", "failed", "refused", "stopped", "interrupted")},
+    **{"cancelled": "cancelled", "expired": "expired", "asks_back": "asks back"},
+}
+BADGES = {
+    AccountKind.ROBOT_AGENT: "robot",
+    AccountKind.COMMANDING_AGENT: "agent",
+    AccountKind.MONITORING_AGENT: "monitor",
+}
+KINDS = {
+    AccountKind.HUMAN: "a person",
+    AccountKind.ROBOT_AGENT: "a robot",
+    AccountKind.COMMANDING_AGENT: "a program that commands",
+    AccountKind.MONITORING_AGENT: "a program that watches",
+}
+ROLES = {
+    Role.MEMBER: "member: looks, writes, stops",
+    Role.OPERATOR: "operator: commands robots",
+    Role.ADMIN: "administrator",
+}
+
+#: Nothing but our own files, no inline script or style: what a post might smuggle in has nowhere to run.
+_POLICY = (
+    "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; connect-src 'self'; form-action 'self'; "
+    "base-uri 'none'; frame-ancestors 'none'"
+)
+_HEADERS = {
+    "Content-Security-Policy": _POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "private, no-cache",
+}
+_MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
+_STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}
+_HASHES = {name: hashlib.sha256(content).hexdigest()[:12] for name, content in _STATIC.items()}
+
+
+# ------------------------------------------------------------------ what templates call
+def static_url(name: str) -> str:
+    """The address of a static file, with the hash of its content in it."""
+    return f"/static/{_HASHES[name]}/{name}"
+
+
+def stamp(at: datetime) -> str:
+    """`21 Nov 2026, 09:31 UTC`; scripts replace it by the reader's own time."""
+    return f"{at.astimezone(UTC):%-d %b %Y, %H:%M} UTC"
+
+
+def iso(at: datetime) -> str:
+    return at.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def word(value: object) -> str:
+    """A state as a bare word that may stand in a class name."""
+    return re.sub(r"[^a-z_]", "", str(value))[:24]
+
+
+def tone(name: str) -> int:
+    """One of five colours, always the same one for a name."""
+    return sum(name.encode()) % 5
+
+
+def excerpt(raw: str) -> str:
+    """The first words of a post, without the marks of Markdown."""
+    text = " ".join(re.sub(r"[*_`#>|~\[\]]+", " ", raw).split())
+    return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
+
+
+def status_card(card: Mapping[str, Any]) -> StatusCard:
+    """A card as a robot's agent sent it, with every field of the type that a page relies on."""
+    known = {f.name: card.get(f.name) for f in fields(StatusCard)}
+    robot = str(known["robot"] or "")
+    return StatusCard(
+        robot=robot if NAME.match(robot) else "",
+        state=word(known["state"]),
+        step=_count(known["step"]),
+        steps=_count(known["steps"]),
+        doing=str(known["doing"] or "")[:200],
+        place=_count(known["place"]) or None,
+        trace_id=str(known["trace_id"] or "")[:64],
+    )
+
+
+def _count(value: object) -> int:
+    return min(max(value, 0), 10_000) if isinstance(value, int) else 0
+
+
+def _environment() -> Environment:
+    made = Environment(
+        loader=FileSystemLoader(HERE / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
+    made.filters["status_card"] = status_card
+    made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
+    made.globals["parts"] = made.get_template("parts.html").module
+    return made
+
+
+_TEMPLATES = _environment()
+
+
+# ------------------------------------------------------------------ answers
+def show(
+    request: Request, viewer: Viewer, template: str, data: Mapping[str, Any], *, status: int = 200, here: str = ""
+) -> HTMLResponse:
+    """A page for this viewer. `here` marks the part of the navigation it belongs to."""
+    known = services(request)
+    settings = known.settings
+    frame = {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
+    html = _TEMPLATES.get_template(template).render(
+        {"viewer": viewer, "here": here, "title": settings.title, "stopped": "", "problem": ""} | frame | dict(data)
+    )
+    response = HTMLResponse(html, status, headers=_HEADERS)
+    if viewer.account is None:
+        access.keep(response, known, viewer)
+    return response
+
+
+def go(path: str) -> RedirectResponse:
+    """Send the browser on with a GET."""
+    return RedirectResponse(path, 303, headers={"Cache-Control": "no-store", "Referrer-Policy": "same-origin"})
+
+
+def own_path(path: object, otherwise: str = "/") -> str:
+    """`path` when it leads to this forum, so that nobody is sent elsewhere by a link to us."""
+    text = str(path or "")
+    safe = re.fullmatch(r"/(?![/\\])[^\x00-\x20\\\x7f]*", text) and len(text) <= 500
+    return quote(text, safe="/?&=#%:@,;+~.-_!$'()*") if safe else otherwise
+
+
+HEADINGS = {
+    401: "Please sign in",
+    403: "This is not allowed",
+    404: "Not found",
+    405: "This address takes no such request",
+    409: "That is taken",
+    413: "That is too long",
+    422: "Something is missing",
+    429: "Too fast",
+    500: "Something broke here",
+    503: "Not possible right now",
+}
+HINTS = {
+    401: "You are signed out. Sign in, then try again.",
+    403: "If it should be, ask an administrator of this forum.",
+    404: "It may have been moved or mistyped. The boards are a good place to look.",
+    500: "It is not your fault, and it was written to the log. Try again in a moment.",
+    503: "Try again in a moment.",
+}
+
+
+async def error_page(
+    request: Request,
+    status: int,
+    detail: str = "",
+    hint: str = "",
+    retry_after_s: float | None = None,
+    draft: str = "",
+) -> Response:
+    """What a browser sees when something cannot be done: what it was, and what to do. Signed out: to the sign-in page.
+
+    `draft` is a text that was being posted, shown so that it is not lost.
+    """
+    if status == 401 and not draft and request.method in ("GET", "HEAD"):
+        path = request.url.path + (f"?{request.url.query}" if request.url.query else "")
+        return go(f"/sign-in?next={quote(own_path(path), safe='')}")
+    try:
+        viewer = await access.viewer(request)
+    except BoardError:
+        viewer = Viewer(account=None, csrf="", secret="")
+    detail = detail or {404: "There is nothing at this address."}.get(status, "")
+    if retry_after_s is not None:
+        hint = f"Wait {max(1, round(retry_after_s))} seconds, then try again. A stop is never held up."
+    data: dict[str, Any] = {
+        "heading": HEADINGS.get(status, "This did not work"),
+        "detail": detail[:1].upper() + detail[1:],
+    }
+    data |= {"hint": hint or HINTS.get(status, ""), "draft": draft}
+    response = show(request, viewer, "error.html", data | {"status_code": status}, status=status)
+    if retry_after_s is not None:
+        response.headers["Retry-After"] = str(max(1, round(retry_after_s)))
+    return response
+
+
+def static_file(version: str, name: str) -> Response:
+    """A static file; kept for a year when asked for under its own hash. Raises `BoardError` 404."""
+    if name not in _STATIC:
+        raise BoardError(404, "no_such_file", "there is no such file")
+    kept = "public, max-age=31536000, immutable" if version == _HASHES[name] else "no-cache"
+    headers = {"Cache-Control": kept, "X-Content-Type-Options": "nosniff"}
+    return Response(_STATIC[name], media_type=_MEDIA_TYPES[Path(name).suffix], headers=headers)
