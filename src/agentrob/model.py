@@ -258,7 +258,7 @@ class RobotState:
     """What is known of a robot now. `None` means unknown, and unknown is never taken as good.
 
     `age_s`: age of the newest state message. `ranges_m`: front, left, back, right. `mode`: idle, walking, gesture,
-    damping, locked, fallen, unknown.
+    sitting, lying, damping, locked, fallen, unknown.
     """
 
     age_s: float

@@ -2,7 +2,7 @@
 
     [robots.spot]
     model = "fake"
-    options = { time_scale = 10, room = [-3, 3, -3, 3], obstacles = [[2, 0, 0.3]], faults = { stale = true, after_m = 0.5 } }
+    options = { time_scale = 10, room = [-3, 3, -3, 3], obstacles = [[2, 0, 0.3]], faults = { stale = true } }
 
 `time_scale` is how much faster than life it goes; `inf` makes steps take no time at all. It accelerates and coasts with
 a time constant of 0.15 s, holds a command for one second as real robots do, and its odometry is exact.
@@ -68,6 +68,7 @@ class FakeRobot:
         self._epoch_s, self._virtual_s = time.monotonic(), 0.0
         self._pose, self._velocity, self._goal = Pose(0, 0, 0), REST, (REST, -math.inf)
         self._walked_m, self._jumped, self._stops, self._mode = 0.0, False, 0, "idle"
+        self._body_s = 0.0  # up to when the body's motion is computed
         self._frozen_state: RobotState | None = None
         self._stale_since_s = 0.0
         self._random = random.Random(7)
@@ -162,7 +163,7 @@ class FakeRobot:
     def _advance(self) -> None:
         """Bring the body up to now."""
         now_s = self.now_s()
-        t_s: float = getattr(self, "_body_s", 0.0)
+        t_s = self._body_s
         if self._resting(t_s):
             t_s = now_s  # a body at rest stays at rest: no need to count the ticks
         while t_s < now_s:

@@ -97,6 +97,9 @@ class _Error(NamedTuple):
     def distance_m(self) -> float:
         return math.hypot(self.forward_m, self.left_m)
 
+    def within(self, distance_m: float, angle_rad: float) -> bool:
+        return self.distance_m < distance_m and abs(self.turn_rad) < angle_rad
+
 
 class Motion:
     """One move (`forward_m`, `left_m`, heading held) or turn (`turn_rad`, position held)."""
@@ -105,61 +108,71 @@ class Motion:
         self.gait = gait
         self.forward_m, self.left_m, self.turn_rad = forward_m, left_m, turn_rad
         self.ended = ""
-        self._settling = False
-        self._rounds = 0
+        self._goal: tuple[float, float] | None = None  # set by the first sample
+        self._last = _Sample(0.0, 0.0, 0.0, 0.0)
+        self._yaw = 0.0
+        self._drift = (0.0, 0.0, 0.0)  # low-passed velocity: m/s, m/s, rad/s in the odometry frame
+        self._deadline_s = math.inf
+        self._best, self._best_s, self._patience_s = math.inf, 0.0, gait.start_s
+        self._settling, self._settled_s, self._rounds = False, 0.0, 0
         self._window: deque[_Sample] = deque()
 
     def step(self, now_s: float, pose: Pose) -> Velocity | None:
         """One odometry sample in, the velocity to command out; None when the motion has ended."""
         here = self._track(now_s, pose)
         if now_s > self._deadline_s:
-            return self._end("timeout")
-        if self._settling:
+            self.ended = "timeout"
+        elif self._settling:
             return self._settle(now_s, here)
-        error = self._error(here, pose.yaw_rad, coasting=True)
-        if self._within(error, self.gait.stop_at_m, self.gait.stop_at_rad):
+        else:
+            return self._approach(now_s, here)
+        return None
+
+    def _track(self, now_s: float, pose: Pose) -> _Sample:
+        if self._goal is None:
+            self._begin(now_s, pose)
+        last = self._last
+        here = _Sample(now_s, pose.x_m, pose.y_m, last.turned_rad + wrap(pose.yaw_rad - self._yaw))
+        if (dt := now_s - last.t_s) > 0:
+            a = dt / (0.15 + dt)
+            vx, vy, w = self._drift
+            self._drift = (
+                vx + a * ((here.x_m - last.x_m) / dt - vx),
+                vy + a * ((here.y_m - last.y_m) / dt - vy),
+                w + a * ((here.turned_rad - last.turned_rad) / dt - w),
+            )
+        self._last, self._yaw = here, pose.yaw_rad
+        return here
+
+    def _begin(self, now_s: float, pose: Pose) -> None:
+        self._last, self._yaw = _Sample(now_s, pose.x_m, pose.y_m, 0.0), pose.yaw_rad
+        dx, dy = rotate(self.forward_m, self.left_m, pose.yaw_rad)
+        self._goal = pose.x_m + dx, pose.y_m + dy
+        way_s = math.hypot(self.forward_m / self.gait.speed_mps, self.left_m / self.gait.side_mps)
+        self._deadline_s = now_s + self.gait.budget_s + 2 * (way_s + abs(self.turn_rad) / self.gait.turn_rps)
+        self._best_s = now_s
+
+    def _approach(self, now_s: float, here: _Sample) -> Velocity | None:
+        error = self._error(here, coasting=True)
+        if error.within(self.gait.stop_at_m, self.gait.stop_at_rad):
             return self._begin_settling(now_s)
         left = error.distance_m + 0.3 * abs(error.turn_rad)
         if left < self._best - 0.01:
             self._best, self._best_s, self._patience_s = left, now_s, self.gait.stall_s
         elif now_s - self._best_s > self._patience_s:
-            # Close by and only dithering: look again at rest. Further away: it does not move.
-            return self._begin_settling(now_s) if self._within(error, 0.05, math.radians(4)) else self._end("stalled")
+            if error.within(0.05, math.radians(4)):  # close by and only dithering: look again at rest
+                return self._begin_settling(now_s)
+            self.ended = "stalled"
+            return None
         return self._towards(error)
 
-    def _track(self, now_s: float, pose: Pose) -> _Sample:
-        if not hasattr(self, "_start"):
-            self._begin(now_s, pose)
-        turned = self._last.turned_rad + wrap(pose.yaw_rad - self._yaw)
-        here = _Sample(now_s, pose.x_m, pose.y_m, turned)
-        dt = now_s - self._last.t_s
-        if dt > 0:  # low-passed velocity from odometry
-            a = dt / (0.15 + dt)
-            raw = ((b - c) / dt for b, c in zip(here[1:], self._last[1:], strict=True))
-            self._drift = tuple(v + a * (r - v) for v, r in zip(self._drift, raw, strict=True))
-        self._last, self._yaw = here, pose.yaw_rad
-        return here
-
-    def _begin(self, now_s: float, pose: Pose) -> None:
-        self._start = self._last = _Sample(now_s, pose.x_m, pose.y_m, 0.0)
-        self._yaw = pose.yaw_rad
-        dx, dy = rotate(self.forward_m, self.left_m, pose.yaw_rad)
-        self._goal = pose.x_m + dx, pose.y_m + dy
-        self._drift: tuple[float, ...] = (0.0, 0.0, 0.0)
-        way_s = math.hypot(self.forward_m / self.gait.speed_mps, self.left_m / self.gait.side_mps)
-        self._deadline_s = now_s + self.gait.budget_s + 2 * (way_s + abs(self.turn_rad) / self.gait.turn_rps)
-        self._best, self._best_s, self._patience_s = math.inf, now_s, self.gait.start_s
-
-    def _error(self, here: _Sample, yaw_rad: float, *, coasting: bool) -> _Error:
+    def _error(self, here: _Sample, *, coasting: bool) -> _Error:
+        assert self._goal is not None
         ahead = self.gait.coast_s if coasting else 0.0  # where the body would come to rest if commanded to stop now
         ex = self._goal[0] - here.x_m - self._drift[0] * ahead
         ey = self._goal[1] - here.y_m - self._drift[1] * ahead
         turn = self.turn_rad - here.turned_rad - self._drift[2] * ahead
-        return _Error(*rotate(ex, ey, -yaw_rad), turn)
-
-    @staticmethod
-    def _within(error: _Error, distance_m: float, angle_rad: float) -> bool:
-        return error.distance_m < distance_m and abs(error.turn_rad) < angle_rad
+        return _Error(*rotate(ex, ey, -self._yaw), turn)
 
     def _begin_settling(self, now_s: float) -> Velocity:
         self._settling, self._settled_s = True, now_s + self.gait.settle_s
@@ -174,17 +187,16 @@ class Motion:
             return REST
         n = len(self._window)
         _, x_m, y_m, turned = (sum(values) / n for values in zip(*self._window, strict=True))
-        error = self._error(_Sample(now_s, x_m, y_m, turned), self._yaw, coasting=False)
-        if self._within(error, self.gait.accept_m, self.gait.accept_rad):
-            return self._end("arrived")
-        if self._rounds >= self.gait.corrections:
-            return self._end("inaccurate")
-        self._rounds += 1
-        self._settling, self._best, self._best_s, self._patience_s = False, math.inf, now_s, self.gait.stall_s
-        return self._towards(error)
-
-    def _end(self, how: str) -> None:
-        self.ended = how
+        error = self._error(_Sample(now_s, x_m, y_m, turned), coasting=False)
+        if error.within(self.gait.accept_m, self.gait.accept_rad):
+            self.ended = "arrived"
+        elif self._rounds >= self.gait.corrections:
+            self.ended = "inaccurate"
+        else:
+            self._rounds += 1
+            self._settling, self._best, self._best_s, self._patience_s = False, math.inf, now_s, self.gait.stall_s
+            return self._towards(error)
+        return None
 
     def _towards(self, error: _Error) -> Velocity:
         g, vx, vy, wz = self.gait, 0.0, 0.0, 0.0

@@ -57,7 +57,7 @@ def _same_place(a: Pose, b: Pose) -> bool:
 
 
 #: Modes into which a robot does not go by itself while we do nothing.
-FOREIGN_MODES = frozenset({"damping", "locked", "gesture"})
+FOREIGN_MODES = frozenset({"damping", "locked", "lying", "sitting", "gesture"})
 #: Our own step may show in mode and speed for so long after it ended.
 OURS_S = 3.0
 #: Faster than this for `MOVED_S` without a step of ours is somebody else's hand.

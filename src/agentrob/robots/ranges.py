@@ -1,6 +1,7 @@
 """Range readings over time: what is free, what is near, and what is not known (law 8). Pure arithmetic.
 
-Readings are taken as metres from the middle of the body, in the order front, left, back, right.
+Readings are in the order front, left, back, right. Whether a Go2 counts them from its middle or from its outline is not
+verified; here they are taken as from the middle, which keeps the greater distance.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ SAMPLES = 5
 HULL_M = (0.35, 0.16, 0.35, 0.16)
 #: Free space that stays between hull and obstacle when the robot has come to rest.
 MARGIN_M = 0.15
-#: A body goes on for about this long after it was decided to stop (measured coasting 0.25 s, sensing and sending 0.1 s).
+#: A body goes on for about this long after an obstacle showed (measured coasting 0.25 s, sensing and sending 0.1 s).
 STOPPING_S = 0.35
 
 SIDES = {Direction.FORWARD: 0, Direction.LEFT: 1, Direction.BACKWARD: 2, Direction.RIGHT: 3}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -16,6 +17,8 @@ from agentrob.robots.robot import BODY_RADIUS_M, Watch
 TOLERANCE_M, TOLERANCE_DEG, TOLERANCE_SHARE = 0.05, 4.0, 0.005
 #: After a stop, rest is awaited no longer than this.
 REST_LIMIT_S = 3.0
+#: A body that strays less than this is at rest; more than the noise of odometry (2 mm, 0.2°).
+REST_M, REST_RAD = 0.015, math.radians(1.5)
 #: A path has at most this many points; longer ones are thinned.
 PATH_POINTS = 1000
 
@@ -67,6 +70,32 @@ def motion_for(primitive: Primitive, gait: Gait) -> Motion:
     return Motion(gait, forward_m=x * distance_m, left_m=y * distance_m)
 
 
+class Rest:
+    """Says when a body has come to rest, from odometry: it kept its place over the rest window."""
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[float, Pose]] = deque()
+        self.reached = False
+
+    def see(self, now_s: float, pose: Pose) -> bool:
+        self._seen.append((now_s, pose))
+        while self._seen[0][0] < now_s - REST_WINDOW_S:
+            self._seen.popleft()
+        self.reached = now_s - self._seen[0][0] >= 0.8 * REST_WINDOW_S and all(
+            math.hypot(p.x_m - pose.x_m, p.y_m - pose.y_m) < REST_M and abs(wrap(p.yaw_rad - pose.yaw_rad)) < REST_RAD
+            for _, p in self._seen
+        )
+        return self.reached
+
+    def distance_m(self, start: Pose | None) -> float | None:
+        """From a pose to where it is, averaged over the rest window; None when one of them is not known."""
+        if start is None or not self._seen:
+            return None
+        n = len(self._seen)
+        x_m, y_m = sum(p.x_m for _, p in self._seen) / n, sum(p.y_m for _, p in self._seen) / n
+        return round(math.hypot(x_m - start.x_m, y_m - start.y_m), 4)
+
+
 @dataclass
 class _Track:
     """Odometry since the start of a step, with the angle unwrapped."""
@@ -83,15 +112,6 @@ class _Track:
         tail = [p for p in self.points if p[0] >= last_s - REST_WINDOW_S]
         n = len(tail)
         return sum(p.x_m for _, p, _ in tail) / n, sum(p.y_m for _, p, _ in tail) / n, sum(w for *_, w in tail) / n
-
-    def at_rest(self) -> bool:
-        """Whether the body kept its place over the rest window."""
-        last_s, last, last_turned = self.points[-1]
-        tail = [p for p in self.points if p[0] >= last_s - REST_WINDOW_S]
-        return tail[0][0] <= last_s - 0.8 * REST_WINDOW_S and all(
-            math.hypot(p.x_m - last.x_m, p.y_m - last.y_m) < 0.015 and abs(w - last_turned) < math.radians(1.5)
-            for _, p, w in tail
-        )
 
     def measured(self, primitive: Primitive) -> dict[str, float]:
         start = self.points[0][1]
@@ -158,12 +178,13 @@ def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
 
 def _come_to_rest(body: Body, track: _Track) -> None:
     """Record how the body coasts; not the watch's matter any more, since it is stopping already."""
-    end_s = body.now_s() + REST_LIMIT_S
-    while body.now_s() < end_s and not track.at_rest():
+    rest, end_s = Rest(), body.now_s() + REST_LIMIT_S
+    while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)
         if (pose := body.state().pose) is None:
             return
         track.add(body.now_s(), pose)
+        rest.see(body.now_s(), pose)
 
 
 _ENDINGS = {
