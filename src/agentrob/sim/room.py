@@ -6,15 +6,18 @@ Metres; x along the long side, y along the short side, the origin in the middle 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 LENGTH_M, WIDTH_M, HEIGHT_M = 8.0, 6.0, 2.4
 WALL_M = 0.05  # half of a wall's thickness
 
 ROOM_GROUP = 0  # what range sensors and cameras see
+PLANKS_PX = 320
 NEAR_WALL_GROUP = 1  # walls between the overview camera and the room: there, but not drawn for it
 
 Rgba = tuple[float, float, float, float]
@@ -46,49 +49,142 @@ class Thing:
     group: int = ROOM_GROUP
 
 
-WALL_RGBA: Rgba = (0.90, 0.88, 0.83, 1)
-SKIRTING_RGBA: Rgba = (0.97, 0.96, 0.94, 1)
-WOOD: Rgba = (0.52, 0.36, 0.22, 1)
-LEG: Rgba = (0.25, 0.22, 0.20, 1)
+WALL_RGBA: Rgba = (0.95, 0.93, 0.88, 1)
+WHITE: Rgba = (0.99, 0.99, 0.98, 1)
+WOOD: Rgba = (0.60, 0.41, 0.25, 1)
+DARK: Rgba = (0.24, 0.22, 0.21, 1)
+GREEN: Rgba = (0.25, 0.52, 0.28, 1)
+TEAL: Rgba = (0.28, 0.48, 0.52, 1)
+SHADE: Rgba = (0.05, 0.03, 0.02, 0.28)
+FLOOR_RGB = (0.74, 0.60, 0.44)
+RED, BLUE, YELLOW = (0.86, 0.14, 0.11, 1), (0.13, 0.33, 0.82, 1), (0.97, 0.78, 0.12, 1)
 
 
 def _walls() -> tuple[Thing, ...]:
-    x, y, h = LENGTH_M / 2 + WALL_M, WIDTH_M / 2 + WALL_M, HEIGHT_M / 2
+    x, y, h = LENGTH_M / 2, WIDTH_M / 2, HEIGHT_M / 2
+    t = WALL_M
     sides = (
-        ("wall_front", (x, 0.0, h), (WALL_M, y, h), ROOM_GROUP),
-        ("wall_left", (0.0, y, h), (x, WALL_M, h), ROOM_GROUP),
-        ("wall_back", (-x, 0.0, h), (WALL_M, y, h), NEAR_WALL_GROUP),
-        ("wall_right", (0.0, -y, h), (x, WALL_M, h), NEAR_WALL_GROUP),
+        ("front", (x + t, 0.0), (t, y + 2 * t), ROOM_GROUP),
+        ("left", (0.0, y + t), (x + 2 * t, t), ROOM_GROUP),
+        ("back", (-x - t, 0.0), (t, y + 2 * t), NEAR_WALL_GROUP),
+        ("right", (0.0, -y - t), (x + 2 * t, t), NEAR_WALL_GROUP),
     )
-    walls = [Thing(name, "box", at, size, WALL_RGBA, group=group) for name, at, size, group in sides]
-    for name, at, size, group in sides:
-        inward = tuple(c * (1 - 0.06 / abs(c)) if c and i < 2 else 0.05 for i, c in enumerate(at))
-        low = (size[0], size[1], 0.05)
-        walls.append(Thing("skirting_" + name, "box", (inward[0], inward[1], 0.05), low, SKIRTING_RGBA, False, group))
-    return tuple(walls)
+    walls = []
+    for side, (wx, wy), (hx, hy), group in sides:
+        walls.append(Thing(f"wall_{side}", "box", (wx, wy, h), (hx, hy, h), WALL_RGBA, group=group))
+        inside = (wx - math.copysign(0.02, wx) if wx else 0.0, wy - math.copysign(0.02, wy) if wy else 0.0)
+        walls.append(_decor(f"skirting_{side}", (*inside, 0.05), (hx, hy, 0.05), WHITE, group))
+    ceiling = _decor("ceiling", (0.0, 0.0, HEIGHT_M + t), (x, y, t), WHITE, NEAR_WALL_GROUP)
+    return (*walls, ceiling)
+
+
+def _decor(name: str, at: Triple, size: tuple[float, ...], rgba: Rgba, group: int = ROOM_GROUP) -> Thing:
+    return Thing(name, "box", at, size, rgba, solid=False, group=group)
 
 
 def _table(x: float, y: float) -> tuple[Thing, ...]:
+    corners = ((0.55, 0.3), (0.55, -0.3), (-0.55, 0.3), (-0.55, -0.3))
     legs = tuple(
-        Thing(f"table_leg_{i}", "cylinder", (x + dx, y + dy, 0.34), (0.025, 0.34), LEG)
-        for i, (dx, dy) in enumerate(((0.55, 0.3), (0.55, -0.3), (-0.55, 0.3), (-0.55, -0.3)))
+        Thing(f"table_leg_{i}", "cylinder", (x + dx, y + dy, 0.34), (0.025, 0.34), DARK)
+        for i, (dx, dy) in enumerate(corners)
     )
     return (Thing("table", "box", (x, y, 0.70), (0.62, 0.36, 0.02), WOOD), *legs)
 
 
+def _sofa(x: float, y: float) -> tuple[Thing, ...]:
+    """Against the left wall, its back to it."""
+    return (
+        Thing("sofa_seat", "box", (x, y, 0.21), (0.85, 0.36, 0.21), TEAL),
+        Thing("sofa_back", "box", (x, y + 0.32, 0.40), (0.85, 0.10, 0.40), TEAL),
+        Thing("sofa_arm_0", "box", (x - 0.90, y, 0.29), (0.09, 0.40, 0.29), TEAL),
+        Thing("sofa_arm_1", "box", (x + 0.90, y, 0.29), (0.09, 0.40, 0.29), TEAL),
+        _decor("cushion", (x - 0.45, y + 0.12, 0.55), (0.20, 0.08, 0.17), YELLOW),
+    )
+
+
+def _plant(x: float, y: float) -> tuple[Thing, ...]:
+    leaves = ((0.0, 0.0, 0.95, 0.26), (0.14, 0.08, 0.74, 0.20), (-0.13, -0.10, 0.78, 0.19), (0.05, -0.15, 0.68, 0.17))
+    return (
+        Thing("plant_pot", "cylinder", (x, y, 0.20), (0.17, 0.20), (0.80, 0.45, 0.30, 1)),
+        Thing("plant_stem", "cylinder", (x, y, 0.55), (0.03, 0.20), (0.36, 0.27, 0.16, 1), solid=False),
+        *(
+            Thing(f"plant_leaf_{i}", "sphere", (x + dx, y + dy, z), (r,), (0.22 + 0.05 * i, 0.50, 0.26, 1), solid=False)
+            for i, (dx, dy, z, r) in enumerate(leaves)
+        ),
+    )
+
+
+def _shelf(x: float, y: float) -> tuple[Thing, ...]:
+    """Against the left wall."""
+    books = tuple(
+        _decor(f"book_{i}", (x - 0.40 + 0.07 * i, y, 1.02), (0.028, 0.10, 0.13 + 0.015 * (i % 3)), colour)
+        for i, colour in enumerate((RED, TEAL, YELLOW, BLUE, GREEN, DARK, RED, BLUE, YELLOW))
+    )
+    return (Thing("shelf", "box", (x, y, 0.44), (0.50, 0.18, 0.44), WOOD), *books)
+
+
+def _window(x: float, at_y: float) -> tuple[Thing, ...]:
+    """In the left wall."""
+    panes = tuple(
+        _decor(f"pane_{i}", (x + dx, at_y - 0.012, 1.50), (0.44, 0.01, 0.48), (0.72, 0.87, 0.97, 1))
+        for i, dx in enumerate((-0.48, 0.48))
+    )
+    sill = _decor("window_sill", (x, at_y - 0.06, 0.95), (1.06, 0.08, 0.025), WHITE)
+    return (_decor("window_frame", (x, at_y, 1.50), (1.00, 0.01, 0.56), WHITE), *panes, sill)
+
+
+def _poster(at_x: float, y: float) -> tuple[Thing, ...]:
+    """On the front wall: a sun over hills, in a dark frame."""
+    disc = Thing("poster_sun", "sphere", (at_x + 0.10, y + 0.18, 1.62), (0.17,), YELLOW, solid=False)
+    return (
+        _decor("poster_frame", (at_x, y, 1.45), (0.012, 0.62, 0.46), DARK),
+        _decor("poster_paper", (at_x - 0.01, y, 1.45), (0.012, 0.58, 0.42), (0.96, 0.70, 0.52, 1)),
+        _decor("poster_hill", (at_x - 0.02, y, 1.16), (0.012, 0.58, 0.13), TEAL),
+        disc,
+    )
+
+
+def _shades(things: tuple[Thing, ...]) -> tuple[Thing, ...]:
+    """A dark, see-through disc on the floor under what stands on it: real shadows cost three times as much."""
+    return tuple(
+        Thing(f"shade_{t.name}", "cylinder", (t.at_m[0] + 0.03, t.at_m[1] + 0.03, 0.004), (r, 0.002), SHADE, solid=False)
+        for t, r in zip(things, (0.15, 0.36, 0.22, 0.15), strict=False)
+    )
+
+
+TOYS: tuple[Thing, ...] = (
+    Thing("red_ball", "sphere", (2.7, 0.75, 0.15), (0.15,), RED),
+    Thing("blue_box", "box", (3.2, -1.2, 0.25), (0.25, 0.25, 0.25), BLUE),
+    Thing("green_column", "cylinder", (3.5, 1.5, 0.4), (0.16, 0.4), (0.13, 0.60, 0.29, 1)),
+    Thing("yellow_post", "cylinder", (2.6, 2.5, 0.3), (0.10, 0.3), YELLOW),
+)
 THINGS: tuple[Thing, ...] = (
     *_walls(),
-    Thing("red_ball", "sphere", (2.7, 0.75, 0.15), (0.15,), (0.86, 0.12, 0.10, 1)),
-    Thing("blue_box", "box", (3.2, -1.2, 0.25), (0.25, 0.25, 0.25), (0.12, 0.30, 0.80, 1)),
-    Thing("green_column", "cylinder", (3.4, 2.0, 0.4), (0.16, 0.4), (0.12, 0.60, 0.28, 1)),
-    Thing("yellow_post", "cylinder", (1.9, 2.6, 0.3), (0.10, 0.3), (0.95, 0.78, 0.10, 1)),
-    *_table(0.9, -2.5),
-    Thing("shelf", "box", (-3.7, 1.9, 0.8), (0.2, 0.6, 0.8), (0.60, 0.62, 0.66, 1)),
+    *TOYS,
+    *_shades(TOYS),
+    *_table(1.2, -2.5),
+    *_sofa(0.9, 2.5),
+    *_plant(3.65, 2.6),
+    *_shelf(-3.3, 2.8),
+    *_window(-1.6, WIDTH_M / 2),
+    *_poster(LENGTH_M / 2, 0.4),
+    _decor("rug", (0.2, 0.0, 0.002), (1.5, 1.0, 0.003), (0.62, 0.33, 0.29, 1)),
+    _decor("rug_inside", (0.2, 0.0, 0.004), (1.35, 0.85, 0.004), (0.83, 0.72, 0.60, 1)),
+    _decor("picture", (-LENGTH_M / 2, 0.3, 1.25), (0.012, 0.50, 0.36), BLUE, NEAR_WALL_GROUP),
+    _decor("picture_inside", (-LENGTH_M / 2 + 0.01, 0.3, 1.25), (0.012, 0.42, 0.28), YELLOW, NEAR_WALL_GROUP),
+    _decor("door", (-1.0, -WIDTH_M / 2, 1.0), (0.45, 0.02, 1.0), WOOD, NEAR_WALL_GROUP),
 )
 
-FLOOR_RGB = (0.72, 0.60, 0.45)
-OVERVIEW_AT_M, OVERVIEW_TO_M = (-5.6, -5.2, 4.0), (0.0, 0.1, 0.2)
-OVERVIEW_FOVY_DEG = 40.0
+OVERVIEW_AT_M, OVERVIEW_TO_M = (-5.3, -5.0, 3.9), (0.15, 0.15, 0.15)
+OVERVIEW_FOVY_DEG = 39.0
+
+
+#: Direction and strength: one on the floor and both far walls, one on the near walls, one on the ceiling.
+LIGHTS: tuple[tuple[Triple, float], ...] = (
+    ((0.45, 0.60, -0.85), 0.55),
+    ((-0.55, -0.45, -0.30), 0.32),
+    ((0.05, 0.05, 1.0), 0.48),
+)
 
 
 def furnish(spec: Any, things: tuple[Thing, ...] = THINGS) -> None:
@@ -135,21 +231,15 @@ def _floor(spec: Any) -> None:
         name="sky",
         type=texture.mjTEXTURE_SKYBOX,
         builtin=builtin.mjBUILTIN_GRADIENT,
-        rgb1=[0.80, 0.86, 0.93],
-        rgb2=[0.52, 0.60, 0.70],
+        rgb1=[0.93, 0.94, 0.95],
+        rgb2=[0.80, 0.83, 0.87],
         width=64,
         height=384,
     )
     spec.add_texture(
-        name="floor",
-        type=texture.mjTEXTURE_2D,
-        builtin=builtin.mjBUILTIN_CHECKER,
-        rgb1=[0.74, 0.62, 0.47],
-        rgb2=[0.69, 0.57, 0.43],
-        width=128,
-        height=128,
+        name="floor", type=texture.mjTEXTURE_2D, width=PLANKS_PX, height=PLANKS_PX, nchannel=3, data=_planks().ravel().tolist()
     )
-    material = spec.add_material(name="floor", texrepeat=[2, 2], texuniform=True)
+    material = spec.add_material(name="floor", texrepeat=[0.5, 0.5], texuniform=True)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
     spec.worldbody.add_geom(
         name="floor",
@@ -159,17 +249,35 @@ def _floor(spec: Any) -> None:
     )
 
 
+def _planks() -> NDArray[np.uint8]:
+    """A wooden floor of 2 by 2 m: (n, n, 3), planks of one row's height, joints shifted from row to row."""
+    rng = np.random.default_rng(3)
+    n, rows = PLANKS_PX, 10
+    picture = np.empty((n, n, 3))
+    for row, strip in enumerate(np.array_split(np.arange(n), rows)):
+        shift = int(rng.integers(n))
+        for half in range(2):
+            columns = (np.arange(n // 2) + half * n // 2 + shift) % n
+            tone = 1 + rng.uniform(-0.07, 0.07)
+            picture[np.ix_(strip, columns)] = np.array(FLOOR_RGB) * tone
+            picture[strip, columns[0]] *= 0.72
+        grain = rng.normal(1, 0.012, len(strip))
+        picture[strip] *= grain[:, None, None]
+        picture[strip[0]] *= 0.72
+    return np.asarray(np.clip(picture * 255, 0, 255).astype(np.uint8))
+
+
 def _lights(spec: Any) -> None:
     import mujoco
 
     headlight = spec.visual.headlight
-    headlight.ambient, headlight.diffuse, headlight.specular = [0.35] * 3, [0.25] * 3, [0.05] * 3
-    for direction, strength in (((0.35, 0.25, -1.0), 0.38), ((-0.6, -0.5, -0.35), 0.14)):
+    headlight.ambient, headlight.diffuse, headlight.specular = [0.42] * 3, [0.12] * 3, [0.0] * 3
+    for direction, strength in LIGHTS:
         spec.worldbody.add_light(
             pos=[0, 0, 5],
             dir=list(direction),
             type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
             castshadow=False,
-            diffuse=[strength] * 3,
-            specular=[0.1] * 3,
+            diffuse=[strength, strength * 0.98, strength * 0.95],
+            specular=[0.15] * 3,
         )
