@@ -1,26 +1,35 @@
 """Who is asking, and may they: sessions, bearer tokens, CSRF and rights, as dependencies of endpoints.
 
 What pages use: `viewer` for every page; `reader` where reading is required; after reading a form
-`check_form(viewer, form.get("csrf"))`; `keep(response, viewer)` on each page that shows a form to somebody who is not
-signed in (it keeps the cookie that the token belongs to); `sign_in`, `sign_up`, `enter`, which give a session to
-`set_session(response, services, session)`, and `sign_out`.
+`check_form(viewer, form.get("csrf"))`; `keep(response, services, viewer)` on each page that shows a form to somebody
+who is not signed in (it keeps the cookie that the token belongs to); `sign_in`, `sign_up`, `enter`, which give a
+session to `set_session(response, services, session)`, and `sign_out`.
 """
 
 from __future__ import annotations
 
+import asyncio
+import hashlib
+import hmac
+import re
 from dataclasses import dataclass
 
 from fastapi import Request
 from starlette.responses import Response
 
-from agentrob.board.services import Services
-from agentrob.model import Account
+from agentrob.board import accounts
+from agentrob.board.reader import account_from
+from agentrob.board.services import Services, services
+from agentrob.errors import BoardError
+from agentrob.model import Account, Role
+
+_SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 
 
 @dataclass(frozen=True, slots=True)
 class Viewer:
     """Who asks: `account` is None when nobody is signed in. `csrf` goes into forms as the field `csrf` (a meta tag
-    `csrf` for scripts, which send it as `X-CSRF-Token`). `secret` is the cookie's value, never shown."""
+    `csrf` for scripts, which send it as `X-CSRF-Token`). `secret` is the cookie's value or the token, never shown."""
 
     account: Account | None
     csrf: str
@@ -30,54 +39,126 @@ class Viewer:
 
 async def viewer(request: Request) -> Viewer:
     """Whoever asks, signed in or not. 401 for a bearer token that is not valid."""
-    raise NotImplementedError
+    parts = services(request)
+    if (header := request.headers.get("authorization")) is not None:
+        scheme, _, token = header.partition(" ")
+        row = parts.store.reader.first(accounts.by_token(token)) if scheme.lower() == "bearer" else None
+        if row is None:
+            raise BoardError(401, "bad_token", "that token is not valid", "Authorization: Bearer <token>")
+        return Viewer(account_from(row), "", token, by_token=True)
+    secret = request.cookies.get(cookie_name(parts), "")
+    if not _SECRET.fullmatch(secret):
+        secret = accounts.new_secret()
+        return Viewer(None, csrf_token(secret), secret)
+    row = parts.store.reader.first(accounts.by_session(secret))
+    return Viewer(account_from(row) if row else None, csrf_token(secret), secret)
 
 
 async def reader(request: Request) -> Viewer:
     """Who may read: anybody signed in and not suspended, or everybody when `public_read` is set. Else 401, 403."""
-    raise NotImplementedError
+    who = await viewer(request)
+    if who.account is None and services(request).settings.public_read:
+        return who
+    account_of(who)
+    return who
 
 
 async def member(request: Request) -> Account:
     """Who may write by API: signed in, not suspended, with the CSRF header when signed in by cookie. Else 401, 403."""
-    raise NotImplementedError
+    who = await viewer(request)
+    account = account_of(who)
+    if not who.by_token:
+        check_form(who, request.headers.get("x-csrf-token"))
+    return account
+
+
+async def operator(request: Request) -> Account:
+    """Who may command: as `member`, and an operator or admin."""
+    account = await member(request)
+    if account.role is Role.MEMBER:
+        raise BoardError(403, "not_operator", "only operators may do this", "ask an admin for the role operator")
+    return account
 
 
 def check_form(viewer: Viewer, token: object) -> None:
     """403 unless the form's token is the viewer's. Call it before anything else is done with a form."""
-    raise NotImplementedError
+    if not isinstance(token, str) or not hmac.compare_digest(token.encode("utf-8", "replace"), viewer.csrf.encode()):
+        raise BoardError(403, "bad_csrf", "the form is too old or not from this forum", "load the page again")
 
 
 def account_of(viewer: Viewer) -> Account:
     """The viewer's account when it may write: 401 when nobody is signed in, 403 when suspended."""
-    raise NotImplementedError
+    if viewer.account is None:
+        raise BoardError(401, "not_signed_in", "sign in first", "a session cookie or Authorization: Bearer <token>")
+    if viewer.account.suspended:
+        raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
+    return viewer.account
 
 
+# -------------------------------------------------------------------- sessions
 async def sign_in(services: Services, name: str, password: str, address: str) -> str:
     """A new session. 401 for a wrong name or password (the same words for both), 429 after too many attempts."""
-    raise NotImplementedError
+    services.attempts.count(name, address)
+    row = services.store.reader.first(accounts.password_of(name))
+    async with services.hashing:
+        right = await asyncio.to_thread(accounts.verify_password, row.password_hash if row else None, password)
+    if row is None or not right:
+        raise BoardError(401, "wrong_password", "that name or password is wrong", "try again, or ask an admin")
+    services.attempts.forget(name)
+    account = services.store.account(name.strip())
+    if account is None or account.suspended:
+        raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
+    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
 
 
 async def sign_up(services: Services, name: str, password: str, address: str) -> str:
     """A new member account and its session. 403 when sign-up is off, 409 when the name is taken, 422."""
-    raise NotImplementedError
+    if not services.settings.sign_up:
+        raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself", "ask an admin")
+    services.attempts.count("", address)
+    name = accounts.checked_name(name)
+    async with services.hashing:
+        password_hash = await asyncio.to_thread(accounts.hash_password, password)
+    account = await services.store.do(lambda t: accounts.create(t.connection, name, password_hash=password_hash))
+    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
 
 
 async def enter(services: Services, secret: str) -> str:
     """Spend a one-time link: a new session. 404 when it is unknown, used or expired."""
-    raise NotImplementedError
+    return await services.store.do(lambda t: accounts.spend_link(t.connection, secret))
 
 
 async def sign_out(services: Services, viewer: Viewer, response: Response) -> None:
     """End the session and drop its cookie."""
-    raise NotImplementedError
+    await services.store.do(lambda t: accounts.end_session(t.connection, viewer.secret))
+    response.delete_cookie(cookie_name(services), path="/", secure=services.settings.secure, httponly=True)
 
 
 def set_session(response: Response, services: Services, session: str) -> None:
     """Put the session's cookie on the response."""
-    raise NotImplementedError
+    response.set_cookie(
+        cookie_name(services),
+        session,
+        max_age=accounts.SESSION_DAYS * 24 * 3600,
+        path="/",
+        secure=services.settings.secure,
+        httponly=True,
+        samesite="lax",
+    )
 
 
 def keep(response: Response, services: Services, viewer: Viewer) -> None:
     """Keep the cookie that an anonymous viewer's form token belongs to."""
-    raise NotImplementedError
+    if viewer.account is None and not viewer.by_token:
+        set_session(response, services, viewer.secret)
+
+
+def cookie_name(services: Services) -> str:
+    """With the port in it, since browsers share cookies between the ports of a host; bound to the host by https."""
+    name = f"agentrob_{services.settings.port}"
+    return f"__Host-{name}" if services.settings.secure else name
+
+
+def csrf_token(secret: str) -> str:
+    """Follows from the cookie's secret and does not reveal it."""
+    return hmac.new(secret.encode(), b"csrf", hashlib.sha256).hexdigest()

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+import asyncio
+from dataclasses import dataclass, field
+from typing import cast
 
 from starlette.requests import HTTPConnection
 
+from agentrob.board.attempts import Attempts
+from agentrob.board.events import Hub
 from agentrob.board.settings import BoardSettings
-
-if TYPE_CHECKING:
-    from agentrob.board.store import Store
+from agentrob.board.stage import Stage
+from agentrob.board.store import Store
 
 
 @dataclass(frozen=True, slots=True)
 class Services:
-    """Made once by `server.create_app`."""
+    """Made once by `server.create_app`. `hashing` lets only one password be hashed at a time (64 MiB and a core)."""
 
     settings: BoardSettings
     store: Store
+    hub: Hub
+    stage: Stage
+    attempts: Attempts = field(default_factory=Attempts)
+    hashing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
 
 def services(request: HTTPConnection) -> Services:

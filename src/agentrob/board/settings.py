@@ -34,7 +34,7 @@ class BoardSettings:
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
         """Settings from `[board]`; what is not given lives in `data_dir`. Raises `ConfigError`."""
         host, port = parse_listen(board.listen)
-        base_url = (board.base_url or f"http://{_bracket(host)}:{port}").rstrip("/")
+        base_url = (board.base_url or address_of(host, port)).rstrip("/")
         parts = urlsplit(base_url)
         if parts.scheme not in ("http", "https") or not parts.netloc or parts.path or parts.query:
             raise ConfigError(f"board.base_url: {base_url!r} is not an address; valid: https://forum.example.org")
@@ -73,5 +73,6 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def _bracket(host: str) -> str:
-    return f"[{host}]" if ":" in host else host
+def address_of(host: str, port: int) -> str:
+    """The base URL of a host (name, IPv4 or IPv6) and port."""
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"

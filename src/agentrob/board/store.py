@@ -7,74 +7,113 @@ becomes a job with a savepoint of its own, and every change is an event row in t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
+from sqlalchemy.exc import DBAPIError
+
+from agentrob.board import writes
+from agentrob.board.database import open_engine, unavailable
+from agentrob.board.reader import Reader
 from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
 from agentrob.board.settings import BoardSettings
+from agentrob.board.writer import Job, T, Writer
+from agentrob.errors import BoardError
 from agentrob.model import Account
 
 
 class Store:
-    """One open database. Made once per process by `server.create_app`; pages get it as `services(request).store`."""
+    """One open database. Made once per process by `server.create_app`; pages get it as `services(request).store`.
 
-    def __init__(self, settings: BoardSettings) -> None:
-        raise NotImplementedError
+    `published` is called on the event loop with the ids of new events, in order, after each commit.
+    """
+
+    def __init__(self, settings: BoardSettings, published: Callable[[list[int]], None] = lambda _: None) -> None:
+        self._engines = [open_engine(settings, writes=False), open_engine(settings, writes=True)]
+        try:
+            self.reader = Reader(self._engines[0].connect())
+        except DBAPIError as e:
+            raise unavailable(e) from e
+        self.writer = Writer(self._engines[1], published)
+
+    def close(self) -> None:
+        """Finish what is being written and close the database."""
+        self.writer.close()
+        self.reader.connection.close()
+        for engine in self._engines:
+            engine.dispose()
 
     # ---------------------------------------------------------------- reads, synchronous
     def boards(self) -> tuple[Board, ...]:
-        raise NotImplementedError
+        return self.reader.boards()
 
     def board(self, board_id: str) -> Board:
-        raise NotImplementedError
+        return self.reader.board(board_id)
 
     def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
         """Latest activity first."""
-        raise NotImplementedError
+        return self.reader.topics(board_id, cursor, limit)
 
     def latest(self, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
         """Topics of all boards, latest activity first."""
-        raise NotImplementedError
+        return self.reader.topics(None, cursor, limit)
 
     def topic(self, topic_id: str) -> Topic:
-        raise NotImplementedError
+        return self.reader.topic(topic_id)
 
     def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
         """Oldest first, removed ones among them (empty). 404 when there is no such topic."""
-        raise NotImplementedError
+        return self.reader.posts(topic_id, cursor, limit)
+
+    def posts_by(self, author: Account, limit: int = 20) -> tuple[Post, ...]:
+        """What an account wrote, newest first, without what was removed."""
+        return self.reader.posts_by(author, limit)
 
     def cursor_before(self, post_id: str, limit: int = 50) -> str | None:
         """The cursor of the page of `posts(limit=limit)` that shows this post; None for the first page."""
-        raise NotImplementedError
+        return self.reader.cursor_before(post_id, limit)
 
     def post(self, post_id: str) -> Post:
-        raise NotImplementedError
+        return self.reader.post(post_id)
 
     def versions(self, post_id: str) -> tuple[Version, ...]:
         """Earlier texts, oldest first."""
-        raise NotImplementedError
+        return self.reader.versions(post_id)
 
     def find(self, author: Account, key: str) -> Post | None:
         """The author's own post written under `key`."""
-        raise NotImplementedError
+        return self.reader.find(author, key)
 
     def account(self, name: str) -> Account | None:
-        raise NotImplementedError
+        return self.reader.account(name)
 
     def robots(self) -> tuple[Account, ...]:
         """All accounts of robot agents."""
-        raise NotImplementedError
+        return self.reader.robots()
 
     def image(self, image_id: str) -> Image:
-        raise NotImplementedError
+        return self.reader.image(image_id)[0]
 
     def newest_event_id(self) -> str:
-        raise NotImplementedError
+        return str(self.reader.newest_event_id())
 
     def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[Event, ...]:
-        raise NotImplementedError
+        """What happened after an event, oldest first. 404 when `after` is newer than all there is."""
+        return self.reader.events(self.known_event(after), limit, topic_id)
+
+    def known_event(self, after: str) -> int:
+        """`after` as a number, once it is sure that nothing can be missed by it."""
+        newest = self.reader.newest_event_id()
+        number = int(after) if after.isascii() and after.isdigit() and len(after) < 20 else newest + 1
+        if number > newest:
+            raise BoardError(404, "no_such_event", f"there is no event {after[:64]!r}", f"the newest is {newest}")
+        return number
 
     # ---------------------------------------------------------------- writes, awaited
+    async def do(self, job: Job[T]) -> T:
+        """Any job for the one writer."""
+        return await self.writer.do(job)
+
     async def create_topic(
         self,
         author: Account,
@@ -85,7 +124,8 @@ class Store:
         key: str | None = None,
         images: Sequence[str] = (),
     ) -> Written:
-        raise NotImplementedError
+        draft = writes.Draft(author, body, key, images)
+        return await self.do(lambda t: writes.create_topic(t, board_id, title, draft))
 
     async def reply(
         self,
@@ -98,7 +138,8 @@ class Store:
         images: Sequence[str] = (),
         card: Mapping[str, Any] | None = None,
     ) -> Written:
-        raise NotImplementedError
+        draft = writes.Draft(author, body, key, images, reply_to, card)
+        return await self.do(lambda t: writes.reply(t, topic_id, draft))
 
     async def edit(
         self,
@@ -111,12 +152,17 @@ class Store:
         card: Mapping[str, Any] | Literal["keep"] | None = "keep",
     ) -> Post:
         """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
-        raise NotImplementedError
+        return await self.do(lambda t: writes.edit(t, editor, post_id, body, key, images, card))
 
     async def remove(self, by: Account, post_id: str) -> Post:
         """Hide a post for everybody; its author and admins may (403). Again does nothing."""
-        raise NotImplementedError
+        return await self.do(lambda t: writes.remove(t, by, post_id))
 
     async def record(self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None) -> Event:
-        """A robot event: stop, reset, watch."""
-        raise NotImplementedError
+        """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
+        at_us = writes.now_us()
+        return await self.do(lambda t: writes.record(t, kind, robot, by, key, at_us))
+
+    async def add_image(self, by: Account, sha256: str, image: Image, key: str | None = None) -> tuple[Image, bool]:
+        """Register a picture whose file is in place; False when the key had been used: then it is the old one."""
+        return await self.do(lambda t: writes.add_image(t, by, sha256, image, key))

@@ -1,0 +1,166 @@
+"""Accounts and the secrets that prove them: passwords (argon2), sessions, bearer tokens, one-time sign-in links.
+
+Secrets are 256 random bits; only their SHA-256 is kept, so a stolen database signs nobody in. All functions take a
+connection, so that they work as jobs of the writer and in other processes (`admin`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import secrets
+from typing import Any
+
+from argon2 import PasswordHasher
+from argon2.exceptions import InvalidHashError, VerificationError
+from sqlalchemy import Connection, Select, delete, insert, select, update
+from sqlalchemy.exc import IntegrityError
+
+from agentrob.board import schema as db
+from agentrob.board.reader import ACCOUNT, account_from
+from agentrob.board.writes import now_us
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind, Role
+
+#: Only ASCII, so that no name can look like another one.
+NAME = re.compile(r"[a-z][a-z0-9_-]{1,31}")
+PASSWORD_MIN, PASSWORD_MAX = 8, 200
+SESSION_DAYS = 30
+LINK_MINUTES = 10
+_MINUTE_US = 60_000_000
+
+_hasher = PasswordHasher()
+#: Verified when the name is unknown, so that the time of an answer does not tell which names exist.
+_NOBODY = _hasher.hash(secrets.token_hex())
+
+
+# -------------------------------------------------------------------- accounts
+def create(
+    connection: Connection,
+    name: str,
+    *,
+    kind: AccountKind = AccountKind.HUMAN,
+    role: Role = Role.MEMBER,
+    password_hash: str | None = None,
+    display_name: str = "",
+) -> Account:
+    """A new account; without a password it signs in by token or link only. 409 when taken, 422 when badly named."""
+    name = checked_name(name)
+    row = {"name": name, "display_name": checked_display_name(display_name), "kind": str(kind), "role": str(role)}
+    values = row | {"suspended": False, "password_hash": password_hash, "created_us": now_us()}
+    try:
+        with connection.begin_nested():
+            connection.execute(insert(db.accounts).values(**values))
+    except IntegrityError:
+        raise BoardError(409, "name_taken", f"there is an account named {name!r} already", "another name") from None
+    return account_from(connection.execute(ACCOUNT.where(db.accounts.c.name == name)).one())
+
+
+def checked_name(name: str) -> str:
+    """The name, case-folded. 422 when it is none."""
+    folded = name.strip().lower()
+    if not NAME.fullmatch(folded):
+        hint = "2 to 32 of a-z, 0-9, _ and -, a letter first"
+        raise BoardError(422, "bad_name", f"{name[:64]!r} cannot be a name", hint)
+    return folded
+
+
+def checked_display_name(name: str) -> str:
+    if len(name) > 64 or not name.isprintable():
+        raise BoardError(422, "bad_display_name", "that cannot be shown as a name", "at most 64 visible characters")
+    return name.strip()
+
+
+def change(connection: Connection, account: Account, **values: Any) -> None:
+    """Set columns: `role`, `suspended`, `password_hash`. A suspended account loses its sessions."""
+    connection.execute(update(db.accounts).where(db.accounts.c.id == int(account.id)).values(**values))
+    if values.get("suspended"):
+        connection.execute(delete(db.sessions).where(db.sessions.c.account_id == int(account.id)))
+
+
+# -------------------------------------------------------------------- passwords
+def hash_password(password: str) -> str:
+    """Slow on purpose (tens of ms): not on the event loop. 422 when too short or too long."""
+    if not PASSWORD_MIN <= len(password) <= PASSWORD_MAX:
+        hint = f"{PASSWORD_MIN} to {PASSWORD_MAX} characters"
+        raise BoardError(422, "bad_password", "that cannot be a password", hint)
+    return _hasher.hash(password.encode("utf-8", "surrogatepass"))
+
+
+def verify_password(password_hash: str | None, password: str) -> bool:
+    """Slow on purpose, and as slow when there is no password to compare with."""
+    try:
+        right = _hasher.verify(password_hash or _NOBODY, password[:PASSWORD_MAX].encode("utf-8", "surrogatepass"))
+    except (VerificationError, InvalidHashError):
+        return False
+    return right and password_hash is not None
+
+
+def password_of(name: str) -> Select[Any]:
+    """Selects account id and password hash of a name."""
+    return select(db.accounts.c.id, db.accounts.c.password_hash).where(db.accounts.c.name == name.strip().lower()[:64])
+
+
+# -------------------------------------------------------------------- secrets
+def new_secret() -> str:
+    return secrets.token_urlsafe(32)
+
+
+def hash_of(secret: str) -> str:
+    return hashlib.sha256(secret.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def new_session(connection: Connection, account_id: int) -> str:
+    """A session's secret. Those that have expired are swept out on the way."""
+    now, secret = now_us(), new_secret()
+    connection.execute(delete(db.sessions).where(db.sessions.c.expires_us < now))
+    values = {"hash": hash_of(secret), "account_id": account_id, "created_us": now}
+    expires = now + SESSION_DAYS * 24 * 60 * _MINUTE_US
+    connection.execute(insert(db.sessions).values(**values, expires_us=expires))
+    return secret
+
+
+def end_session(connection: Connection, secret: str) -> None:
+    connection.execute(delete(db.sessions).where(db.sessions.c.hash == hash_of(secret)))
+
+
+def by_session(secret: str) -> Select[Any]:
+    """Selects the account that a session signs in."""
+    s = db.sessions.c
+    joined = ACCOUNT.join(db.sessions, s.account_id == db.accounts.c.id)
+    return joined.where(s.hash == hash_of(secret), s.expires_us > now_us())
+
+
+def new_token(connection: Connection, account: Account, label: str = "") -> str:
+    """A bearer token; it is shown once and cannot be read again."""
+    secret = "agentrob_" + new_secret()
+    values = {"hash": hash_of(secret), "account_id": int(account.id), "label": label[:64], "created_us": now_us()}
+    connection.execute(insert(db.tokens).values(**values))
+    return secret
+
+
+def by_token(secret: str) -> Select[Any]:
+    """Selects the account that a bearer token signs in."""
+    t = db.tokens.c
+    joined = ACCOUNT.join(db.tokens, t.account_id == db.accounts.c.id)
+    return joined.where(t.hash == hash_of(secret), t.revoked_us.is_(None))
+
+
+def new_link(connection: Connection, account: Account) -> str:
+    """The secret of a link that signs in once, within ten minutes."""
+    now, secret = now_us(), new_secret()
+    connection.execute(delete(db.links).where(db.links.c.expires_us < now))
+    values = {"hash": hash_of(secret), "account_id": int(account.id), "expires_us": now + LINK_MINUTES * _MINUTE_US}
+    connection.execute(insert(db.links).values(**values))
+    return secret
+
+
+def spend_link(connection: Connection, secret: str) -> str:
+    """A session for a link that was not used yet. 404 when it is unknown, used or expired."""
+    c, now = db.links.c, now_us()
+    spent = update(db.links).where(c.hash == hash_of(secret), c.used_us.is_(None), c.expires_us > now)
+    if connection.execute(spent.values(used_us=now)).rowcount != 1:
+        hint = "ask for a new one: agentrob demo link"
+        raise BoardError(404, "no_such_link", "this link was used before or has expired", hint)
+    account_id = connection.execute(select(c.account_id).where(c.hash == hash_of(secret))).scalar_one()
+    return new_session(connection, account_id)

@@ -1,0 +1,233 @@
+"""The forum's JSON API for accounts, boards, topics, posts and events, as `docs/seams.md` says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Depends, Header, Query, Request
+from pydantic import BaseModel
+from starlette.responses import Response
+
+from agentrob.board import accounts
+from agentrob.board.access import Viewer, member, reader, viewer
+from agentrob.board.api_models import (
+    POST_BYTES,
+    AccountOut,
+    BoardOut,
+    CardIn,
+    Changes,
+    EditIn,
+    Items,
+    Now,
+    Paged,
+    PostOut,
+    PostWritten,
+    ReplyIn,
+    Shaper,
+    TopicIn,
+    TopicOut,
+    TopicWritten,
+    account_out,
+    time_out,
+)
+from agentrob.board.events import EventStream
+from agentrob.board.problem import documented
+from agentrob.board.reader import MAX_LIMIT, account_from, not_found
+from agentrob.board.records import Written
+from agentrob.board.services import Services, services
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind
+
+router = APIRouter(prefix="/api/v1", responses=documented())
+
+KEY = r"^[!-~]{1,200}$"
+Reading = Annotated[Viewer, Depends(reader)]
+Member = Annotated[Account, Depends(member)]
+Key = Annotated[str | None, Header(alias="Idempotency-Key", pattern=KEY)]
+Cursor = Annotated[str | None, Query(pattern=r"^[0-9a-f]{1,15}$", description="`next` of the page before")]
+Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT)]
+After = Annotated[str | None, Query(pattern=r"^[0-9]{1,18}$", description="an event id")]
+NOT_FOUND = documented(404)
+
+
+def out(model: BaseModel, status: int = 200) -> Response:
+    """An answer in JSON. The endpoints say what it is by `response_model`."""
+    return Response(model.model_dump_json(), status, media_type="application/json")
+
+
+def shaper(request: Request, account: Account | None) -> Shaper:
+    return Shaper(services(request).settings.base_url, account)
+
+
+def _two_answers(model: type[BaseModel]) -> dict[int | str, dict[str, Any]]:
+    return documented(404, 409) | {200: {"model": model, "description": "the key had been used: the old one"}}
+
+
+# -------------------------------------------------------------------- accounts
+@router.get("/me", response_model=AccountOut)
+async def me(request: Request) -> Response:
+    """Who asks; also told to a suspended account."""
+    who = await viewer(request)
+    if who.account is None:
+        raise BoardError(401, "not_signed_in", "sign in first", "a session cookie or Authorization: Bearer <token>")
+    return out(account_out(who.account))
+
+
+@router.get("/accounts/{name}", response_model=AccountOut, responses=NOT_FOUND)
+async def account(request: Request, name: str, who: Reading) -> Response:
+    """Who somebody is now."""
+    found = services(request).store.account(name) if accounts.NAME.fullmatch(name.lower()) else None
+    if found is None:
+        raise not_found("account", name)
+    return out(account_out(found))
+
+
+# -------------------------------------------------------------------- boards and topics
+@router.get("/boards", response_model=Items[BoardOut])
+async def boards(request: Request, who: Reading) -> Response:
+    """All boards."""
+    found = services(request).store.boards()
+    return out(Items(items=tuple(BoardOut(id=b.id, name=b.name, description=b.description) for b in found)))
+
+
+@router.get("/boards/{board_id}/topics", response_model=Paged[TopicOut], responses=NOT_FOUND)
+async def topics(request: Request, board_id: str, who: Reading, cursor: Cursor = None, limit: Limit = 20) -> Response:
+    """Topics of a board, latest activity first."""
+    page = services(request).store.topics(board_id, cursor, limit)
+    shape = shaper(request, who.account)
+    return out(Paged(items=tuple(map(shape.topic, page.items)), next=page.next))
+
+
+@router.get("/topics/{topic_id}", response_model=TopicOut, responses=NOT_FOUND)
+async def topic(request: Request, topic_id: str, who: Reading) -> Response:
+    """One topic."""
+    return out(shaper(request, who.account).topic(services(request).store.topic(topic_id)))
+
+
+@router.post("/topics", response_model=TopicWritten, status_code=201, responses=_two_answers(TopicWritten))
+async def create_topic(request: Request, new: TopicIn, by: Member, key: Key = None) -> Response:
+    """A new topic with its first post."""
+    _check_size(new.body)
+    store = services(request).store
+    written = await store.create_topic(by, new.board, new.title.strip(), new.body, key=key, images=new.images)
+    shape = shaper(request, by)
+    answer = TopicWritten(topic=shape.topic(written.topic), post=shape.post(written.post), created=written.created)
+    return out(answer, 201 if written.created else 200)
+
+
+# -------------------------------------------------------------------- posts
+@router.get("/topics/{topic_id}/posts", response_model=Paged[PostOut], responses=NOT_FOUND)
+async def posts(request: Request, topic_id: str, who: Reading, cursor: Cursor = None, limit: Limit = 50) -> Response:
+    """Posts of a topic, oldest first; removed ones are there, empty."""
+    page = services(request).store.posts(topic_id, cursor, limit)
+    shape = shaper(request, who.account)
+    return out(Paged(items=tuple(map(shape.post, page.items)), next=page.next))
+
+
+@router.post(
+    "/topics/{topic_id}/posts", response_model=PostWritten, status_code=201, responses=_two_answers(PostWritten)
+)
+async def reply(request: Request, topic_id: str, new: ReplyIn, by: Member, key: Key = None) -> Response:
+    """A new post in a topic."""
+    _check_size(new.body)
+    card = _card(by, new.card)
+    written = await services(request).store.reply(
+        by, topic_id, new.body, key=key, reply_to=new.reply_to, images=new.images, card=card
+    )
+    return _post_written(request, by, written)
+
+
+@router.get("/posts", response_model=Items[PostOut])
+async def find(request: Request, who: Reading, key: Annotated[str, Query(pattern=KEY)]) -> Response:
+    """The caller's own post written under a key."""
+    found = services(request).store.find(who.account, key) if who.account else None
+    return out(Items(items=(shaper(request, who.account).post(found),) if found else ()))
+
+
+@router.get("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND)
+async def post(request: Request, post_id: str, who: Reading) -> Response:
+    """One post as it is now."""
+    return out(shaper(request, who.account).post(services(request).store.post(post_id)))
+
+
+@router.patch("/posts/{post_id}", response_model=PostOut, responses=documented(404, 409))
+async def edit(request: Request, post_id: str, new: EditIn, by: Member, key: Key = None) -> Response:
+    """A new text for one's own post."""
+    _check_size(new.body)
+    card: dict[str, Any] | Literal["keep"] | None = "keep"
+    if "card" in new.model_fields_set:
+        card = _card(by, new.card)
+    changed = await services(request).store.edit(by, post_id, new.body, key=key, images=new.images, card=card)
+    return out(shaper(request, by).post(changed))
+
+
+@router.delete("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND)
+async def remove(request: Request, post_id: str, by: Member) -> Response:
+    """Hide a post: one's own, or any for an admin."""
+    return out(shaper(request, by).post(await services(request).store.remove(by, post_id)))
+
+
+def _check_size(body: str) -> None:
+    if len(body) * 4 > POST_BYTES and len(body.encode()) > POST_BYTES:
+        raise BoardError(413, "post_too_large", "the post is too long", f"at most {POST_BYTES} bytes of UTF-8")
+
+
+def _card(by: Account, card: CardIn | None) -> dict[str, Any] | None:
+    if card is None:
+        return None
+    if by.kind is not AccountKind.ROBOT_AGENT:
+        raise BoardError(403, "not_a_robot", "only robot agents send cards", "leave out `card`")
+    return card.model_dump()
+
+
+def _post_written(request: Request, by: Account, written: Written) -> Response:
+    answer = PostWritten(post=shaper(request, by).post(written.post), created=written.created)
+    return out(answer, 201 if written.created else 200)
+
+
+# -------------------------------------------------------------------- events
+@router.get("/changes", response_model=Changes, responses=NOT_FOUND)
+async def changes(request: Request, who: Reading, after: After = None, limit: Limit = 100) -> Response:
+    """What happened after an event; without `after` only where "now" is."""
+    store = services(request).store
+    items = store.events(after, limit) if after is not None else ()
+    shape = shaper(request, who.account)
+    now = Now(id=store.newest_event_id(), at=time_out(datetime.now(UTC)))
+    return out(Changes(items=tuple(map(shape.event, items)), now=now))
+
+
+@router.get(
+    "/events",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}},
+)
+async def events(
+    request: Request,
+    who: Reading,
+    after: After = None,
+    heartbeat: Annotated[float, Query(ge=0.25, le=30.0, allow_inf_nan=False)] = 15.0,
+    topic: str | None = None,
+    last_event_id: Annotated[str | None, Header(pattern=r"^[0-9]{1,18}$")] = None,
+) -> Response:
+    """Server-sent events, from after an event on or from now on; of one topic or of all."""
+    parts = services(request)
+    resume = last_event_id if last_event_id is not None else after
+    start = parts.store.known_event(resume) if resume is not None else parts.store.reader.newest_event_id()
+    topic_id = parts.store.topic(topic).id if topic is not None else None
+    listener = parts.hub.listen(topic_id)
+    return EventStream(parts.hub, listener, who.account, start, heartbeat, _still_allowed(parts, who))
+
+
+def _still_allowed(parts: Services, who: Viewer) -> Callable[[], bool]:
+    """Whether whoever opened a stream may still read: not signed out, not suspended, the token not revoked."""
+    if who.account is None:
+        return lambda: True
+
+    def allowed() -> bool:
+        signed_in = accounts.by_token if who.by_token else accounts.by_session
+        row = parts.store.reader.first(signed_in(who.secret))
+        return row is not None and not account_from(row).suspended
+
+    return allowed

@@ -1,0 +1,260 @@
+"""What goes in and out of the JSON API, as `docs/seams.md` says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Annotated, Any, Generic, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from agentrob.board import records
+from agentrob.model import Account, AccountKind, Role
+
+T = TypeVar("T")
+POST_BYTES = 64 * 1024
+
+Time = Annotated[str, Field(json_schema_extra={"format": "date-time"})]
+#: At least one character that is not white space, and no NUL (which no database can be trusted with).
+Body = Annotated[
+    str,
+    StringConstraints(pattern=r"^[^\x00]*[^\x00\s][^\x00]*$"),
+    Field(description="Markdown, at most 64 KiB in UTF-8 (413 beyond)", json_schema_extra={"maxLength": POST_BYTES}),
+]
+#: One line: no control characters.
+_SHOWN = r"[^\x00-\x1f\x7f-\x9f]*"
+Title = Annotated[
+    str, StringConstraints(pattern=rf"^{_SHOWN}[^\x00-\x1f\x7f-\x9f\s]{_SHOWN}$", min_length=1, max_length=200)
+]
+Ids = Annotated[list[str], Field(max_length=32, description="ids from POST /images")]
+
+
+class _In(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class _Out(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+
+# -------------------------------------------------------------------- in
+class CardIn(_In):
+    """The state of one command; only robot agents send it."""
+
+    robot: str = Field(max_length=64)
+    state: str = Field(max_length=32)
+    step: int = Field(0, ge=0, le=1000)
+    steps: int = Field(0, ge=0, le=1000)
+    doing: str = Field("", max_length=500)
+    place: int | None = Field(None, ge=0, le=100_000)
+    trace_id: str = Field("", max_length=64)
+
+
+class TopicIn(_In):
+    board: str = Field(max_length=32)
+    title: Title
+    body: Body
+    images: Ids = []
+
+
+class ReplyIn(_In):
+    body: Body
+    reply_to: str | None = None
+    images: Ids = []
+    card: CardIn | None = None
+
+
+class EditIn(_In):
+    """`images` are added to those the post has; a card that is not given stays, null takes it away."""
+
+    body: Body
+    images: Ids = []
+    card: CardIn | None = None
+
+
+class RobotIn(_In):
+    card: dict[str, Any] = Field(description="model, ops, limits, state, …; shown as it is")
+
+
+# -------------------------------------------------------------------- out
+class Problem(_Out):
+    """RFC 9457 problem details; `code` is a stable word, `hint` says what would be valid."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    code: str
+    hint: str
+
+
+class AccountOut(_Out):
+    id: str
+    name: str
+    display_name: str
+    kind: AccountKind
+    role: Role
+    suspended: bool
+
+
+class BoardOut(_Out):
+    id: str
+    name: str
+    description: str
+
+
+class TopicOut(_Out):
+    id: str
+    board: str
+    title: str
+    url: str
+    author: AccountOut
+    created_at: Time
+    last_post_at: Time
+    posts: int
+
+
+class ImageOut(_Out):
+    id: str
+    url: str
+    width: int
+    height: int
+
+
+class PostOut(_Out):
+    id: str
+    topic_id: str
+    board_id: str
+    author: AccountOut
+    raw: str
+    html: str
+    version: int
+    created_at: Time
+    edited_at: Time | None
+    removed: bool
+    mentions: tuple[str, ...]
+    reply_to: str | None
+    key: str | None = Field(description="own posts only")
+    url: str
+    images: tuple[ImageOut, ...]
+    card: dict[str, Any] | None
+
+
+class EventOut(_Out):
+    id: str
+    kind: records.EventKind
+    at: Time
+    post: PostOut | None = None
+    robot: str | None = None
+    account: AccountOut | None = None
+
+
+class RobotOut(_Out):
+    name: str
+    card: dict[str, Any]
+    seen_at: Time | None
+    viewers: int
+    has_frame: bool
+
+
+class Items(_Out, Generic[T]):
+    items: tuple[T, ...]
+
+
+class Paged(_Out, Generic[T]):
+    items: tuple[T, ...]
+    next: str | None
+
+
+class TopicWritten(_Out):
+    topic: TopicOut
+    post: PostOut
+    created: bool
+
+
+class PostWritten(_Out):
+    post: PostOut
+    created: bool
+
+
+class Now(_Out):
+    id: str
+    at: Time
+
+
+class Changes(_Out):
+    items: tuple[EventOut, ...]
+    now: Now
+
+
+class Viewers(_Out):
+    viewers: int
+
+
+# -------------------------------------------------------------------- records to models
+def time_out(at: datetime) -> str:
+    return at.astimezone(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
+
+
+def account_out(a: Account) -> AccountOut:
+    return AccountOut(
+        id=a.id, name=a.name, display_name=a.display_name, kind=a.kind, role=a.role, suspended=a.suspended
+    )
+
+
+class Shaper:
+    """Makes models of records for one viewer: addresses begin with `base_url`, keys are shown to their owner only."""
+
+    def __init__(self, base_url: str, viewer: Account | None = None) -> None:
+        self.base_url = base_url
+        self.viewer_id = viewer.id if viewer else None
+
+    def topic(self, t: records.Topic) -> TopicOut:
+        return TopicOut(
+            id=t.id,
+            board=t.board_id,
+            title=t.title,
+            url=self.base_url + t.path,
+            author=account_out(t.author),
+            created_at=time_out(t.created_at),
+            last_post_at=time_out(t.last_post_at),
+            posts=t.posts,
+        )
+
+    def image(self, i: records.Image) -> ImageOut:
+        return ImageOut(id=i.id, url=self.base_url + i.path, width=i.width, height=i.height)
+
+    def post(self, p: records.Post) -> PostOut:
+        return PostOut(
+            id=p.id,
+            topic_id=p.topic_id,
+            board_id=p.board_id,
+            author=account_out(p.author),
+            raw=p.raw,
+            html=p.html,
+            version=p.version,
+            created_at=time_out(p.created_at),
+            edited_at=time_out(p.edited_at) if p.edited_at else None,
+            removed=p.removed,
+            mentions=p.mentions,
+            reply_to=p.reply_to,
+            key=p.key if p.author.id == self.viewer_id else None,
+            url=self.base_url + p.path,
+            images=tuple(map(self.image, p.images)),
+            card=dict(p.card) if p.card is not None else None,
+        )
+
+    def event(self, e: records.Event) -> EventOut:
+        return EventOut(
+            id=e.id,
+            kind=e.kind,
+            at=time_out(e.at),
+            post=self.post(e.post) if e.post else None,
+            robot=e.robot,
+            account=account_out(e.account) if e.account else None,
+        )
+
+
+def robot_out(name: str, card: Mapping[str, Any], seen_at: datetime | None, viewers: int, has_frame: bool) -> RobotOut:
+    seen = time_out(seen_at) if seen_at else None
+    return RobotOut(name=name, card=dict(card), seen_at=seen, viewers=viewers, has_frame=has_frame)

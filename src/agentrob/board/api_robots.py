@@ -1,0 +1,134 @@
+"""The JSON API's robots and pictures: what robots' agents publish, who looks, the buttons, uploads."""
+
+from __future__ import annotations
+
+import asyncio
+
+from fastapi import APIRouter, Request, UploadFile
+from starlette.responses import FileResponse, Response
+
+from agentrob.board import buttons, images
+from agentrob.board.api import Key, Member, Reading, out, shaper
+from agentrob.board.api_models import EventOut, ImageOut, Items, RobotIn, RobotOut, Viewers, robot_out
+from agentrob.board.problem import documented
+from agentrob.board.reader import not_found
+from agentrob.board.services import Services, services
+from agentrob.board.stage import CameraStream
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind, Role
+
+router = APIRouter(prefix="/api/v1", responses=documented(404))
+#: Pictures in posts, beside the API since pages show them.
+files = APIRouter()
+
+_JPEG = {"content": {"image/jpeg": {"schema": {"type": "string", "format": "binary"}}}}
+
+
+# -------------------------------------------------------------------- robots
+@router.get("/robots", response_model=Items[RobotOut])
+async def robots(request: Request, who: Reading) -> Response:
+    """All robots that have an agent's account."""
+    parts = services(request)
+    return out(Items(items=tuple(_robot(parts, account) for account in parts.store.robots())))
+
+
+@router.get("/robots/{name}", response_model=RobotOut)
+async def robot(request: Request, name: str, who: Reading) -> Response:
+    """One robot as its agent last told."""
+    parts = services(request)
+    return out(_robot(parts, buttons.known_robot(parts, name)))
+
+
+@router.put("/robots/{name}", response_model=RobotOut)
+async def publish(request: Request, name: str, told: RobotIn, by: Member) -> Response:
+    """The robot's agent tells of it, at least every 5 s while it lives."""
+    parts = services(request)
+    _own(by, name)
+    parts.stage.publish(name, told.card)
+    return out(_robot(parts, by))
+
+
+@router.put(
+    "/robots/{name}/frame",
+    response_model=Viewers,
+    responses=documented(404, 415),
+    openapi_extra={"requestBody": _JPEG | {"required": True}},
+)
+async def show(request: Request, name: str, by: Member) -> Response:
+    """The robot's agent shows a live picture; it learns how many look."""
+    _own(by, name)
+    jpeg = await request.body()
+    images.check_frame(jpeg)
+    return out(Viewers(viewers=services(request).stage.show(name, jpeg)))
+
+
+@router.get("/robots/{name}/frame.jpg", response_class=Response, responses={200: _JPEG | {"description": "JPEG"}})
+async def frame(request: Request, name: str, who: Reading) -> Response:
+    """The last live picture."""
+    parts = services(request)
+    jpeg = parts.stage.robot(buttons.known_robot(parts, name).name).frame
+    if jpeg is None:
+        raise not_found("picture", name, "there is one while somebody looks at the camera")
+    return Response(jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+
+@router.get(
+    "/robots/{name}/camera.mjpg",
+    response_class=Response,
+    responses={200: {"description": "live", "content": {"multipart/x-mixed-replace": {"schema": {"type": "string"}}}}},
+)
+async def camera(request: Request, name: str, who: Reading) -> Response:
+    """Live pictures as a multipart stream. Whoever opens it is a viewer; the first one makes a `robot.watch` event."""
+    parts = services(request)
+    name = buttons.known_robot(parts, name).name
+    if parts.stage.robot(name).viewers == 0:
+        await buttons.watch(parts, name)
+    return CameraStream(parts.stage, name)
+
+
+@router.post("/robots/{name}/stop", response_model=EventOut)
+async def stop(request: Request, name: str, by: Member, key: Key = None) -> Response:
+    """Stop a robot: every signed-in account may, and nothing stands in its way."""
+    return out(shaper(request, by).event(await buttons.stop(services(request), name, by, key)))
+
+
+@router.post("/robots/{name}/reset", response_model=EventOut)
+async def reset(request: Request, name: str, by: Member, key: Key = None) -> Response:
+    """Put a simulated room back: operators only."""
+    return out(shaper(request, by).event(await buttons.reset(services(request), name, by, key)))
+
+
+def _robot(parts: Services, account: Account) -> RobotOut:
+    now = parts.stage.robot(account.name)
+    return robot_out(now.name, now.card, now.seen_at, now.viewers, now.frame is not None)
+
+
+def _own(by: Account, name: str) -> None:
+    if by.kind is not AccountKind.ROBOT_AGENT or by.name != name:
+        raise BoardError(403, "not_this_robot", f"only the robot agent {name[:64]!r} may do this", "use its token")
+
+
+# -------------------------------------------------------------------- images
+@router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415))
+async def upload(request: Request, file: UploadFile, by: Member, key: Key = None) -> Response:
+    """A picture for a post: JPEG or PNG, at most 8 MiB. Robot agents, operators and admins."""
+    if by.kind is not AccountKind.ROBOT_AGENT and by.role is Role.MEMBER:
+        raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
+    parts = services(request)
+    data = await file.read(images.MAX_BYTES + 1)
+    image, data = await asyncio.to_thread(images.check, data)
+    digest = await asyncio.to_thread(images.keep, parts.settings.images_dir, data)
+    image, created = await parts.store.add_image(by, digest, image, key)
+    return out(shaper(request, by).image(image), 201 if created else 200)
+
+
+@files.get("/images/{image_id}", include_in_schema=False)
+async def picture(request: Request, image_id: str, who: Reading) -> Response:
+    """The file of a picture, for those who may read a post that shows it."""
+    parts = services(request)
+    image, digest = parts.store.reader.image(image_id)
+    if not parts.store.reader.image_shown(image.id, who.account):
+        raise not_found("image", image_id)
+    path = images.path_of(parts.settings.images_dir, digest)
+    headers = {"Cache-Control": "private, max-age=3600"}
+    return FileResponse(path, media_type=image.media_type, headers=headers, content_disposition_type="inline")

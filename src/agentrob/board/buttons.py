@@ -1,0 +1,62 @@
+"""What the buttons of a robot's page do: stop, put the room back; and telling a robot's agent that somebody looks."""
+
+from __future__ import annotations
+
+import asyncio
+from datetime import UTC, datetime
+
+import structlog
+
+from agentrob.board.reader import not_found
+from agentrob.board.records import Event, EventKind
+from agentrob.board.services import Services
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind, Role
+
+#: A stop is told without being written when writing takes longer (locked database, full disk): law 15.
+WRITE_S = 0.25
+
+log = structlog.get_logger(__name__)
+
+
+def known_robot(services: Services, name: str) -> Account:
+    """The account of a robot's agent. 404 names those that are there."""
+    account = services.store.account(name)
+    if account is None or account.kind is not AccountKind.ROBOT_AGENT:
+        known = ", ".join(a.name for a in services.store.robots()) or "none"
+        raise not_found("robot", name, f"there are: {known}")
+    return account
+
+
+async def stop(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Stop a robot. Every signed-in account may; there is no limit, and no disk stands in its way."""
+    name = known_robot(services, robot).name
+    return await _record_or_announce(services, EventKind.ROBOT_STOP, name, by, key)
+
+
+async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Put a simulated room back. 403 for those who may not command."""
+    name = known_robot(services, robot).name
+    if by.role is Role.MEMBER:
+        raise BoardError(403, "not_operator", "only operators may reset the room", "ask an admin for the role operator")
+    return await services.store.record(EventKind.ROBOT_RESET, name, by, key=key)
+
+
+async def watch(services: Services, robot: str) -> None:
+    """Tell the robot's agent that somebody looks now."""
+    await _record_or_announce(services, EventKind.ROBOT_WATCH, robot, None, None)
+
+
+async def _record_or_announce(
+    services: Services, kind: EventKind, robot: str, by: Account | None, key: str | None
+) -> Event:
+    at = datetime.now(UTC)
+    writing = asyncio.ensure_future(services.store.record(kind, robot, by, key=key))
+    try:
+        return await asyncio.wait_for(asyncio.shield(writing), WRITE_S)
+    except (TimeoutError, BoardError) as e:
+        log.error("board.event_not_written", kind=str(kind), robot=robot, error=str(e) or "timeout")
+        writing.add_done_callback(lambda task: task.cancelled() or task.exception())
+        event = Event(str(services.hub.last), kind, at, robot=robot, account=by)
+        services.hub.announce(event)
+        return event

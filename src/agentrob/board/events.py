@@ -1,0 +1,247 @@
+"""Tells everybody who listens what happened: one hub on the event loop, server-sent events that resume and beat.
+
+An event is read and encoded once, however many listen. A listener that cannot keep up is cut off and resumes from the
+last id it got; nothing is ever dropped from the middle of a stream.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import structlog
+from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
+
+from agentrob.board.api_models import EventOut, Shaper, time_out
+from agentrob.board.reader import Reader
+from agentrob.board.records import Event, EventKind
+from agentrob.errors import BoardError
+from agentrob.model import Account
+
+#: A listener with more than this waiting does not read.
+MAX_PENDING = 1000
+MAX_LISTENERS = 2000
+#: How often a stream asks whether its listener may still listen.
+RECHECK_S = 10.0
+
+log = structlog.get_logger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """An event, and its encodings for everybody and for the author of its post. `written`: it is in the database."""
+
+    event: Event
+    frame: bytes
+    frame_for_author: bytes
+    written: bool = True
+
+    @property
+    def number(self) -> int:
+        return int(self.event.id)
+
+    @property
+    def topic_id(self) -> str | None:
+        return self.event.post.topic_id if self.event.post else None
+
+
+def encode(event: Event, base_url: str, written: bool = True) -> Happening:
+    author = event.post.author if event.post and event.post.key is not None else None
+    for_all = _frame(Shaper(base_url).event(event))
+    for_author = _frame(Shaper(base_url, author).event(event)) if author else for_all
+    return Happening(event, for_all, for_author, written)
+
+
+def _frame(event: EventOut) -> bytes:
+    return f"id: {event.id}\nevent: {event.kind}\ndata: {event.model_dump_json()}\n\n".encode()
+
+
+class Listener:
+    """One open stream: what waits to be sent to it, of one topic or of all."""
+
+    def __init__(self, topic_id: str | None = None) -> None:
+        self.topic_id = topic_id
+        self.closed = False
+        self._pending: deque[Happening] = deque()
+        self._waiter: asyncio.Future[None] | None = None
+
+    def offer(self, happening: Happening) -> None:
+        if self.topic_id is None or self.topic_id == happening.topic_id:
+            self._pending.append(happening)
+            if len(self._pending) > MAX_PENDING:
+                self.closed = True
+            self._wake()
+
+    def close(self) -> None:
+        self.closed = True
+        self._wake()
+
+    async def next(self, timeout_s: float) -> Happening | None:
+        """The next event, or None when there was none in time or the stream is closed."""
+        if not self._pending and not self.closed:
+            loop = asyncio.get_running_loop()
+            self._waiter = loop.create_future()
+            timer = loop.call_later(timeout_s, self._wake)
+            try:
+                await self._waiter
+            finally:
+                timer.cancel()
+                self._waiter = None
+        return self._pending.popleft() if self._pending and not self.closed else None
+
+    def _wake(self) -> None:
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_result(None)
+
+
+class Hub:
+    """All listeners of this process. Lives on the event loop."""
+
+    def __init__(self, base_url: str) -> None:
+        self.base_url = base_url
+        self.closed = False
+        self.reader: Reader | None = None
+        self._listeners: set[Listener] = set()
+        self._last = 0
+
+    def start(self, reader: Reader) -> None:
+        """Begin after the newest event there is."""
+        self.reader = reader
+        self._last = reader.newest_event_id()
+
+    def close(self) -> None:
+        """End all streams now, so that the server can end."""
+        self.closed = True
+        for listener in list(self._listeners):
+            listener.close()
+
+    def published(self, event_ids: list[int]) -> None:
+        """Tell all listeners of the events up to these. Called by the writer after each commit."""
+        assert self.reader is not None
+        try:
+            while self._last < event_ids[-1] and (events := self.reader.events(self._last, 100)):
+                for event in events:
+                    self._tell(event)
+                    self._last = int(event.id)
+        except BoardError as e:
+            # Everybody must hear of what is in the database: cut them all off, and they resume.
+            log.error("board.events_unreadable", error=str(e))
+            for listener in list(self._listeners):
+                listener.close()
+
+    def announce(self, event: Event) -> None:
+        """Tell all listeners of an event that could not be written (a stop must get through in any case).
+
+        Its id is that of the newest written event, so that resuming after it misses nothing.
+        """
+        self._tell(event, written=False)
+
+    def listen(self, topic_id: str | None = None) -> Listener:
+        """Begin to listen; give the listener back with `leave`. 503 when too many do."""
+        if self.closed or len(self._listeners) >= MAX_LISTENERS:
+            raise BoardError(503, "no_more_streams", "no more event streams now", "poll /api/v1/changes", 5.0)
+        listener = Listener(topic_id)
+        self._listeners.add(listener)
+        return listener
+
+    def leave(self, listener: Listener) -> None:
+        self._listeners.discard(listener)
+
+    @property
+    def listeners(self) -> int:
+        return len(self._listeners)
+
+    @property
+    def last(self) -> int:
+        """The newest event that was told."""
+        return self._last
+
+    def _tell(self, event: Event, written: bool = True) -> None:
+        happening = encode(event, self.base_url, written)
+        for listener in self._listeners:
+            listener.offer(happening)
+
+
+class EventStream(Response):
+    """Server-sent events from `after` on: first what is in the database, then what happens, and beats in between."""
+
+    media_type = "text/event-stream"
+
+    def __init__(
+        self,
+        hub: Hub,
+        listener: Listener,
+        viewer: Account | None,
+        after: int,
+        heartbeat_s: float,
+        allowed: Callable[[], bool],
+    ) -> None:
+        super().__init__(headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
+        del self.headers["content-length"]
+        self._hub, self._listener, self._viewer = hub, listener, viewer
+        self._after, self._heartbeat_s, self._allowed = after, heartbeat_s, allowed
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        watcher = asyncio.ensure_future(_until_gone(receive, self._listener))
+        try:
+            await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
+            await _send(send, b"retry: 1000\n\n")
+            await self._replay(send)
+            await self._live(send)
+            await send({"type": "http.response.body", "body": b"", "more_body": False})
+        except OSError:
+            pass  # the listener is gone
+        finally:
+            watcher.cancel()
+            self._hub.leave(self._listener)
+
+    async def _replay(self, send: Send) -> None:
+        assert self._hub.reader is not None
+        while not self._listener.closed:
+            events = self._hub.reader.events(self._after, 100, self._listener.topic_id)
+            if not events:
+                return
+            for event in events:
+                await _send(send, self._bytes(encode(event, self._hub.base_url)))
+                self._after = int(event.id)
+
+    async def _live(self, send: Send) -> None:
+        checked_s = time.monotonic()
+        while not self._listener.closed:
+            happening = await self._listener.next(self._heartbeat_s)
+            if time.monotonic() - checked_s > RECHECK_S:
+                checked_s = time.monotonic()
+                if not self._allowed():
+                    return
+            if happening is not None:
+                if happening.number > self._after or not happening.written:
+                    await _send(send, self._bytes(happening))
+                    self._after = max(self._after, happening.number)
+            elif not self._listener.closed:
+                await _send(send, _heartbeat())
+
+    def _bytes(self, happening: Happening) -> bytes:
+        post = happening.event.post
+        mine = post is not None and self._viewer is not None and post.author.id == self._viewer.id
+        return happening.frame_for_author if mine else happening.frame
+
+
+async def _send(send: Send, body: bytes) -> None:
+    await send({"type": "http.response.body", "body": body, "more_body": True})
+
+
+async def _until_gone(receive: Receive, listener: Listener) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass
+    listener.close()
+
+
+def _heartbeat() -> bytes:
+    at = time_out(datetime.now(UTC))
+    # No id line: the listener's last id stays what it was.
+    return f'event: {EventKind.HEARTBEAT}\ndata: {{"id":"","kind":"heartbeat","at":"{at}"}}\n\n'.encode()

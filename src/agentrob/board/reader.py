@@ -1,0 +1,265 @@
+"""Reads rows of the forum's database and makes records of them; each read is a few short statements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from sqlalchemy import Connection, Row, Select, and_, func, select
+from sqlalchemy.exc import DBAPIError
+
+from agentrob.board import schema as db
+from agentrob.board.database import unavailable
+from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, from_us
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind, Role
+
+#: The longest page that anybody gets.
+MAX_LIMIT = 100
+_LARGEST_ID = 2**63 - 1
+
+_AUTHOR = (
+    db.accounts.c.id.label("a_id"),
+    db.accounts.c.name.label("a_name"),
+    db.accounts.c.kind.label("a_kind"),
+    db.accounts.c.role.label("a_role"),
+    db.accounts.c.suspended.label("a_suspended"),
+    db.accounts.c.display_name.label("a_display_name"),
+)
+ACCOUNT: Select[Any] = select(*_AUTHOR)
+_TOPICS = select(db.topics, *_AUTHOR).join(db.accounts, db.accounts.c.id == db.topics.c.author_id)
+_POSTS = (
+    select(db.posts, db.topics.c.board_id, *_AUTHOR)
+    .join(db.topics, db.topics.c.id == db.posts.c.topic_id)
+    .join(db.accounts, db.accounts.c.id == db.posts.c.author_id)
+)
+_EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)
+
+
+def row_id(text: str, what: str) -> int:
+    """An id as a number. What cannot be one is not there: 404."""
+    if text.isascii() and text.isdigit() and (number := int(text[:20])) <= _LARGEST_ID and len(text) < 20:
+        return number
+    raise not_found(what, text)
+
+
+def not_found(what: str, which: str, hint: str = "") -> BoardError:
+    return BoardError(404, f"no_such_{what}", f"there is no {what} {which[:64]!r}", hint)
+
+
+def account_from(row: Row[Any]) -> Account:
+    return Account(
+        id=str(row.a_id),
+        name=row.a_name,
+        kind=AccountKind(row.a_kind),
+        role=Role(row.a_role),
+        suspended=row.a_suspended,
+        display_name=row.a_display_name or row.a_name,
+    )
+
+
+class Reader:
+    """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503."""
+
+    def __init__(self, connection: Connection) -> None:
+        self.connection = connection
+
+    def rows(self, statement: Select[Any]) -> Sequence[Row[Any]]:
+        try:
+            return self.connection.execute(statement).all()
+        except DBAPIError as e:
+            raise unavailable(e) from e
+
+    def first(self, statement: Select[Any]) -> Row[Any] | None:
+        found = self.rows(statement)
+        return found[0] if found else None
+
+    # ---------------------------------------------------------------- boards and topics
+    def boards(self) -> tuple[Board, ...]:
+        order = (db.boards.c.position, db.boards.c.id)
+        return tuple(Board(r.id, r.name, r.description) for r in self.rows(select(db.boards).order_by(*order)))
+
+    def board(self, board_id: str) -> Board:
+        boards = self.boards()
+        for board in boards:
+            if board.id == board_id:
+                return board
+        raise not_found("board", board_id, "there are: " + (", ".join(b.id for b in boards) or "none"))
+
+    def topics(self, board_id: str | None, cursor: str | None, limit: int) -> Page[Topic]:
+        """Latest activity first, of one board or of all. Topics whose posts are all removed are left out."""
+        t = db.topics.c
+        statement = _TOPICS.where(t.posts > 0).order_by(t.last_post_id.desc()).limit(_limit(limit) + 1)
+        if board_id is not None:
+            statement = statement.where(t.board_id == self.board(board_id).id)
+        if cursor:
+            statement = statement.where(t.last_post_id < from_cursor(cursor))
+        rows = self.rows(statement)
+        return Page(tuple(map(_topic, rows[:limit])), _cursor([r.last_post_id for r in rows], limit))
+
+    def topic(self, topic_id: str) -> Topic:
+        row = self.first(_TOPICS.where(db.topics.c.id == row_id(topic_id, "topic")))
+        if row is None:
+            raise not_found("topic", topic_id)
+        return _topic(row)
+
+    # ---------------------------------------------------------------- posts
+    def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[Post]:
+        topic = self.topic(topic_id)
+        p = db.posts.c
+        after = from_cursor(cursor) if cursor else 0
+        chosen = and_(p.topic_id == int(topic.id), p.id > after)
+        rows = self.rows(_POSTS.where(chosen).order_by(p.id).limit(_limit(limit) + 1))
+        return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
+
+    def posts_by(self, author: Account, limit: int) -> tuple[Post, ...]:
+        """What an account wrote, newest first, without what was removed."""
+        p = db.posts.c
+        mine = and_(p.author_id == int(author.id), p.removed.is_(False))
+        return self._posts(self.rows(_POSTS.where(mine).order_by(p.id.desc()).limit(_limit(limit))))
+
+    def cursor_before(self, post_id: str, limit: int) -> str | None:
+        p = db.posts.c
+        number = row_id(post_id, "post")
+        topic_id = self.first(select(p.topic_id).where(p.id == number))
+        if topic_id is None:
+            raise not_found("post", post_id)
+        earlier = and_(p.topic_id == topic_id[0], p.id < number)
+        counted = self.rows(select(func.count()).select_from(db.posts).where(earlier))[0][0]
+        start = counted - counted % _limit(limit)
+        if start == 0:
+            return None
+        before = self.rows(select(p.id).where(earlier).order_by(p.id).offset(start - 1).limit(1))
+        return to_cursor(before[0][0])
+
+    def post(self, post_id: str) -> Post:
+        found = self.posts_by_id([row_id(post_id, "post")])
+        if not found:
+            raise not_found("post", post_id)
+        return found[0]
+
+    def posts_by_id(self, ids: Sequence[int]) -> tuple[Post, ...]:
+        return self._posts(self.rows(_POSTS.where(db.posts.c.id.in_(ids))))
+
+    def find(self, author: Account, key: str) -> Post | None:
+        p = db.posts.c
+        found = self._posts(self.rows(_POSTS.where(p.author_id == int(author.id), p.key == key)))
+        return found[0] if found else None
+
+    def versions(self, post_id: str) -> tuple[Version, ...]:
+        v = db.post_versions.c
+        rows = self.rows(select(v.version, v.raw, v.until_us).where(v.post_id == int(self.post(post_id).id)))
+        return tuple(Version(r.version, r.raw, from_us(r.until_us)) for r in sorted(rows, key=lambda r: r.version))
+
+    def _posts(self, rows: Sequence[Row[Any]]) -> tuple[Post, ...]:
+        images = self._images(r.id for r in rows if not r.removed)
+        return tuple(_post(r, images.get(r.id, ())) for r in rows)
+
+    def _images(self, post_ids: Iterable[int]) -> dict[int, tuple[Image, ...]]:
+        i, pi = db.images.c, db.post_images.c
+        statement = (
+            select(pi.post_id, i.id, i.width, i.height, i.media_type)
+            .join(db.images, i.id == pi.image_id)
+            .where(pi.post_id.in_(list(post_ids)))
+            .order_by(pi.post_id, pi.position)
+        )
+        found: dict[int, tuple[Image, ...]] = {}
+        for r in self.rows(statement):
+            found[r.post_id] = (*found.get(r.post_id, ()), Image(str(r.id), r.width, r.height, r.media_type))
+        return found
+
+    def image(self, image_id: str) -> tuple[Image, str]:
+        """The image and the hash that names its file."""
+        row = self.first(select(db.images).where(db.images.c.id == row_id(image_id, "image")))
+        if row is None:
+            raise not_found("image", image_id)
+        return Image(str(row.id), row.width, row.height, row.media_type), row.sha256
+
+    def image_shown(self, image_id: str, viewer: Account | None) -> bool:
+        """Whether a post that is not removed shows the image; its owner always sees it."""
+        i, pi = db.images.c, db.post_images.c
+        number = int(image_id)
+        if viewer and self.first(select(i.id).where(i.id == number, i.account_id == int(viewer.id))):
+            return True
+        shown = select(pi.post_id).join(db.posts, db.posts.c.id == pi.post_id)
+        return self.first(shown.where(pi.image_id == number, db.posts.c.removed.is_(False)).limit(1)) is not None
+
+    # ---------------------------------------------------------------- accounts
+    def account(self, name: str) -> Account | None:
+        row = self.first(ACCOUNT.where(db.accounts.c.name == name.lower()))
+        return account_from(row) if row else None
+
+    def robots(self) -> tuple[Account, ...]:
+        a = db.accounts.c
+        return tuple(map(account_from, self.rows(ACCOUNT.where(a.kind == AccountKind.ROBOT_AGENT).order_by(a.name))))
+
+    # ---------------------------------------------------------------- events
+    def newest_event_id(self) -> int:
+        return self.rows(select(func.coalesce(func.max(db.events.c.id), 0)))[0][0]  # type: ignore[no-any-return]
+
+    def events(self, after: int, limit: int, topic_id: str | None = None) -> tuple[Event, ...]:
+        """Oldest first, with posts as they are now."""
+        e = db.events.c
+        statement = _EVENTS.where(e.id > after).order_by(e.id).limit(_limit(limit))
+        if topic_id is not None:
+            statement = statement.where(e.topic_id == row_id(topic_id, "topic"))
+        rows = self.rows(statement)
+        posts = {int(p.id): p for p in self.posts_by_id(sorted({r.post_id for r in rows if r.post_id}))}
+        return tuple(_event(r, posts.get(r.post_id)) for r in rows)
+
+
+# -------------------------------------------------------------------- rows to records
+def _topic(r: Row[Any]) -> Topic:
+    created, last = from_us(r.created_us), from_us(r.last_post_us)
+    return Topic(str(r.id), r.board_id, r.title, account_from(r), created, last, r.posts)
+
+
+def _post(r: Row[Any], images: tuple[Image, ...]) -> Post:
+    return Post(
+        id=str(r.id),
+        topic_id=str(r.topic_id),
+        board_id=r.board_id,
+        author=account_from(r),
+        raw="" if r.removed else r.raw,
+        html="" if r.removed else r.html,
+        version=r.version,
+        created_at=from_us(r.created_us),
+        edited_at=from_us(r.edited_us) if r.edited_us is not None else None,
+        removed=r.removed,
+        mentions=() if r.removed else tuple(r.mentions),
+        reply_to=str(r.reply_to) if r.reply_to is not None else None,
+        key=r.key,
+        images=images,
+        card=None if r.removed else r.card,
+    )
+
+
+def _event(r: Row[Any], post: Post | None) -> Event:
+    account = account_from(r) if r.a_id is not None and r.robot is not None else None
+    return Event(str(r.id), EventKind(r.kind), from_us(r.at_us), post, r.robot, account)
+
+
+# -------------------------------------------------------------------- cursors
+def to_cursor(number: int) -> str:
+    return format(number, "x")
+
+
+def from_cursor(cursor: str) -> int:
+    """The id after which a page begins; 422 for what was never given out as a cursor."""
+    try:
+        number = int(cursor, 16)
+    except ValueError:
+        number = -1
+    if not 0 <= number <= _LARGEST_ID:
+        raise BoardError(422, "bad_cursor", "that is not a cursor", "send `next` of the page before, as it was given")
+    return number
+
+
+def _cursor(ids: Sequence[int], limit: int) -> str | None:
+    return to_cursor(ids[limit - 1]) if len(ids) > limit else None
+
+
+def _limit(limit: int) -> int:
+    if not 1 <= limit <= MAX_LIMIT:
+        raise BoardError(422, "bad_limit", f"{limit} is not a possible number", f"1 to {MAX_LIMIT}")
+    return limit

@@ -1,0 +1,193 @@
+"""The tables of the embedded forum, as SQLAlchemy Core.
+
+Times are microseconds since 1970 UTC (`*_us`): exact, portable, quick to read. Secrets are kept only as hashes.
+The migrations in `migrations/` build these tables; a test holds the two together.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Boolean,
+    Column,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+)
+
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+
+#: SQLite gives automatic ids only to INTEGER, other databases should have 64 bits.
+Id = BigInteger().with_variant(Integer, "sqlite")
+
+
+def _id() -> Column[int]:
+    return Column("id", Id, primary_key=True)
+
+
+def _account(name: str = "account_id", *, nullable: bool = False) -> Column[int]:
+    return Column(name, Id, ForeignKey("accounts.id"), nullable=nullable)
+
+
+accounts = Table(
+    "accounts",
+    metadata,
+    _id(),
+    Column("name", String(32), nullable=False, unique=True),
+    Column("display_name", String(64), nullable=False, default=""),
+    Column("kind", String(20), nullable=False),
+    Column("role", String(10), nullable=False),
+    Column("suspended", Boolean, nullable=False, default=False),
+    Column("password_hash", String(200)),
+    Column("created_us", BigInteger, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+#: Bearer tokens of programs.
+tokens = Table(
+    "tokens",
+    metadata,
+    Column("hash", String(64), primary_key=True),
+    _account(),
+    Column("label", String(64), nullable=False, default=""),
+    Column("created_us", BigInteger, nullable=False),
+    Column("revoked_us", BigInteger),
+)
+
+#: Browsers that are signed in.
+sessions = Table(
+    "sessions",
+    metadata,
+    Column("hash", String(64), primary_key=True),
+    _account(),
+    Column("created_us", BigInteger, nullable=False),
+    Column("expires_us", BigInteger, nullable=False),
+)
+
+#: One-time sign-in links.
+links = Table(
+    "links",
+    metadata,
+    Column("hash", String(64), primary_key=True),
+    _account(),
+    Column("expires_us", BigInteger, nullable=False),
+    Column("used_us", BigInteger),
+)
+
+boards = Table(
+    "boards",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("name", String(64), nullable=False),
+    Column("description", String(200), nullable=False, default=""),
+    Column("position", Integer, nullable=False, default=0),
+)
+
+#: `last_post_id` orders topics by activity; `posts` counts those that are not removed. Both are kept by `writes`.
+topics = Table(
+    "topics",
+    metadata,
+    _id(),
+    Column("board_id", String(32), ForeignKey("boards.id"), nullable=False),
+    Column("title", String(200), nullable=False),
+    _account("author_id"),
+    Column("created_us", BigInteger, nullable=False),
+    Column("last_post_id", Id, nullable=False, default=0),
+    Column("last_post_us", BigInteger, nullable=False),
+    Column("posts", Integer, nullable=False, default=0),
+    Index(None, "board_id", "last_post_id"),
+    Index(None, "last_post_id"),
+    sqlite_autoincrement=True,
+)
+
+posts = Table(
+    "posts",
+    metadata,
+    _id(),
+    Column("topic_id", Id, ForeignKey("topics.id"), nullable=False),
+    _account("author_id"),
+    Column("raw", Text, nullable=False),
+    Column("html", Text, nullable=False),
+    Column("version", Integer, nullable=False, default=1),
+    Column("created_us", BigInteger, nullable=False),
+    Column("edited_us", BigInteger),
+    Column("removed", Boolean, nullable=False, default=False),
+    _account("removed_by", nullable=True),
+    Column("mentions", JSON, nullable=False),
+    Column("reply_to", Id, ForeignKey("posts.id")),
+    Column("key", String(200)),
+    Column("card", JSON(none_as_null=True)),
+    Index(None, "topic_id", "id"),
+    UniqueConstraint("author_id", "key"),
+    sqlite_autoincrement=True,
+)
+
+#: What a post said before each edit.
+post_versions = Table(
+    "post_versions",
+    metadata,
+    Column("post_id", Id, ForeignKey("posts.id"), primary_key=True),
+    Column("version", Integer, primary_key=True),
+    Column("raw", Text, nullable=False),
+    Column("until_us", BigInteger, nullable=False),
+)
+
+#: The files themselves are in the images folder, named by `sha256`.
+images = Table(
+    "images",
+    metadata,
+    _id(),
+    _account(),
+    Column("sha256", String(64), nullable=False),
+    Column("media_type", String(20), nullable=False),
+    Column("width", Integer, nullable=False),
+    Column("height", Integer, nullable=False),
+    Column("created_us", BigInteger, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+post_images = Table(
+    "post_images",
+    metadata,
+    Column("post_id", Id, ForeignKey("posts.id"), primary_key=True),
+    Column("position", Integer, primary_key=True),
+    Column("image_id", Id, ForeignKey("images.id"), nullable=False, index=True),
+)
+
+#: Everything that happened, in order; ids are never used twice, so that a stream can resume after any of them.
+events = Table(
+    "events",
+    metadata,
+    _id(),
+    Column("kind", String(20), nullable=False),
+    Column("at_us", BigInteger, nullable=False),
+    Column("topic_id", Id),
+    Column("post_id", Id, ForeignKey("posts.id")),
+    Column("robot", String(32)),
+    _account(nullable=True),
+    Index(None, "topic_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+#: Idempotency keys of writes that are not new posts (those carry theirs). `ref` is what the first write made.
+used_keys = Table(
+    "used_keys",
+    metadata,
+    Column("account_id", Id, ForeignKey("accounts.id"), primary_key=True),
+    Column("scope", String(40), primary_key=True),
+    Column("key", String(200), primary_key=True),
+    Column("ref", Id, nullable=False),
+)

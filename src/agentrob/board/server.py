@@ -1,0 +1,223 @@
+"""Puts the embedded forum together and serves it over HTTP, as a process of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import signal
+import socket
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import replace
+from typing import Any
+
+import structlog
+import uvicorn
+from fastapi import FastAPI
+from fastapi.exceptions import RequestValidationError
+from fastapi.openapi.utils import get_openapi
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+
+from agentrob import __version__
+from agentrob.board import api, api_robots
+from agentrob.board.admin import bootstrap
+from agentrob.board.api_models import Problem
+from agentrob.board.events import Hub
+from agentrob.board.gate import Gate
+from agentrob.board.problem import of_http, of_validation, problem
+from agentrob.board.services import Services
+from agentrob.board.settings import BoardSettings, address_of
+from agentrob.board.stage import Stage
+from agentrob.board.store import Store
+from agentrob.errors import BoardError, RobotBusy
+from agentrob.hostlock import HostLock
+
+log = structlog.get_logger(__name__)
+
+
+def create_app(settings: BoardSettings) -> FastAPI:
+    """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        await asyncio.to_thread(bootstrap, settings)
+        hub, stage = Hub(settings.base_url), Stage()
+        store = Store(settings, hub.published)
+        hub.start(store.reader)
+        app.state.services = Services(settings, store, hub, stage)
+        try:
+            yield
+        finally:
+            end_streams(app)
+            await asyncio.to_thread(store.close)
+
+    app = FastAPI(
+        title=settings.title,
+        version=__version__,
+        lifespan=lifespan,
+        openapi_url="/api/v1/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+    )
+    app.add_middleware(Gate, settings=settings)
+    for router in (api.router, api_robots.router, api_robots.files):
+        app.include_router(router)
+    _add_pages(app)
+    _add_errors(app)
+    _describe(app)
+    return app
+
+
+def end_streams(app: FastAPI) -> None:
+    """End event and camera streams, which would otherwise keep the server from ending."""
+    services: Services = app.state.services
+    services.hub.close()
+    services.stage.close()
+
+
+def _add_pages(app: FastAPI) -> None:
+    from agentrob.board.pages import router
+
+    app.include_router(router)
+
+
+def _add_errors(app: FastAPI) -> None:
+    async def answer(request: Request, error: BoardError) -> Response:
+        if error.status >= 500:
+            log.error("board.request_failed", path=request.url.path, code=error.code, error=str(error))
+        if request.url.path.startswith("/api/"):
+            return problem(error)
+        from agentrob.board.pages import error_page
+
+        return await error_page(request, error.status, str(error), error.hint)
+
+    async def board_error(request: Request, error: Exception) -> Response:
+        assert isinstance(error, BoardError)
+        return await answer(request, error)
+
+    async def not_valid(request: Request, error: Exception) -> Response:
+        assert isinstance(error, RequestValidationError)
+        return await answer(request, of_validation(error))
+
+    async def http_error(request: Request, error: Exception) -> Response:
+        assert isinstance(error, HTTPException)
+        response = await answer(request, of_http(error))
+        response.headers.update(error.headers or {})
+        return response
+
+    async def unexpected(request: Request, error: Exception) -> Response:
+        log.exception("board.unexpected", path=request.url.path, exc_info=error)
+        return problem(BoardError(500, "internal", "something went wrong; it is in the server's log"))
+
+    app.add_exception_handler(BoardError, board_error)
+    app.add_exception_handler(RequestValidationError, not_valid)
+    app.add_exception_handler(HTTPException, http_error)
+    app.add_exception_handler(Exception, unexpected)
+
+
+def _describe(app: FastAPI) -> None:
+    """OpenAPI with problem details and both ways to sign in, which the framework does not know of."""
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            document = get_openapi(title=app.title, version=app.version, routes=app.routes)
+            document["paths"] = {k: v for k, v in document["paths"].items() if k.startswith("/api/")}
+            components = document.setdefault("components", {})
+            components.setdefault("schemas", {})["Problem"] = Problem.model_json_schema()
+            components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}}
+            document["security"] = [{"bearer": []}]
+            app.openapi_schema = document
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]
+
+
+# -------------------------------------------------------------------- the process
+class Server(uvicorn.Server):
+    """uvicorn that ends its streams first, and returns after a signal instead of dying of it."""
+
+    def __init__(self, app: FastAPI, settings: BoardSettings) -> None:
+        self.app = app
+        config = uvicorn.Config(
+            app,
+            lifespan="on",
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            proxy_headers=settings.secure,
+            timeout_graceful_shutdown=1,
+        )
+        super().__init__(config)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        end_streams(self.app)
+        await super().shutdown(sockets)
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        try:
+            before = {s: signal.signal(s, self.handle_exit) for s in (signal.SIGINT, signal.SIGTERM)}
+        except ValueError:  # not in the main thread: whoever started the thread ends it
+            before = {}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+
+def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None = None) -> None:
+    """Serve until SIGINT or SIGTERM. `ready` is told the settings with the real port once connections are taken.
+
+    Raises `BoardError` when the address is taken, when another process serves the same database, or when the database
+    cannot be used.
+    """
+    listener = _listen(settings)
+    try:
+        if settings.port == 0:
+            host, port = listener.getsockname()[:2]
+            settings = replace(settings, port=port, base_url=address_of(host, port))
+        with _only_server_of(settings):
+            bootstrap(settings)
+            server = Server(create_app(settings), settings)
+            log.info("board.serving", url=settings.base_url, database=settings.database)
+            asyncio.run(_serve(server, listener, settings, ready))
+            log.info("board.ended")
+    finally:
+        listener.close()
+
+
+async def _serve(
+    server: Server,
+    listener: socket.socket,
+    settings: BoardSettings,
+    ready: Callable[[BoardSettings], None] | None,
+) -> None:
+    if ready is not None:
+        ready(settings)
+    await server.serve(sockets=[listener])
+
+
+def _listen(settings: BoardSettings) -> socket.socket:
+    try:
+        family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+        return socket.create_server((settings.host, settings.port), family=family, backlog=512)
+    except OSError as e:
+        where = f"{settings.host}:{settings.port}"
+        hint = "set board.listen to another port, or end what listens there"
+        raise BoardError(503, "address_taken", f"the forum cannot listen on {where}: {e.strerror}", hint) from None
+
+
+@contextmanager
+def _only_server_of(settings: BoardSettings) -> Iterator[None]:
+    """Two servers of one database would not tell each other's events."""
+    path = settings.database_path
+    key = str(path.resolve()) if path else settings.database
+    try:
+        lock = HostLock("board/" + hashlib.sha256(key.encode()).hexdigest()[:16], f"the database {key}")
+    except RobotBusy:
+        raise BoardError(503, "already_served", f"another process serves {key} already", "end it first") from None
+    with lock:
+        yield

@@ -1,0 +1,230 @@
+"""What is written when somebody posts, edits or removes, or something happens to a robot: jobs for the one writer.
+
+Each job checks again what only the database can know, keeps the counters of topics, and writes its event row in the
+same transaction.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from sqlalchemy import Connection, insert, select, update
+
+from agentrob.board import schema as db
+from agentrob.board.reader import Reader, row_id
+from agentrob.board.records import Event, EventKind, Image, Post, Written, from_us
+from agentrob.board.render import render
+from agentrob.board.writer import Transaction
+from agentrob.errors import BoardError
+from agentrob.language.visible import mentions, visible_text
+from agentrob.model import Account, Role
+
+MAX_IMAGES = 32
+Card = Mapping[str, Any]
+
+
+def now_us() -> int:
+    return time.time_ns() // 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """What somebody wants to post; `images` are ids, `reply_to` a post of the same topic."""
+
+    author: Account
+    body: str
+    key: str | None = None
+    images: Sequence[str] = ()
+    reply_to: str | None = None
+    card: Card | None = None
+
+
+def create_topic(t: Transaction, board_id: str, title: str, draft: Draft) -> Written:
+    """A new topic and its first post."""
+    if old := _written_before(t, draft):
+        return old
+    board = Reader(t.connection).board(board_id)
+    at = now_us()
+    row = {"board_id": board.id, "title": title, "author_id": int(draft.author.id)}
+    topic_id = _insert(t, db.topics, **row, created_us=at, last_post_us=at)
+    return _add_post(t, topic_id, draft, at)
+
+
+def reply(t: Transaction, topic_id: str, draft: Draft) -> Written:
+    """A new post in a topic."""
+    if old := _written_before(t, draft):
+        return old
+    topic = Reader(t.connection).topic(topic_id)
+    return _add_post(t, int(topic.id), draft, now_us())
+
+
+def edit(
+    t: Transaction,
+    editor: Account,
+    post_id: str,
+    body: str,
+    key: str | None,
+    images: Sequence[str],
+    card: Card | Literal["keep"] | None,
+) -> Post:
+    """A new text for the editor's own post; the old one is kept as a version."""
+    reader = Reader(t.connection)
+    post = reader.post(post_id)
+    if post.author.id != editor.id:
+        raise BoardError(403, "not_yours", "only its author may edit a post", "write a reply")
+    if not _use_key(t, editor, f"edit:{post.id}", key, int(post.id)):
+        return post
+    if post.removed:
+        raise BoardError(409, "removed", "the post was removed", "write a new one")
+    at = now_us()
+    version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
+    t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
+    values = _text(t.connection, body) | {"version": post.version + 1, "edited_us": at}
+    if card != "keep":
+        values["card"] = card
+    t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
+    _attach(t.connection, int(post.id), editor, images, first=len(post.images))
+    _event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
+    return reader.post(post.id)
+
+
+def remove(t: Transaction, by: Account, post_id: str) -> Post:
+    """Hide a post. Its author may, and admins; again does nothing."""
+    reader = Reader(t.connection)
+    post = reader.post(post_id)
+    if post.author.id != by.id and by.role is not Role.ADMIN:
+        raise BoardError(403, "not_yours", "only its author or an admin may remove a post")
+    if post.removed:
+        return post
+    values = {"removed": True, "removed_by": int(by.id), "version": post.version + 1}
+    t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
+    topics = db.topics.c
+    counted = update(db.topics).where(topics.id == int(post.topic_id)).values(posts=topics.posts - 1)
+    t.connection.execute(counted)
+    _event(t, EventKind.POST_REMOVED, now_us(), topic_id=int(post.topic_id), post_id=int(post.id))
+    return reader.post(post.id)
+
+
+def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key: str | None, at_us: int) -> Event:
+    """Something that concerns a robot. Under a key used before it is the old event."""
+    values = {"robot": robot, "account_id": int(by.id) if by else None}
+    if by and key and (old := _used(t.connection, by, f"{kind}:{robot}"[:40], key)):
+        at_us = t.connection.execute(select(db.events.c.at_us).where(db.events.c.id == old)).scalar_one()
+        return Event(str(old), kind, from_us(at_us), robot=robot, account=by)
+    event_id = _event(t, kind, at_us, **values)
+    if by:
+        _use_key(t, by, f"{kind}:{robot}"[:40], key, event_id)
+    return Event(str(event_id), kind, from_us(at_us), robot=robot, account=by)
+
+
+def add_image(t: Transaction, by: Account, sha256: str, image: Image, key: str | None) -> tuple[Image, bool]:
+    """An uploaded picture, and whether it is new."""
+    if key and (old := _used(t.connection, by, "image", key)):
+        return Reader(t.connection).image(str(old))[0], False
+    values = {"media_type": image.media_type, "width": image.width, "height": image.height}
+    image_id = _insert(t, db.images, account_id=int(by.id), sha256=sha256, created_us=now_us(), **values)
+    _use_key(t, by, "image", key, image_id)
+    return Image(str(image_id), image.width, image.height, image.media_type), True
+
+
+# -------------------------------------------------------------------- parts
+def _written_before(t: Transaction, draft: Draft) -> Written | None:
+    reader = Reader(t.connection)
+    if draft.key is None or (old := reader.find(draft.author, draft.key)) is None:
+        return None
+    return Written(reader.topic(old.topic_id), old, created=False)
+
+
+def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int) -> Written:
+    reader = Reader(t.connection)
+    reply_to = _same_topic(reader, draft.reply_to, topic_id) if draft.reply_to is not None else None
+    post_id = _insert(
+        t,
+        db.posts,
+        topic_id=topic_id,
+        author_id=int(draft.author.id),
+        created_us=at,
+        reply_to=reply_to,
+        key=draft.key,
+        card=draft.card,
+        **_text(t.connection, draft.body),
+    )
+    topics = db.topics.c
+    newest = {"last_post_id": post_id, "last_post_us": at, "posts": topics.posts + 1}
+    t.connection.execute(update(db.topics).where(topics.id == topic_id).values(**newest))
+    _attach(t.connection, post_id, draft.author, draft.images)
+    _event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
+    return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
+
+
+def _text(connection: Connection, body: str) -> dict[str, Any]:
+    """The columns that follow from a text. Only names of accounts are mentions, and only where they can be seen."""
+    known: dict[str, bool] = {}
+    reader = Reader(connection)
+
+    def is_account(name: str) -> bool:
+        if name not in known:
+            known[name] = reader.account(name) is not None
+        return known[name]
+
+    named = [name for name in mentions(visible_text(body)) if is_account(name)]
+    return {"raw": body, "html": render(body, is_account), "mentions": named}
+
+
+def _same_topic(reader: Reader, post_id: str, topic_id: int) -> int:
+    try:
+        post = reader.post(post_id)
+    except BoardError as e:
+        raise BoardError(422, "bad_reply_to", str(e), "the id of a post of this topic") from None
+    if int(post.topic_id) != topic_id:
+        raise BoardError(422, "bad_reply_to", f"post {post_id} is in another topic", "the id of a post of this topic")
+    return int(post.id)
+
+
+def _attach(connection: Connection, post_id: int, by: Account, images: Sequence[str], first: int = 0) -> None:
+    if first + len(images) > MAX_IMAGES:
+        raise BoardError(422, "too_many_images", f"a post shows at most {MAX_IMAGES} images", "fewer images")
+    if not images:
+        return
+    try:
+        wanted = [row_id(image, "image") for image in images]
+    except BoardError as e:
+        raise BoardError(422, "bad_image", str(e), "ids from POST /images") from None
+    columns = db.images.c
+    mine = select(columns.id).where(columns.id.in_(wanted), columns.account_id == int(by.id))
+    missing = set(wanted) - set(connection.execute(mine).scalars())
+    if missing:
+        which = ", ".join(map(str, sorted(missing)))
+        raise BoardError(422, "bad_image", f"you uploaded no image {which}", "ids from your own POST /images")
+    rows = [{"post_id": post_id, "position": first + n, "image_id": i} for n, i in enumerate(wanted)]
+    connection.execute(insert(db.post_images), rows)
+
+
+def _event(t: Transaction, kind: EventKind, at_us: int, **values: Any) -> int:
+    event_id = _insert(t, db.events, kind=str(kind), at_us=at_us, **values)
+    t.event_ids.append(event_id)
+    return event_id
+
+
+def _used(connection: Connection, by: Account, scope: str, key: str) -> int | None:
+    u = db.used_keys.c
+    found = select(u.ref).where(u.account_id == int(by.id), u.scope == scope, u.key == key)
+    return connection.execute(found).scalar_one_or_none()
+
+
+def _use_key(t: Transaction, by: Account, scope: str, key: str | None, ref: int) -> bool:
+    """Whether this is the first use of the key, which it is without one."""
+    if key is None:
+        return True
+    if _used(t.connection, by, scope, key) is not None:
+        return False
+    t.connection.execute(insert(db.used_keys).values(account_id=int(by.id), scope=scope, key=key, ref=ref))
+    return True
+
+
+def _insert(t: Transaction, table: Any, **values: Any) -> int:
+    key = t.connection.execute(insert(table).values(**values)).inserted_primary_key
+    return int(key[0]) if key else 0
