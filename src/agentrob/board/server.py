@@ -91,7 +91,7 @@ def _add_errors(app: FastAPI) -> None:
             return problem(error)
         from agentrob.board.pages import error_page
 
-        return await error_page(request, error.status, str(error), error.hint)
+        return await error_page(request, error)
 
     async def board_error(request: Request, error: Exception) -> Response:
         assert isinstance(error, BoardError)
@@ -138,8 +138,10 @@ def _describe(app: FastAPI) -> None:
 class Server(uvicorn.Server):
     """uvicorn that ends its streams first, and returns after a signal instead of dying of it."""
 
-    def __init__(self, app: FastAPI, settings: BoardSettings) -> None:
-        self.app = app
+    def __init__(
+        self, app: FastAPI, settings: BoardSettings, ready: Callable[[BoardSettings], None] | None = None
+    ) -> None:
+        self.app, self.settings, self.ready = app, settings, ready
         config = uvicorn.Config(
             app,
             lifespan="on",
@@ -150,6 +152,12 @@ class Server(uvicorn.Server):
             timeout_graceful_shutdown=1,
         )
         super().__init__(config)
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        log.info("board.serving", url=self.settings.base_url, database=self.settings.database)
+        if self.ready is not None:
+            self.ready(self.settings)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         end_streams(self.app)
@@ -181,23 +189,10 @@ def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None
             settings = replace(settings, port=port, base_url=address_of(host, port))
         with _only_server_of(settings):
             bootstrap(settings)
-            server = Server(create_app(settings), settings)
-            log.info("board.serving", url=settings.base_url, database=settings.database)
-            asyncio.run(_serve(server, listener, settings, ready))
+            Server(create_app(settings), settings, ready).run(sockets=[listener])
             log.info("board.ended")
     finally:
         listener.close()
-
-
-async def _serve(
-    server: Server,
-    listener: socket.socket,
-    settings: BoardSettings,
-    ready: Callable[[BoardSettings], None] | None,
-) -> None:
-    if ready is not None:
-        ready(settings)
-    await server.serve(sockets=[listener])
 
 
 def _listen(settings: BoardSettings) -> socket.socket:
