@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import secrets
 from typing import Annotated, Any
 from urllib.parse import quote
@@ -11,14 +12,15 @@ from fastapi import APIRouter, Depends, Request
 from starlette.datastructures import FormData
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
-from agentrob.board import access, robot_view
+from agentrob.board import access, buttons, robot_view
 from agentrob.board.access import Viewer
-from agentrob.board.records import EventKind, Page, Post
+from agentrob.board.api_models import POST_BYTES
+from agentrob.board.records import Page, Post
 from agentrob.board.services import services
 from agentrob.board.store import Store
-from agentrob.board.templating import error_page, go, own_path, show, static_file
+from agentrob.board.templating import error_page, go, hint_of, own_path, sentence, show, static_file
 from agentrob.errors import BoardError
-from agentrob.model import AccountKind, Role
+from agentrob.model import AccountKind
 
 __all__ = ["error_page", "router"]
 
@@ -31,8 +33,7 @@ Data = dict[str, Any]
 #: Posts on one page of a topic.
 POSTS = 50
 _LATEST = 10
-#: More than any post may have; a form beyond it is not even read.
-_MAX_FORM_BYTES = 1 << 20
+TITLE_LENGTH = 200
 
 
 # ------------------------------------------------------------------ boards and topics
@@ -67,11 +68,11 @@ async def create_topic(request: Request, viewer: Anybody, board_id: str) -> Resp
     try:
         access.check_form(viewer, form.get("csrf"))
         author = access.account_of(viewer)
-        key = _key(form, title, body)
-        written = await services(request).store.create_topic(author, board_id, title, body, key=key)
+        checked = _checked_title(title), _checked_body(body)
+        written = await services(request).store.create_topic(author, board_id, *checked, key=_key(form, *checked))
     except BoardError as e:
         if viewer.account is None or e.code == "no_such_board":
-            return await error_page(request, e.status, str(e), e.hint, draft=body)
+            return await error_page(request, e, draft=body)
         return _new_topic(request, viewer, board_id, draft=body, title=title, error=e)
     return go(written.topic.path)
 
@@ -88,10 +89,11 @@ async def reply(request: Request, viewer: Anybody, topic_id: str) -> Response:
     store = services(request).store
     try:
         access.check_form(viewer, form.get("csrf"))
-        written = await store.reply(access.account_of(viewer), topic_id, body, key=_key(form, topic_id, body))
+        author, text = access.account_of(viewer), _checked_body(body)
+        written = await store.reply(author, topic_id, text, key=_key(form, topic_id, text))
     except BoardError as e:
         if viewer.account is None or e.code == "no_such_topic":
-            return await error_page(request, e.status, str(e), e.hint, draft=body)
+            return await error_page(request, e, draft=body)
         return _topic(request, viewer, topic_id, None, draft=body, error=e)
     return go(_path(store, written.post))
 
@@ -137,10 +139,11 @@ async def edit(request: Request, viewer: Anybody, post_id: str) -> Response:
     store = services(request).store
     try:
         access.check_form(viewer, form.get("csrf"))
-        changed = await store.edit(access.account_of(viewer), post_id, body, key=_key(form, post_id, body))
+        author, text = access.account_of(viewer), _checked_body(body)
+        changed = await store.edit(author, post_id, text, key=_key(form, post_id, text))
     except BoardError as e:
         if viewer.account is None or e.status == 404:
-            return await error_page(request, e.status, str(e), e.hint, draft=body)
+            return await error_page(request, e, draft=body)
         data = {"post": store.post(post_id), "draft": body, "key": _nonce(), "problem": _problem(e)}
         return show(request, viewer, "edit.html", data, status=e.status)
     return go(_path(store, changed))
@@ -170,7 +173,7 @@ async def robots(request: Request, viewer: Reading) -> Response:
 async def robot(request: Request, viewer: Reading, name: str, stopped: str = "", reset: str = "") -> Response:
     known = services(request)
     account, view = robot_view.robot(known, name)
-    latest = known.store.posts_by(name, limit=_LATEST).items
+    latest = known.store.posts_by(account, _LATEST)
     note = f"Asked for the room of @{name} to be put back." if reset else ""
     data = {"robot": view, "account": account, "latest": latest, "stopped": bool(stopped), "note": note}
     return show(request, viewer, "robot.html", data, here="robots")
@@ -186,26 +189,17 @@ async def stop(request: Request, viewer: Anybody, name: str) -> Response:
     """Anybody signed in, at any rate, whatever the robot's agent last said."""
     form = await _form(request)
     access.check_form(viewer, form.get("csrf"))
-    known = services(request)
-    account, _ = robot_view.robot(known, name)
-    await known.store.record(EventKind.ROBOT_STOP, account.name, access.account_of(viewer))
+    event = await buttons.stop(services(request), name, access.account_of(viewer))
     if request.headers.get("x-live"):
         return Response(status_code=204)
-    return go(f"{own_path(form.get('back'), f'/robots/{name}').partition('?')[0]}?stopped={account.name}")
+    return go(f"{own_path(form.get('back'), f'/robots/{name}').partition('?')[0]}?stopped={event.robot}")
 
 
 @router.post("/robots/{name}/reset")
 async def reset(request: Request, viewer: Anybody, name: str) -> Response:
     form = await _form(request)
     access.check_form(viewer, form.get("csrf"))
-    known = services(request)
-    by = access.account_of(viewer)
-    if by.role is Role.MEMBER:
-        raise BoardError(403, "operators_only", "only operators may reset the room")
-    account, view = robot_view.robot(known, name)
-    if not view.can_reset:
-        raise BoardError(409, "cannot_reset", f"the room of @{name} cannot be reset", "Only simulated rooms can.")
-    await known.store.record(EventKind.ROBOT_RESET, account.name, by)
+    await buttons.reset(services(request), name, access.account_of(viewer))
     return go(f"/robots/{name}?reset=1")
 
 
@@ -218,7 +212,7 @@ async def account(request: Request, viewer: Reading, name: str) -> Response:
     if found.kind is AccountKind.ROBOT_AGENT:
         return go(f"/robots/{found.name}")
     mine = viewer.account is not None and viewer.account.id == found.id
-    latest = store.posts_by(found.name, limit=_LATEST).items
+    latest = store.posts_by(found, _LATEST)
     data = {"account": found, "mine": mine, "latest": latest}
     return show(request, viewer, "account.html", data, here="me" if mine else "")
 
@@ -340,21 +334,12 @@ def _path(store: Store, post: Post, stopped: str = "") -> str:
 
 
 def _problem(error: BoardError | None) -> str:
-    """What went wrong in one line, and what would be right."""
-    if error is None:
-        return ""
-    text = str(error)[:1].upper() + str(error)[1:]
-    wait = f"Wait {max(1, round(error.retry_after_s))} seconds." if error.retry_after_s is not None else ""
-    return ". ".join(filter(None, (text.rstrip("."), error.hint[:1].upper() + error.hint[1:]))) + (wait and f". {wait}")
+    """What went wrong and what would be right, in a line."""
+    return f"{sentence(str(error))} {sentence(hint_of(error))}".strip() if error else ""
 
 
 async def _form(request: Request) -> FormData:
-    """The form that was sent. Raises `BoardError` 411 or 413 rather than reading without end."""
-    length = request.headers.get("content-length", "")
-    if not length.isdigit():
-        raise BoardError(411, "length_required", "the form does not say how long it is")
-    if int(length) > _MAX_FORM_BYTES:
-        raise BoardError(413, "too_long", "that is more than a post may have")
+    """The form that was sent; how large it may be is for `gate` to say."""
     return await request.form(max_files=0)
 
 
@@ -364,6 +349,24 @@ def _field(form: FormData, name: str) -> str:
     return value.replace("\r\n", "\n") if isinstance(value, str) else ""
 
 
+def _checked_title(title: str) -> str:
+    """The title on one line. 422 when there is none."""
+    line = " ".join("".join(c for c in title if c.isprintable() or c.isspace()).split())
+    if not line or len(line) > TITLE_LENGTH:
+        raise BoardError(422, "bad_title", "a topic needs a title", f"at most {TITLE_LENGTH} characters")
+    return line
+
+
+def _checked_body(body: str) -> str:
+    """The text of a post. 422 when there is none, 413 when it is too long."""
+    text = body.replace("\0", "")
+    if not text.strip():
+        raise BoardError(422, "empty", "a post needs a text")
+    if len(text.encode()) > POST_BYTES:
+        raise BoardError(413, "post_too_large", "the post is too long", f"at most {POST_BYTES // 1024} KiB")
+    return text
+
+
 def _nonce() -> str:
     return secrets.token_urlsafe(9)
 
@@ -371,4 +374,5 @@ def _nonce() -> str:
 def _key(form: FormData, *content: str) -> str:
     """The same form sent twice with the same content is one post; changed content (after going back) is another."""
     digest = hashlib.sha256("\0".join(content).encode("utf-8", "replace")).hexdigest()[:24]
-    return f"form:{_field(form, 'key')[:32]}:{digest}"
+    nonce = re.sub(r"[^A-Za-z0-9_-]", "", _field(form, "key"))[:32]
+    return f"form:{nonce}:{digest}"

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
+from agentrob.board.buttons import known_robot
 from agentrob.board.services import Services
-from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account
 
 #: An agent renews its card at least every 5 s; three missed ones in a row mean that it is gone.
 LIVE_FOR = timedelta(seconds=15)
@@ -78,10 +78,7 @@ def robots(services: Services) -> tuple[RobotView, ...]:
 
 def robot(services: Services, name: str) -> tuple[Account, RobotView]:
     """One robot. Raises `BoardError` 404."""
-    account = services.store.account(name)
-    if account is None or account.kind is not AccountKind.ROBOT_AGENT:
-        there = ", ".join(f"@{a.name}" for a in services.store.robots()) or "none"
-        raise BoardError(404, "no_such_robot", f"there is no robot {name[:64]!r}", f"Robots here: {there}.")
+    account = known_robot(services, name)
     return account, _look(services, account)
 
 

@@ -1,8 +1,9 @@
-"""Puts a template and data together into a page with the headers that keep it safe, and serves the static files."""
+"""Puts a template and data together into a page and serves the static files."""
 
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import fields
@@ -46,19 +47,8 @@ ROLES = {
     Role.ADMIN: "administrator",
 }
 
-#: Nothing but our own files, no inline script or style: what a post might smuggle in has nowhere to run.
-_POLICY = (
-    "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; connect-src 'self'; form-action 'self'; "
-    "base-uri 'none'; frame-ancestors 'none'"
-)
-_HEADERS = {
-    "Content-Security-Policy": _POLICY,
-    "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
-    "Referrer-Policy": "same-origin",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cache-Control": "private, no-cache",
-}
+#: Pages show what this viewer may see, as it is now; `gate` adds the headers that every answer has.
+_HEADERS = {"Cache-Control": "private, no-cache"}
 _MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
 _STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}
 _HASHES = {name: hashlib.sha256(content).hexdigest()[:12] for name, content in _STATIC.items()}
@@ -151,7 +141,7 @@ def show(
 
 def go(path: str) -> RedirectResponse:
     """Send the browser on with a GET."""
-    return RedirectResponse(path, 303, headers={"Cache-Control": "no-store", "Referrer-Policy": "same-origin"})
+    return RedirectResponse(path, 303, headers={"Cache-Control": "no-store"})
 
 
 def own_path(path: object, otherwise: str = "/") -> str:
@@ -180,20 +170,16 @@ HINTS = {
     500: "It is not your fault, and it was written to the log. Try again in a moment.",
     503: "Try again in a moment.",
 }
+#: What the framework says shortly.
+_DETAILS = {"not_found": "there is nothing at this address", "method_not_allowed": "this address is for something else"}
 
 
-async def error_page(
-    request: Request,
-    status: int,
-    detail: str = "",
-    hint: str = "",
-    retry_after_s: float | None = None,
-    draft: str = "",
-) -> Response:
+async def error_page(request: Request, error: BoardError, draft: str = "") -> Response:
     """What a browser sees when something cannot be done: what it was, and what to do. Signed out: to the sign-in page.
 
     `draft` is a text that was being posted, shown so that it is not lost.
     """
+    status = error.status
     if status == 401 and not draft and request.method in ("GET", "HEAD"):
         path = request.url.path + (f"?{request.url.query}" if request.url.query else "")
         return go(f"/sign-in?next={quote(own_path(path), safe='')}")
@@ -201,18 +187,26 @@ async def error_page(
         viewer = await access.viewer(request)
     except BoardError:
         viewer = Viewer(account=None, csrf="", secret="")
-    detail = detail or {404: "There is nothing at this address."}.get(status, "")
-    if retry_after_s is not None:
-        hint = f"Wait {max(1, round(retry_after_s))} seconds, then try again. A stop is never held up."
-    data: dict[str, Any] = {
-        "heading": HEADINGS.get(status, "This did not work"),
-        "detail": detail[:1].upper() + detail[1:],
-    }
-    data |= {"hint": hint or HINTS.get(status, ""), "draft": draft}
-    response = show(request, viewer, "error.html", data | {"status_code": status}, status=status)
-    if retry_after_s is not None:
-        response.headers["Retry-After"] = str(max(1, round(retry_after_s)))
+    data = {"status_code": status, "heading": HEADINGS.get(status, "This did not work"), "draft": draft}
+    data |= {"detail": sentence(_DETAILS.get(error.code) or str(error)), "hint": sentence(hint_of(error))}
+    response = show(request, viewer, "error.html", data, status=status)
+    if error.retry_after_s is not None:
+        response.headers["Retry-After"] = str(max(1, math.ceil(error.retry_after_s)))
     return response
+
+
+def hint_of(error: BoardError) -> str:
+    """What to do about an error, for people: hints that are for programs are replaced."""
+    if error.retry_after_s is not None:
+        return f"wait {max(1, math.ceil(error.retry_after_s))} seconds, then try again"
+    if error.status == 401 and error.code != "wrong_password":
+        return HINTS[401]
+    return error.hint if error.hint and "/api/" not in error.hint else HINTS.get(error.status, "")
+
+
+def sentence(text: str) -> str:
+    """With a capital letter and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?…" else ".")
 
 
 def static_file(version: str, name: str) -> Response:
@@ -220,5 +214,4 @@ def static_file(version: str, name: str) -> Response:
     if name not in _STATIC:
         raise BoardError(404, "no_such_file", "there is no such file")
     kept = "public, max-age=31536000, immutable" if version == _HASHES[name] else "no-cache"
-    headers = {"Cache-Control": kept, "X-Content-Type-Options": "nosniff"}
-    return Response(_STATIC[name], media_type=_MEDIA_TYPES[Path(name).suffix], headers=headers)
+    return Response(_STATIC[name], media_type=_MEDIA_TYPES[Path(name).suffix], headers={"Cache-Control": kept})
