@@ -1,15 +1,78 @@
-"""From the visible text of a post to what one robot is asked to do, in English or Chinese, without any model."""
+"""From the visible text of a post to what one robot is asked to do, in English or Chinese, without any model.
+
+    text ── addressing ──► words for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
+         ── clauses ──► one draft per deed ── steps ──► steps, or the sentence to ask back with
+
+To teach it a word, add it to the table of its language (`en.py`, `zh.py`). To teach it a language, write such a file and
+name it in `LEXICONS` and in `phrases.BOOKS`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from agentrob.language import en, zh
+from agentrob.language.addressing import language_of, part_for
+from agentrob.language.amounts import with_amounts, with_pictures
+from agentrob.language.clauses import Sentence, sentences_of
+from agentrob.language.lexicon import Lexicon, tokens_of
+from agentrob.language.phrases import say
+from agentrob.language.render import sentence
+from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
-from agentrob.model import Intent, Op, Understanding
+from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
+
+LEXICONS: Mapping[Language, Lexicon] = {"en": en.LEXICON, "zh": zh.LEXICON}
+
+#: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
+MAX_CHARS = 2_000
 
 
 def parse(visible: str, names: Sequence[str], others: Sequence[str], ops: frozenset[Op]) -> Understanding:
-    """Read the part of `visible` that is for the robot called `names`."""
-    if stop := stop_intent(visible):
-        return Understanding(stop)
-    return Understanding(Intent.NOTHING)
+    """Read the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
+
+    Only `Intent.COMMAND` carries a plan. `ops` are those of the robot: examples in questions are taken from them, but
+    a wish for another operation is understood too, so that the screen can say that the robot cannot do it.
+    """
+    part = part_for(visible, names, others)
+    language = language_of(part)
+    if stop := stop_intent(part):
+        return Understanding(stop, language)
+    if len(part) > MAX_CHARS:
+        return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
+    tokens = with_pictures(with_amounts(tokens_of(part, LEXICONS[language]), part))
+    sentences = sentences_of(tokens)
+    reading = read(sentences, part, language)
+    if reading.problem:
+        return _without_command(sentences, language) or _ask(reading, ops, language)
+    if reading.steps:
+        return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), tuple(reading.notes)))
+    return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def _without_command(sentences: Sequence[Sentence], language: Language) -> Understanding | None:
+    """Help or status, when the post asks for it and wants no motion besides."""
+    if any(d.is_motion or d.op for s in sentences for d in s.drafts):
+        return None
+    if any(s.help for s in sentences):
+        return Understanding(Intent.HELP, language)
+    if any(s.status for s in sentences):
+        return Understanding(Intent.STATUS, language)
+    return None
+
+
+def _ask(reading: Reading, ops: frozenset[Op], language: Language) -> Understanding:
+    understood = say("ask.understood", language, steps=sentence(reading.steps, language)) if reading.steps else ""
+    question = say(
+        "ask.frame", language, problem=reading.problem, understood=understood, examples=_examples(ops, language)
+    )
+    return Understanding(Intent.ASK_BACK, language, question=question)
+
+
+def _examples(ops: frozenset[Op], language: Language) -> str:
+    """Two sentences that would work with this robot."""
+    walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
+    turn = Primitive(Op.TURN, Direction.LEFT, degrees=90.0)
+    chains = [[walk, turn], [turn, Primitive(Op.GET_FRONT_IMAGE)], [walk], [turn], *([Primitive(op)] for op in Op)]
+    possible = [c for c in chains if all(step.op in ops for step in c)][:2]
+    return " · ".join(f"`{sentence(chain, language)}`" for chain in possible)

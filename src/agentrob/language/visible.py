@@ -21,7 +21,9 @@ MAX_CHARS = 10_000
 _MARKDOWN = MarkdownIt("commonmark", {"html": True}).enable(["strikethrough", "table"])
 _PARAGRAPHS = ("paragraph_open",)
 _HIDING_BLOCKS = ("blockquote", "table", "heading")
-_VOID_TAGS = frozenset("area base br col embed hr img input link meta source track wbr".split())
+_VOID_TAGS = frozenset(
+    ["area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"]
+)
 _BBCODE = re.compile(
     r"\[(/?)(quote|code|s|strike|del|spoiler|details|hide|hidden|noparse)\b[^\[\]\n]*\]", re.IGNORECASE
 )
@@ -153,7 +155,7 @@ def _plain(text: str) -> str:
 
 
 def _shown(char: str) -> str:
-    if char.isascii() and char.isprintable() or char == "\n":
+    if (char.isascii() and char.isprintable()) or char == "\n":
         return char
     if char in "\t\r\v\f\u2028\u2029\x85":
         return " " if char == "\t" else "\n"

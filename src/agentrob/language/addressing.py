@@ -1,0 +1,46 @@
+"""Which part of a post is for which robot, and which language it is in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from agentrob.language.visible import mention_spans
+from agentrob.model import Language
+
+_ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all)*", re.IGNORECASE)
+_HAN = re.compile(r"[\u3400-\u9fff]")
+_LATIN_WORD = re.compile(r"[A-Za-z]{2,}")
+
+
+def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
+    """The words for the robot called `names`, without mentions of robots.
+
+    They are the text after its own mention up to another robot's mention; mentions side by side ("@a and @b wave") share
+    what follows. Text before the first mention counts only when no other robot is mentioned. A post that mentions no
+    robot at all is taken whole: whoever calls has decided that it is for this one.
+    """
+    mine = {n.lower() for n in names}
+    known = mine | {n.lower() for n in others}
+    spans = [(name in mine, start, end) for name, start, end in mention_spans(visible) if name in known]
+    if not spans:
+        return visible.strip()
+    parts: list[str] = []
+    if all(is_mine for is_mine, _, _ in spans):
+        parts.append(visible[: spans[0][1]])
+    called = False
+    for i, (is_mine, _, end) in enumerate(spans):
+        called |= is_mine
+        text = visible[end : spans[i + 1][1] if i + 1 < len(spans) else len(visible)]
+        if i + 1 < len(spans) and _ONLY_JOINT.fullmatch(text):
+            continue
+        if called:
+            parts.append(text)
+        called = False
+    return "\n".join(parts).strip()
+
+
+def language_of(text: str) -> Language:
+    """Chinese when there are at least as many Chinese characters as Latin words; English otherwise."""
+    han = len(_HAN.findall(text))
+    return "zh" if han and han >= len(_LATIN_WORD.findall(text)) else "en"

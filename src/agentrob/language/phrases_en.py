@@ -1,0 +1,78 @@
+"""What robots say in English. Keys are `section.name`; `phrases_zh` has the same keys and placeholders."""
+
+PHRASES = {
+    # ---------------------------------------------------------------- one step, as a command
+    "step.move": "walk {direction} {metres} m",
+    "step.move_at": "walk {direction} {metres} m at {speed} m/s",
+    "step.turn": "turn {direction} {degrees} degrees",
+    "step.hello": "wave",
+    "step.heart": "make a heart",
+    "step.backflip": "do a backflip",
+    "step.sit": "sit down",
+    "step.stand": "stand up",
+    "step.stretch": "stretch",
+    "step.get_front_image": "take a photo",
+    "step.times": "{step} {times} times",
+    "step.joint": ", then ",
+    "direction.forward": "forward",
+    "direction.backward": "backward",
+    "direction.left": "left",
+    "direction.right": "right",
+    # ---------------------------------------------------------------- asking back
+    "ask.frame": "{problem} I did not move. {understood}For example: {examples}",
+    "ask.understood": "So far I understood: {steps}. ",
+    "ask.words": "I did not understand {words}.",
+    "ask.distance": "How far? {words} has no distance, and I do not guess.",
+    "ask.angle": "How far shall I turn? {words} does not say how many degrees.",
+    "ask.turn": "Which way and how far shall I turn? {words} does not say.",
+    "ask.side": "To which side shall I turn? {words} does not say left or right.",
+    "ask.unit": "Which unit is meant in {words}? I know metres, centimetres, feet, inches and degrees.",
+    "ask.steps": "{words}: a step has no fixed length here; please say it in metres.",
+    "ask.duration": "{words}: I walk by distance, not by time; please say it in metres.",
+    "ask.what": "What shall I do with {words}?",
+    "ask.condition": "I cannot follow conditions or choices such as {words}; please say plainly what to do.",
+    "ask.denial": "I cannot tell what {words} refers to.",
+    "ask.question": "Is this a question or a command?",
+    "ask.speed": "I cannot walk as {words} says; a speed is between 0.01 and 10 m/s.",
+    "ask.distance_bound": "That is no distance I can take: it must be more than 0 and at most {metres} m.",
+    "ask.degrees_bound": "That is no angle I can take: it must be more than 0 and at most {degrees} degrees.",
+    "ask.too_many": "That is too much for one command: at most {steps} steps, and at least one of each.",
+    "ask.long": "That is longer than the {chars} characters I read; please say it shorter.",
+    "ask.shared": "Please say once for each of us what to do.",
+    # ---------------------------------------------------------------- assumptions that the reply states
+    "note.turn_90": "{words} had no angle: taken as 90°.",
+    "note.turn_speed": "A speed was said for a turn: I turn at my own speed.",
+    # ---------------------------------------------------------------- help
+    "help.intro": "I am **@{name}**, a {model} robot. Mention me at the start of a post and say what to do, in English or Chinese.",
+    "help.do": "What I can do:",
+    "help.example": "- `@{name} {sentence}`",
+    "help.chain": "Several things in one post, in order:",
+    "help.stop": "To stop me at once, post `@{name} stop`. Everybody who is signed in may do that.",
+    "help.limits": (
+        "My limits: {step} m a step, {command} m, {seconds} s and {steps} steps a command, {speed} m/s. "
+        "Beyond them I refuse and say why."
+    ),
+    # ---------------------------------------------------------------- rights
+    "refuse.suspended": "This account is suspended: it can neither command nor stop a robot.",
+    "refuse.robot": "Robots do not take commands from robots.",
+    "refuse.monitor": "Monitoring accounts may watch, but not command or stop a robot.",
+    "refuse.operator": "Commanding a robot needs the operator role; this account may look and stop.",
+    "refuse.owner": "Only the robot's owner may release it.",
+    # ---------------------------------------------------------------- limits
+    "refuse.ops": "This robot cannot do this: {steps}. It can: {can}.",
+    "refuse.directions": "This robot cannot walk {direction}. It can walk: {can}.",
+    "refuse.step_distance": "{asked} m in one step is beyond the limit of {limit} m a step.",
+    "refuse.step_degrees": "Turning {asked}° in one step is beyond the limit of {limit}° a step.",
+    "refuse.command_distance": "{asked} m in all is beyond the limit of {limit} m a command.",
+    "refuse.command_time": "This would take about {asked} s, beyond the limit of {limit} s a command.",
+    "refuse.command_steps": "{asked} steps are beyond the limit of {limit} steps a command.",
+    "refuse.speed": "{asked} m/s is beyond the limit of {limit} m/s.",
+    "refuse.flip": "A backflip needs the consent of the robot's owner.",
+    "refuse.empty": "There is nothing to do in this command.",
+    # ---------------------------------------------------------------- harm
+    "refuse.collide": "I do not drive into people, animals or things ({words}).",
+    "refuse.attack": "I do not hurt or frighten anybody ({words}).",
+    "refuse.fall": "I do not jump, fall or throw myself down ({words}).",
+    "refuse.destroy": "I do not break or damage anything ({words}).",
+    "refuse.safety": "My protections stay on ({words}).",
+}
