@@ -1,0 +1,128 @@
+"""The ear of an agent: events of the forum without end, from the stream or by polling, and how long it has been silent."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator
+from datetime import UTC, datetime, timedelta
+
+import structlog
+
+from agentrob.errors import ForumError, ForumLimited
+from agentrob.forums.forum import Event, EventKind, Forum
+
+#: While a robot moves its stop channel is proven this often, and given up after `SILENCE_S` (law 16).
+BEAT_S = 0.5
+SILENCE_S = 2.0
+_BACKOFF_S = (0.1, 5.0)
+_log = structlog.get_logger()
+
+
+class Channel:
+    """Events after `cursor`, which moves on with each. Survives a forum that goes away.
+
+    `poll_s` is the interval where the forum has no stream; `hurry()` makes it `BEAT_S` while a robot moves.
+    """
+
+    def __init__(self, forum: Forum, cursor: str, poll_s: float) -> None:
+        self.cursor = cursor
+        self._forum = forum
+        self._poll_s = poll_s
+        self._hurrying = 0
+        self._hurry = asyncio.Event()
+        self._heard = asyncio.Event()
+        self._heard_s = -float("inf")
+        self._offset = timedelta()
+        self._offset_s = -float("inf")
+
+    # ---------------------------------------------------------------- the forum's clock
+    def now(self) -> datetime:
+        """The forum's clock, as well as we know it."""
+        return datetime.now(UTC) + self._offset
+
+    async def set_clock(self) -> str:
+        """Compare clocks; returns the id of the newest event. Raises `ForumError`."""
+        before = datetime.now(UTC)
+        newest, at = await self._forum.now()
+        after = datetime.now(UTC)
+        self._offset = at - (before + (after - before) / 2)
+        self._offset_s = time.monotonic()
+        return newest
+
+    # ---------------------------------------------------------------- alive
+    @property
+    def silent_s(self) -> float:
+        """Seconds since the forum last proved that its events reach us."""
+        return time.monotonic() - self._heard_s
+
+    async def prove(self) -> bool:
+        """Wait until the channel is proven alive; False when it stays silent for `SILENCE_S`."""
+        if self.silent_s <= BEAT_S * 2:
+            return True
+        self._heard.clear()
+        self._hurry.set()
+        try:
+            await asyncio.wait_for(self._heard.wait(), SILENCE_S)
+        except TimeoutError:
+            return False
+        finally:
+            self._calm()
+        return True
+
+    def __enter__(self) -> Channel:
+        """`with channel:` while a robot moves: poll fast where polling is needed."""
+        self._hurrying += 1
+        self._hurry.set()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._hurrying -= 1
+        self._calm()
+
+    def _calm(self) -> None:
+        if self._hurrying == 0:
+            self._hurry.clear()
+
+    # ---------------------------------------------------------------- events
+    async def events(self) -> AsyncIterator[Event]:
+        """Every event once and in order, heartbeats left out, for ever."""
+        wait_s, longest_s = _BACKOFF_S
+        while True:
+            try:
+                if time.monotonic() - self._offset_s > 300.0:
+                    await self.set_clock()
+                async for event in self._forum.stream(self.cursor, BEAT_S) if self._forum.live else self._poll():
+                    wait_s = _BACKOFF_S[0]
+                    self._alive()
+                    if event.kind is not EventKind.HEARTBEAT:
+                        self.cursor = event.id
+                        yield event
+            except ForumError as e:
+                wait_s = max(wait_s, e.retry_after_s) if isinstance(e, ForumLimited) else wait_s
+                _log.warning("forum events cut, trying again", after_s=round(wait_s, 1), error=str(e))
+            await asyncio.sleep(wait_s)
+            wait_s = min(longest_s, wait_s * 2)
+
+    async def _poll(self) -> AsyncIterator[Event]:
+        """Polling that ends (and is begun anew by `events`) only with an error."""
+        while True:
+            events = await self._forum.changes(self.cursor)
+            self._alive()
+            for event in events:
+                yield event
+            if not events:
+                await self._pause()
+
+    async def _pause(self) -> None:
+        if self._hurry.is_set():
+            await asyncio.sleep(BEAT_S)
+            return
+        try:
+            await asyncio.wait_for(self._hurry.wait(), self._poll_s)
+        except TimeoutError:
+            return
+
+    def _alive(self) -> None:
+        self._heard_s = time.monotonic()
+        self._heard.set()

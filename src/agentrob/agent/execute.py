@@ -1,0 +1,185 @@
+"""A screened plan, step by step under its mandate, through the robot's driver: the only deed that moves anything."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+
+from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
+from agentrob.judge.mandate import mandate_of, within
+from agentrob.model import (
+    ActionResult,
+    Capabilities,
+    Command,
+    Decision,
+    Mandate,
+    Outcome,
+    Plan,
+    Primitive,
+    Verdict,
+)
+from agentrob.robots.client import DriverClient
+
+#: Silence of the stop channel after which a moving robot is stopped (law 16).
+SILENCE_S = 2.0
+LOOK_S = 0.05
+#: Why a step ended that we ended ourselves; each is a status, or makes one.
+STOP, SHUTDOWN, SILENT = "stop", "shutdown", "stop_channel"
+_BY_PEOPLE = frozenset({"stop", "halt"})
+_BY_US = frozenset({SHUTDOWN, SILENT, "lease_lapsed"})
+
+
+@dataclass(frozen=True, slots=True)
+class Reins:
+    """How the agent holds a running command.
+
+    `permit` judges the command anew on today's state. `ended` gives a stable word as soon as the command must end
+    (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent_s` is for
+    how long it has been silent. `on_step` hears which step (from 0) begins.
+    """
+
+    permit: Callable[[], Awaitable[tuple[Verdict, Capabilities | None]]]
+    ended: Callable[[], str | None]
+    alive: Callable[[], Awaitable[bool]]
+    silent_s: Callable[[], float]
+    on_step: Callable[[int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Execution:
+    """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence."""
+
+    status: str
+    results: tuple[ActionResult, ...] = ()
+    verdict: Verdict | None = None
+    message: str = ""
+    first_motion_s: float | None = None
+
+
+class _Run:
+    """One execution under way."""
+
+    def __init__(self, driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> None:
+        self.driver = driver
+        self.command = command
+        self.plan = plan
+        self.reins = reins
+        self.results: list[ActionResult] = []
+        self.verdict: Verdict | None = None
+        self.first_motion_s: float | None = None
+        self.mandate: Mandate | None = None
+        self.started_s = time.monotonic()
+
+    async def steps(self, lease: str) -> str:
+        """Do the steps; returns the command's status."""
+        for number, step in enumerate(self.plan.steps):
+            if (status := await self._may(step)) is not None:
+                return status
+            self.reins.on_step(number)
+            result = await self._step(lease, step)
+            self.results.append(result)
+            if not result.ok:
+                return self._status_of(result)
+        return "done"
+
+    async def _may(self, step: Primitive) -> str | None:
+        """None when the step may begin now, else the status that the command ends with."""
+        if step.moves or not self.results:
+            self.verdict, capabilities = await self.reins.permit()
+            if self.verdict.decision is not Decision.ALLOW or capabilities is None:
+                return "cancelled" if self.verdict.rule.startswith("command.") else "refused"
+            self.mandate = self.mandate or mandate_of(self.plan, capabilities)
+        assert self.mandate is not None
+        if (beyond := within(self.mandate, self.results, step)) is not None:
+            self._refused(step, "mandate", beyond)
+            return "refused"
+        if step.moves and not await self.reins.alive():
+            self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
+            return "interrupted"
+        # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
+        return self._status_of_end(why) if (why := self.reins.ended()) else None
+
+    def _refused(self, step: Primitive, reason: str, message: str) -> None:
+        now_s = time.monotonic()
+        self.results.append(
+            ActionResult(step, Outcome.REFUSED, reason=reason, message=message, started_s=now_s, ended_s=now_s)
+        )
+
+    async def _step(self, lease: str, step: Primitive) -> ActionResult:
+        sent_s = time.monotonic()
+        assert self.mandate is not None
+        deadline_s = max(0.1, self.mandate.seconds - (sent_s - self.started_s))
+        stepping = asyncio.create_task(self.driver.step(lease, step, deadline_s))
+        ended_by = ""
+        try:
+            while not stepping.done():
+                await asyncio.wait({stepping}, timeout=LOOK_S)
+                if not ended_by and not stepping.done() and (ended_by := self._must_end(step)) and ended_by != STOP:
+                    await self._stop(ended_by)
+            result = _outcome(stepping, step, sent_s)
+        finally:
+            if not stepping.done():
+                stepping.cancel()
+                await asyncio.shield(self._stop(SHUTDOWN))
+        if step.moves and self.first_motion_s is None:
+            self.first_motion_s = result.started_s if sent_s <= result.started_s <= time.monotonic() else sent_s
+        stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
+        return replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result
+
+    def _must_end(self, step: Primitive) -> str:
+        if why := self.reins.ended():
+            return why
+        return SILENT if step.moves and self.reins.silent_s() > SILENCE_S else ""
+
+    async def _stop(self, why: str) -> None:
+        with contextlib.suppress(RobotError):  # then the lease lapses, and the driver stops the robot by itself
+            await self.driver.stop(f"agent: {why}")
+
+    def _status_of(self, result: ActionResult) -> str:
+        if result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED):
+            if result.reason in _BY_PEOPLE:
+                return "stopped"
+            return "interrupted" if result.reason in _BY_US else "failed"
+        if result.outcome is Outcome.REFUSED and len(self.results) == 1:
+            return "refused"
+        return "failed"
+
+    def _status_of_end(self, why: str) -> str:
+        return {STOP: "stopped", SHUTDOWN: "interrupted"}.get(why, "cancelled")
+
+    def execution(self, status: str, message: str = "") -> Execution:
+        rest = self.plan.steps[len(self.results) :]
+        skipped = (ActionResult(step, Outcome.SKIPPED) for step in rest)
+        return Execution(status, (*self.results, *skipped), self.verdict, message, self.first_motion_s)
+
+
+async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> Execution:
+    """Hold the robot's lease for the whole command and do its steps until one does not succeed. Never raises a
+    `RobotError`: a robot that cannot be used is a result."""
+    run = _Run(driver, command, plan, reins)
+    status, message = "failed", ""
+    try:
+        async with driver.lease(f"agent {command.trace_id}") as lease:
+            status = await run.steps(lease)
+    except (RobotBusy, RobotUnreachable, RobotError) as e:
+        message = str(e)
+    return run.execution(status, message)
+
+
+def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: float) -> ActionResult:
+    """A step's result, also when the driver gave none."""
+    try:
+        return stepping.result()
+    except LeaseLost as e:
+        reason, outcome, said = _lost(str(e)), Outcome.STOPPED, str(e)
+    except RobotError as e:
+        reason, outcome, said = "unreachable", Outcome.UNKNOWN, str(e)
+    return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
+
+
+def _lost(said: str) -> str:
+    """A stop takes the lease away; without a stop it lapsed."""
+    return next((word for word in ("halt", "stop") if f"by a {word}" in said), "lease_lapsed")

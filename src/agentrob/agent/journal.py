@@ -1,0 +1,394 @@
+"""What an agent must not forget: which posts it claimed, whether their motion began, and what came of each.
+
+Two things share one SQLite file. The rows (`claim`, `motion`, `meta`) are ours and decide whether anything may move.
+The workflows are DBOS's: each thought, motion and reply is one, with an id made of the post, so that what was finished
+before a crash is not done again. Unfinished workflows are forgotten at the start and begun anew from the claim rows:
+what must not be repeated is guarded by its own row, never by the engine.
+
+    post-<id>            read the post, understand it, screen it
+    post-<id>:motion     move; the motion row is written before, and the first insert wins
+    post-<id>:reply      put the report into the thread
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import os
+import socket
+import sqlite3
+import threading
+import time
+from collections.abc import Awaitable, Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import datetime
+from functools import partial
+from pathlib import Path
+from typing import IO, Any, TypeVar
+
+from dbos import DBOS, DBOSClient, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
+from pydantic import TypeAdapter
+
+from agentrob.errors import JournalError
+from agentrob.model import Command, Plan
+
+T = TypeVar("T")
+Deed = Callable[[], Awaitable[str]]
+
+#: Raised by one when stored workflows of the old version must not be taken for those of the new.
+VERSION = "agentrob-1"
+#: What `move` answers when the motion had begun before and its end is not known.
+INTERRUPTED = "interrupted"
+#: What `move` answers when it was cancelled before it began.
+CANCELLED = "cancelled"
+KEEP_S = 30 * 86400.0
+
+_COMMAND = TypeAdapter(Command)
+_PLAN = TypeAdapter(Plan)
+_TABLES = """
+CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS claim (
+    number INTEGER PRIMARY KEY AUTOINCREMENT, post TEXT NOT NULL UNIQUE, topic TEXT NOT NULL, command TEXT NOT NULL,
+    boot TEXT NOT NULL, accepted_s REAL NOT NULL, status_post TEXT, final TEXT, plan TEXT, at REAL NOT NULL);
+CREATE INDEX IF NOT EXISTS claim_topic ON claim (topic);
+CREATE TABLE IF NOT EXISTS motion (post TEXT PRIMARY KEY, state TEXT NOT NULL, result TEXT, at REAL NOT NULL);
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A post that this journal took. `new` is False when it had been taken before, perhaps by an earlier process.
+
+    `waited_s` is how long ago it was accepted by the machine's clock that nobody sets, infinite when the machine has
+    been started anew since. `final` is the state that its reply told, None while it is open.
+    """
+
+    command: Command
+    new: bool
+    waited_s: float
+    status_post: str | None = None
+    final: str | None = None
+
+
+class _Ended(BaseException):
+    """Ends a workflow's thread at shutdown without an outcome, so that the next start begins it anew."""
+
+
+class Journal:
+    """Open with `await Journal.open(...)`; one per process and one per robot and data folder."""
+
+    def __init__(self, folder: Path, robot: str) -> None:
+        self._folder = folder
+        self._robot = robot
+        self._lock: IO[str] | None = None
+        self._db: sqlite3.Connection | None = None
+        self._loop = asyncio.get_running_loop()
+        # One thread owns the connection, so rows are written in the order in which they were asked for.
+        self._rows = ThreadPoolExecutor(1, thread_name_prefix=f"{robot}-journal")
+        self._starts = ThreadPoolExecutor(16, thread_name_prefix=f"{robot}-workflows")
+        self._deeds: dict[str, Deed] = {}
+        self._ended = threading.Event()
+
+    # ---------------------------------------------------------------- open and close
+    @classmethod
+    async def open(cls, folder: Path, robot: str) -> Journal:
+        """Take the lock, make or read the file, start the engine. `JournalError` when that cannot be done."""
+        journal = cls(folder, robot)
+        try:
+            await journal._in_rows(journal._open)
+            await asyncio.get_running_loop().run_in_executor(journal._starts, journal._launch)
+        except BaseException:
+            await journal.close()
+            raise
+        return journal
+
+    def _open(self) -> None:
+        path = self._folder / "journal.sqlite"
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self._lock = (self._folder / "journal.lock").open("w")
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # WAL must be set before the engine opens the file: three times the throughput of the default.
+            self._db = sqlite3.connect(path, timeout=30.0, isolation_level=None)
+            self._db.execute("PRAGMA journal_mode=wal")
+            self._db.execute("PRAGMA synchronous=FULL")
+            self._db.executescript(_TABLES)
+            self._prune()
+        except BlockingIOError:
+            raise JournalError(
+                f"an agent for {self._robot} already runs with {self._folder}; end it first, or use another data folder"
+            ) from None
+        except (OSError, sqlite3.Error) as e:
+            raise JournalError(f"the journal {path} cannot be opened: {e}") from None
+
+    def _launch(self) -> None:
+        global _current
+        if _current is not None:
+            raise JournalError("this process already has an open journal; run one agent per process")
+        url = f"sqlite:///{self._folder / 'journal.sqlite'}"
+        config: DBOSConfig = {
+            "name": "agentrob",
+            "system_database_url": url,
+            # A name of its own per machine and robot: the engine re-runs whatever bears the same one.
+            "executor_id": f"{socket.gethostname()}-{self._robot}",
+            "application_version": VERSION,
+            "serializer": DBOSPortableJSONSerializer(),
+            "log_level": "ERROR",
+            "console_log_level": "ERROR",
+        }
+        try:
+            _forget_unfinished(url, self._has_workflows())
+            DBOS(config=config)
+            DBOS.launch()
+        except Exception as e:
+            raise JournalError(f"the journal's engine does not start: {e}") from e
+        _current = self
+
+    def _has_workflows(self) -> bool:
+        found = self._rows.submit(self._one, "SELECT 1 FROM sqlite_master WHERE name = 'workflow_status'").result()
+        return found is not None
+
+    async def close(self) -> None:
+        """End the engine; deeds that still run are left unfinished. Calling again does nothing."""
+        global _current
+        self._ended.set()
+        if _current is self:
+            _current = None
+            await asyncio.to_thread(DBOS.destroy, workflow_completion_timeout_sec=0)
+        if self._db is not None:
+            await self._in_rows(self._db.close)
+            self._db = None
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
+        self._rows.shutdown(wait=False)
+        self._starts.shutdown(wait=False)
+
+    # ---------------------------------------------------------------- claims
+    async def claim(self, command: Command) -> Claim:
+        """Take a post, before anything about it is written on the forum. Taking it again changes nothing."""
+        return await self._in_rows(self._claim, command)
+
+    def _claim(self, command: Command) -> Claim:
+        before = self._claimed(command.post_id)
+        if before is not None:
+            return before
+        row = (command.post_id, command.topic_id, _COMMAND.dump_json(command).decode(), _boot(), _boot_s(), time.time())
+        self._do("INSERT INTO claim (post, topic, command, boot, accepted_s, at) VALUES (?, ?, ?, ?, ?, ?)", row)
+        return Claim(command, new=True, waited_s=0.0)
+
+    def _claimed(self, post_id: str) -> Claim | None:
+        found = self._one(f"SELECT {_CLAIM} FROM claim WHERE post = ?", (post_id,))
+        return _claim(found) if found else None
+
+    async def claimed(self, post_id: str) -> Claim | None:
+        return await self._in_rows(self._claimed, post_id)
+
+    async def open_claims(self) -> Sequence[Claim]:
+        """Claims without a final reply, in the order in which they were taken."""
+        found = await self._in_rows(self._all, f"SELECT {_CLAIM} FROM claim WHERE final IS NULL ORDER BY number")
+        return [_claim(row) for row in found]
+
+    async def posted(self, post_id: str, status_post: str) -> None:
+        """The status post of a claim is on the forum."""
+        await self._in_rows(self._do, "UPDATE claim SET status_post = ? WHERE post = ?", (status_post, post_id))
+
+    async def finish(self, post_id: str, final: str, plan: Plan | None = None) -> None:
+        """The final reply of a claim is on the forum."""
+        text = _PLAN.dump_json(plan).decode() if plan else None
+        await self._in_rows(self._do, "UPDATE claim SET final = ?, plan = ? WHERE post = ?", (final, text, post_id))
+
+    async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
+        """The plans done before in a thread, oldest first."""
+        query = "SELECT plan FROM claim WHERE topic = ? AND final = 'done' AND plan NOT NULL ORDER BY number DESC LIMIT ?"
+        found = await self._in_rows(self._all, query, (topic_id, limit))
+        return [_PLAN.validate_json(row[0]) for row in reversed(found)]
+
+    # ---------------------------------------------------------------- workflows
+    async def once(self, workflow_id: str, deed: Deed) -> str:
+        """Do `deed` and keep what it answers; under the same id again, also after a restart, give the kept answer."""
+        return await self._run(_keep, workflow_id, deed)
+
+    async def move(self, post_id: str, deed: Deed) -> str:
+        """Do `deed`, which moves a robot, at most once ever: its answer, the kept one, `INTERRUPTED` or `CANCELLED`."""
+        return await self._run(_move, f"post-{post_id}:motion", deed)
+
+    async def _run(self, workflow: Callable[[str], str], workflow_id: str, deed: Deed) -> str:
+        self._deeds[workflow_id] = deed
+        try:
+            return await self._loop.run_in_executor(self._starts, partial(self._start, workflow, workflow_id))
+        except asyncio.CancelledError:
+            raise
+        except _Ended:
+            raise asyncio.CancelledError from None
+        except sqlite3.Error as e:
+            raise JournalError(f"the journal cannot be written: {e}") from None
+        finally:
+            self._deeds.pop(workflow_id, None)
+
+    def _start(self, workflow: Callable[[str], str], workflow_id: str) -> str:
+        if self._ended.is_set():
+            raise _Ended
+        with SetWorkflowID(workflow_id):
+            return DBOS.start_workflow(workflow, workflow_id).get_result()
+
+    def _perform(self, workflow_id: str) -> str:
+        """In a workflow's thread: do the deed on the agent's own loop, where its connections live."""
+        deed = self._deeds.get(workflow_id)
+        if deed is None or self._ended.is_set():
+            raise _Ended
+        future = asyncio.run_coroutine_threadsafe(_awaited(deed), self._loop)
+        while True:
+            try:
+                return future.result(0.5)
+            except TimeoutError:
+                if self._ended.is_set():
+                    future.cancel()
+                    raise _Ended from None
+            except BaseException as e:
+                if self._ended.is_set():
+                    raise _Ended from None
+                raise e
+
+    # ---------------------------------------------------------------- motion rows
+    def _begin(self, post_id: str) -> str | None:
+        """None when the motion may begin now, and is on disk as begun; else what to answer instead."""
+        row = (post_id, time.time())
+        if self._do("INSERT INTO motion (post, state, at) VALUES (?, 'begun', ?) ON CONFLICT DO NOTHING", row):
+            return None
+        state, result = self._one("SELECT state, result FROM motion WHERE post = ?", (post_id,)) or (INTERRUPTED, None)
+        if state == "ended" and result is not None:
+            return str(result)
+        return CANCELLED if state == CANCELLED else INTERRUPTED
+
+    def _end(self, post_id: str, result: str) -> None:
+        self._do("UPDATE motion SET state = 'ended', result = ? WHERE post = ?", (result, post_id))
+
+    async def cancel(self, post_id: str) -> bool:
+        """Make sure that a motion which has not begun never does; False when it has begun."""
+        query = f"INSERT INTO motion (post, state, at) VALUES (?, '{CANCELLED}', ?) ON CONFLICT DO NOTHING"
+        return bool(await self._in_rows(self._do, query, (post_id, time.time())))
+
+    async def moved(self, post_id: str) -> bool:
+        """Whether a motion of this post ever began."""
+        found = await self._in_rows(self._one, "SELECT state FROM motion WHERE post = ?", (post_id,))
+        return found is not None and found[0] != CANCELLED
+
+    # ---------------------------------------------------------------- meta
+    async def get(self, key: str) -> str | None:
+        found = await self._in_rows(self._one, "SELECT value FROM meta WHERE key = ?", (key,))
+        return str(found[0]) if found else None
+
+    async def put(self, key: str, value: str) -> None:
+        query = "INSERT INTO meta (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = excluded.value"
+        await self._in_rows(self._do, query, (key, value))
+
+    async def get_time(self, key: str) -> datetime | None:
+        found = await self.get(key)
+        return datetime.fromisoformat(found) if found else None
+
+    # ---------------------------------------------------------------- inside
+    async def _in_rows(self, call: Callable[..., T], *args: Any) -> T:
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._rows, partial(call, *args))
+        except sqlite3.Error as e:
+            raise JournalError(f"the journal cannot be used: {e}") from None
+
+    def _do(self, query: str, args: Sequence[Any] = ()) -> int:
+        """Write; returns how many rows changed."""
+        assert self._db is not None
+        return self._db.execute(query, tuple(args)).rowcount
+
+    def _one(self, query: str, args: Sequence[Any] = ()) -> Any:
+        assert self._db is not None
+        return self._db.execute(query, tuple(args)).fetchone()
+
+    def _all(self, query: str, args: Sequence[Any] = ()) -> list[Any]:
+        assert self._db is not None
+        return self._db.execute(query, tuple(args)).fetchall()
+
+    def _prune(self) -> None:
+        """Old claims go; their posts are far too old to move anything."""
+        old = (time.time() - KEEP_S,)
+        self._do("DELETE FROM motion WHERE post IN (SELECT post FROM claim WHERE final NOT NULL AND at < ?)", old)
+        self._do("DELETE FROM claim WHERE final NOT NULL AND at < ?", old)
+
+
+# -------------------------------------------------------------------- the engine's side
+_current: Journal | None = None
+
+
+def _journal() -> Journal:
+    if _current is None:
+        raise _Ended
+    return _current
+
+
+@DBOS.workflow(name="keep")
+def _keep(workflow_id: str) -> str:
+    return _perform(workflow_id)
+
+
+@DBOS.workflow(name="move")
+def _move(workflow_id: str) -> str:
+    return _perform_motion(workflow_id)
+
+
+@DBOS.step(name="perform")
+def _perform(workflow_id: str) -> str:
+    return _journal()._perform(workflow_id)
+
+
+@DBOS.step(name="perform_motion")
+def _perform_motion(workflow_id: str) -> str:
+    """Steps run at least once, motion at most once: between the two stands the motion row."""
+    journal = _journal()
+    post_id = workflow_id.removeprefix("post-").removesuffix(":motion")
+    instead = journal._rows.submit(journal._begin, post_id).result()
+    if instead is not None:
+        return instead
+    result = journal._perform(workflow_id)
+    journal._rows.submit(journal._end, post_id, result).result()
+    return result
+
+
+async def _awaited(deed: Deed) -> str:
+    return await deed()
+
+
+def _forget_unfinished(url: str, exists: bool) -> None:
+    """Drop workflows that were left unfinished, of this version or another, and those long finished."""
+    if not exists:
+        return
+    client = DBOSClient(system_database_url=url, serializer=DBOSPortableJSONSerializer())
+    try:
+        left = client.list_workflows(status=["PENDING", "ENQUEUED", "DELAYED", "ERROR"], load_input=False)
+        before = datetime.fromtimestamp(time.time() - KEEP_S).astimezone().isoformat()
+        done = client.list_workflows(status=["SUCCESS"], end_time=before, load_input=False, load_output=False)
+        if ids := [w.workflow_id for w in (*left, *done)]:
+            client.delete_workflows(ids)
+    finally:
+        client.destroy()
+
+
+_CLAIM = "command, boot, accepted_s, status_post, final"
+
+
+def _claim(row: tuple[str, str, float, str | None, str | None]) -> Claim:
+    command, boot, accepted_s, status_post, final = row
+    waited_s = _boot_s() - accepted_s if boot == _boot() else float("inf")
+    return Claim(_COMMAND.validate_json(command), False, waited_s, status_post, final)
+
+
+def _boot_s() -> float:
+    """Seconds since this machine started, sleep included: a clock that nobody sets."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+def _boot() -> str:
+    """Which start of the machine this is."""
+    with contextlib.suppress(OSError):
+        return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+    return f"{os.uname().nodename}"

@@ -1,0 +1,92 @@
+"""Is this post for me, and what is it: a stop, something to read, or too old (pure; laws 1, 3, 5 and 13)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from agentrob.language.stop import stop_intent
+from agentrob.language.visible import mentions, visible_text
+from agentrob.model import Account, AccountKind, Intent, Language, Post
+
+#: Never obeyed, whatever they write.
+_NOT_OBEYED = frozenset({AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT})
+
+
+class Call(StrEnum):
+    """What a post is for one robot."""
+
+    NOTHING = "nothing"
+    STOP = "stop"
+    HALT = "halt"
+    STALE = "stale"
+    READ = "read"
+
+
+@dataclass(frozen=True, slots=True)
+class Ears:
+    """Who listens, and what it knows of the world when a post arrives.
+
+    `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
+    `running_topics` are threads in which a command of this robot runs or waits. `watermark_at` is when its agent first
+    started, `now_at` the forum's clock.
+    """
+
+    me: Account
+    names: Collection[str]
+    boards: Collection[str]
+    watermark_at: datetime
+    now_at: datetime
+    max_age_s: float
+    running_topics: Collection[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What was made of a post. `text` is its visible text, `others` are those it mentions besides."""
+
+    call: Call
+    text: str = ""
+    others: tuple[str, ...] = ()
+
+    @property
+    def language(self) -> Language:
+        return language_of(self.text)
+
+
+def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
+    """`edited`: the post was seen before and has changed; then only a stop counts (law 4)."""
+    if post.removed or not obeyed(post.author, ears.me):
+        return Heard(Call.NOTHING)
+    text = visible_text(post.raw)
+    named = mentions(text)
+    mine = any(name in ears.names for name in named)
+    others = tuple(name for name in named if name not in ears.names)
+    # In the thread of a command that runs, "stop" alone is plain enough; "@somebody stop" is for somebody.
+    if (mine or (not named and post.topic_id in ears.running_topics)) and (stop := stop_intent(text)):
+        return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others)
+    if edited or not mine or post.board_id not in ears.boards:
+        return Heard(Call.NOTHING, text, others)
+    return Heard(Call.READ if _fresh(post, ears) else Call.STALE, text, others)
+
+
+def obeyed(author: Account, me: Account) -> bool:
+    """Whether what this account writes or presses can count at all; what it may do is asked elsewhere."""
+    return author.name != me.name and author.kind not in _NOT_OBEYED and not author.suspended
+
+
+def language_of(text: str) -> Language:
+    """Chinese when it has more Chinese characters than half its Latin words; mentions count for nothing."""
+    without = text
+    for name in mentions(text):
+        without = without.replace("@" + name, " ")
+    chinese = sum("\u3400" <= c <= "\u9fff" for c in without)
+    latin = sum(any("a" <= c <= "z" for c in word) for word in without.lower().split())
+    return "zh" if chinese * 2 > latin else "en"
+
+
+def _fresh(post: Post, ears: Ears) -> bool:
+    age_s = (ears.now_at - post.created_at).total_seconds()
+    return post.created_at > ears.watermark_at and age_s <= ears.max_age_s

@@ -1,0 +1,112 @@
+"""The path a robot walked, as a picture: start, end and heading, what was asked beside what was measured."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Any
+
+from agentrob.model import ActionResult, Direction, Op, Pose
+
+# A quiet slate card of its own, so that it sits well on light and on dark pages alike.
+_CARD, _GRID, _TEXT = "#20262f", "#39424f", "#c9d1dc"
+_ASKED, _MEASURED, _START, _END = "#8b98a9", "#4db6f5", "#7bd88f", "#ffb454"
+_WIDTH_IN, _HEIGHT_IN, _DPI = 5.2, 3.9, 110
+_SIDEWAYS = {Direction.FORWARD: (1, 0), Direction.BACKWARD: (-1, 0), Direction.LEFT: (0, 1), Direction.RIGHT: (0, -1)}
+
+
+def path_plot(results: Sequence[ActionResult]) -> bytes | None:
+    """A PNG of about 570x430 pixels, or None when there is no path. Takes about 0.1 s of computing: call it in a thread.
+
+    The frame is the robot's at the start: x forward (up in the picture), y left, in metres.
+    """
+    measured = [Pose(*point[1:]) for r in results for point in r.path]
+    if len(measured) < 2:
+        return None
+    start = measured[0]
+    local = [_seen_from(start, pose) for pose in measured]
+    figure, axes = _canvas()
+    asked = list(_asked(results))
+    _line(axes, asked, color=_ASKED, linestyle=(0, (4, 3)), linewidth=1.5, label="asked")
+    _line(axes, local, color=_MEASURED, linewidth=2.4, label="measured")
+    span = _frame(axes, [*asked, *local])
+    for pose, color, name in ((local[0], _START, "start"), (local[-1], _END, "end")):
+        _marker(axes, pose, color, name, 0.09 * span)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False, labelcolor=_TEXT, fontsize=9)
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", facecolor=_CARD)
+    return picture.getvalue()
+
+
+@cache
+def _matplotlib() -> tuple[Any, Any]:
+    """Heavy and slow to import, so only when the first path is drawn; its `pyplot` (global state) is never used."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    return Figure, FigureCanvasAgg
+
+
+def warm_up() -> None:
+    """Import what plots need; takes about a second, so call it in a thread before the first command."""
+    _matplotlib()
+
+
+def _canvas() -> tuple[Any, Any]:
+    figure_of, canvas_of = _matplotlib()
+    figure = figure_of(figsize=(_WIDTH_IN, _HEIGHT_IN), dpi=_DPI, facecolor=_CARD)
+    canvas_of(figure)
+    axes = figure.add_axes((0.13, 0.13, 0.60, 0.80), facecolor=_CARD)
+    axes.set_aspect("equal", adjustable="box")
+    axes.grid(color=_GRID, linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.tick_params(colors=_TEXT, labelsize=8, length=0)
+    for spine in axes.spines.values():
+        spine.set_color(_GRID)
+    axes.set_xlabel("left  ·  right (m)", color=_TEXT, fontsize=9)
+    axes.set_ylabel("forward (m)", color=_TEXT, fontsize=9)
+    return figure, axes
+
+
+def _line(axes: Any, path: Sequence[Pose], **style: Any) -> None:
+    # Forward is up and left is left: what a person expects who stands behind the robot.
+    axes.plot([-p.y_m for p in path], [p.x_m for p in path], solid_capstyle="round", **style)
+
+
+def _marker(axes: Any, pose: Pose, color: str, name: str, arrow_m: float) -> None:
+    x, y = -pose.y_m, pose.x_m
+    axes.plot([x], [y], "o", color=color, markersize=8, markeredgecolor=_CARD, label=name, linestyle="none", zorder=4)
+    tip = (x - arrow_m * 1.6 * math.sin(pose.yaw_rad), y + arrow_m * 1.6 * math.cos(pose.yaw_rad))
+    arrow = {"arrowstyle": "-|>", "color": color, "linewidth": 2, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
+    axes.annotate("", xy=tip, xytext=(x, y), arrowprops=arrow, zorder=3)
+
+
+def _frame(axes: Any, path: Sequence[Pose]) -> float:
+    """Equal axes with room around the path, never closer than a metre; returns the span in metres."""
+    xs, ys = [-p.y_m for p in path], [p.x_m for p in path]
+    span = max(max(xs) - min(xs), max(ys) - min(ys), 0.7) * 1.35
+    for centre, limit in (((max(xs) + min(xs)) / 2, axes.set_xlim), ((max(ys) + min(ys)) / 2, axes.set_ylim)):
+        limit(centre - span / 2, centre + span / 2)
+    return float(span)
+
+
+def _seen_from(start: Pose, pose: Pose) -> Pose:
+    dx, dy = pose.x_m - start.x_m, pose.y_m - start.y_m
+    c, s = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
+    return Pose(c * dx + s * dy, -s * dx + c * dy, pose.yaw_rad - start.yaw_rad)
+
+
+def _asked(results: Sequence[ActionResult]) -> Iterator[Pose]:
+    """The path as it was asked for, had every step been exact."""
+    x = y = yaw = 0.0
+    yield Pose(x, y, yaw)
+    for step in (r.primitive for r in results):
+        if step.op is Op.TURN and step.degrees:
+            yaw += math.radians(step.degrees) * (1 if step.direction is Direction.LEFT else -1)
+        elif step.op is Op.MOVE and step.distance_m:
+            ahead, left = _SIDEWAYS[step.direction or Direction.FORWARD]
+            x += step.distance_m * (ahead * math.cos(yaw) - left * math.sin(yaw))
+            y += step.distance_m * (ahead * math.sin(yaw) + left * math.cos(yaw))
+        yield Pose(x, y, yaw)

@@ -1,0 +1,210 @@
+"""What the thread is told (pure): facts in, Markdown out, in the language of the post.
+
+What people wrote, and whatever a model or a driver made of it, is shown only without mentions; people's own words only
+as escaped code of at most 100 characters.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from agentrob.agent.sentences import known, say
+from agentrob.model import ActionResult, Language, Op, Outcome, Primitive, Report, RobotState, StopResult
+
+QUOTE_CHARS = 100
+SENTENCE_CHARS = 600
+#: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
+_MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
+
+
+# -------------------------------------------------------------------- words that are not ours
+def quoted(text: str) -> str:
+    """Somebody's words as inline code: one line, at most 100 characters, no mention, no way out of the code."""
+    line = " ".join(text.split()).replace("`", "'").replace("@", "@ ")
+    return f"`{line if len(line) <= QUOTE_CHARS else line[: QUOTE_CHARS - 1] + '…'}`" if line else "` `"
+
+
+def disarmed(text: str) -> str:
+    """A sentence made elsewhere, perhaps of somebody's words: no mention, no picture, no markup of HTML, not endless."""
+    plain = re.sub(r"@(?=\S)", "@ ", text).replace("<", "‹").replace(">", "›").replace("![", "! [")
+    plain = re.sub(r"\]\(", "] (", plain)
+    return plain if len(plain) <= SENTENCE_CHARS else plain[: SENTENCE_CHARS - 1] + "…"
+
+
+# -------------------------------------------------------------------- while it goes
+def seen(language: Language, trace_id: str) -> str:
+    return f"{say('seen', language)} {_small(say('trace', language, trace_id=trace_id))}"
+
+
+def queued(language: Language, place: int) -> str:
+    return say("queued", language, place=place)
+
+
+def running(language: Language, number: int, steps: Sequence[Primitive]) -> str:
+    """`number` counts from 0."""
+    return say("running", language, step=number + 1, steps=len(steps), doing=doing(steps[number], language))
+
+
+def doing(step: Primitive, language: Language) -> str:
+    """A step in words: "walk forward 1 m"."""
+    direction = say(f"direction.{step.direction}", language) if step.direction else ""
+    words = say(f"do.{step.op}", language, direction=direction, distance_m=step.distance_m, degrees=step.degrees)
+    return say("do.speed", language, step=words, speed_mps=step.speed_mps) if step.speed_mps else words
+
+
+# -------------------------------------------------------------------- the end
+def final(report: Report) -> str:
+    """The whole reply to a command."""
+    language = report.command.language
+    parts = [_head(report), _why(report), _table(report)]
+    if report.plan.notes and report.status not in ("asks_back", "refused"):
+        parts.append(say("note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
+    if report.stop is not None:
+        parts.append(stop_figures(report.stop, language))
+    parts.append(_pictures(report))
+    parts.append(_foot(report))
+    return "\n\n".join(part for part in parts if part)
+
+
+def short(report: Report) -> str:
+    """What the status post says where the report is a reply of its own."""
+    return say("see_reply", report.command.language, state=_head(report))
+
+
+def _head(report: Report) -> str:
+    language = report.command.language
+    match report.status:
+        case "answered":
+            return ""
+        case "failed":
+            at = next((n for n, r in enumerate(report.results, 1) if not r.ok), None)
+            begun = at is not None and any(r.outcome is not Outcome.SKIPPED for r in report.results)
+            return say("failed", language, step=at) if begun else say("failed.before", language)
+        case "expired" | "stale":
+            return ""
+        case status:
+            return say(status, language)
+
+
+def _why(report: Report) -> str:
+    """The verdict's sentence, the message, and why the step that ended it did so."""
+    language = report.command.language
+    said = []
+    verdict = report.verdict
+    if report.status in ("refused", "cancelled") and verdict is not None and verdict.reason:
+        said.append(disarmed(verdict.reason))
+    if report.message:
+        said.append(report.message if report.status == "answered" else disarmed(report.message))
+    if (last := _decisive(report.results)) is not None and report.status not in ("done", "stopped"):
+        said.append(_reason(last, language))
+    if report.status == "refused" and verdict is not None:
+        said.append(say("rule", language, rule=verdict.rule))
+    return "\n\n".join(said) if report.status == "answered" else " ".join(said)
+
+
+def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
+    return next((r for r in results if not r.ok and r.outcome is not Outcome.SKIPPED), None)
+
+
+def _reason(result: ActionResult, language: Language) -> str:
+    """Our sentence where we have one; the driver's own English one besides where it says more."""
+    reason = result.reason
+    own = say(f"reason.{reason}", language) if known(f"reason.{reason}") else ""
+    if not own and not result.message and reason:
+        own = say("reason.other", language, reason=reason)
+    detail = disarmed(result.message) if result.message and (language == "en" or not own) else ""
+    return (detail or own) if language == "en" else own or detail
+
+
+def _table(report: Report) -> str:
+    language = report.command.language
+    if not report.results or all(r.outcome is Outcome.SKIPPED for r in report.results):
+        return ""
+    head = [say(f"table.{column}", language) for column in ("step", "asked", "measured", "outcome")]
+    rows = [_row(n, result, language) for n, result in enumerate(report.results, 1)]
+    lines = [head, ["---:", "---", "---", "---"], *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _row(number: int, result: ActionResult, language: Language) -> list[str]:
+    outcome = say(f"outcome.{result.outcome}", language)
+    if result.animated:
+        outcome = say("outcome.animated", language, outcome=outcome)
+    return [str(number), doing(result.primitive, language), _measured(result, language), outcome]
+
+
+def _measured(result: ActionResult, language: Language) -> str:
+    if result.primitive.op not in _MEASURES or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
+        return "–"
+    key, form = _MEASURES[result.primitive.op]
+    return form.format(result.measured[key]) if key in result.measured else say("unknown", language)
+
+
+def _pictures(report: Report) -> str:
+    language = report.command.language
+    names = [say("picture.step", language, step=n) for n, r in enumerate(report.results, 1) if r.image]
+    if has_path(report.results):
+        names.append(say("picture.path", language))
+    joint = "、" if language == "zh" else ", "
+    return say("pictures", language, pictures=joint.join(names)) if names else ""
+
+
+def has_path(results: Sequence[ActionResult]) -> bool:
+    """Whether there is a path worth a plot."""
+    return any(len(r.path) > 1 for r in results)
+
+
+def _foot(report: Report) -> str:
+    language, timings = report.command.language, report.timings_ms
+    said = [
+        say(f"timing.{name}", language, seconds=timings[name] / 1000)
+        for name in ("seen", "first_motion", "done")
+        if name in timings and (name != "done" or report.status == "done")
+    ]
+    said.append(say("trace", language, trace_id=report.command.trace_id))
+    return _small(" · ".join(said))
+
+
+def _small(text: str) -> str:
+    return f"*{text}*"
+
+
+# -------------------------------------------------------------------- stop and status
+def stop_figures(stop: StopResult, language: Language) -> str:
+    """What a stop did, in figures that were measured."""
+    if not stop.confirmed:
+        return say("stop.unconfirmed", language)
+    said = say("stop.post" if stop.was_moving else "stop.still", language, latency_ms=stop.latency_ms)
+    if stop.was_moving and stop.coasted_m is not None:
+        return said + say("stop.coasted", language, coasted_m=stop.coasted_m)
+    return said + say("stop.end", language)
+
+
+def stop_reply(stop: StopResult | None, language: Language, ended: int, halted: bool, folded: int = 0) -> str:
+    """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands."""
+    said = [stop_figures(stop, language) if stop else say("stop.unreachable", language)]
+    if halted and stop:
+        said.append(say("stop.halted", language))
+    if ended:
+        said.append(say("stop.cancelled", language, count=ended))
+    if folded:
+        said.append(say("stop.folded", language, count=folded))
+    return " ".join(said)
+
+
+def state_text(state: RobotState | None, waiting: int, language: Language, message: str = "") -> str:
+    """The answer to "how are you"; `state` None: the robot cannot be reached, as `message` says."""
+    if state is None:
+        return say("status.unknown", language, message=disarmed(message))
+    said = [say("status.mode", language, mode=state.mode)]
+    if state.battery_percent is None:
+        said.append(say("status.battery.unknown", language))
+    else:
+        said.append(say("status.battery", language, percent=state.battery_percent))
+    if state.pose is not None:
+        said.append(say("status.pose", language, x_m=state.pose.x_m, y_m=state.pose.y_m))
+    said += [say("status.halted", language)] if state.halted else []
+    said += [] if state.homed else [say("status.not_homed", language)]
+    said.append(say("status.queue", language, count=waiting))
+    return ("，" if language == "zh" else ", ").join(said) + ("。" if language == "zh" else ".")

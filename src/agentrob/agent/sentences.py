@@ -1,0 +1,176 @@
+"""What an agent says on the forum by itself, in both languages; sentences about limits and understanding stand elsewhere."""
+
+from __future__ import annotations
+
+from agentrob.model import Language
+
+_SENTENCES: dict[str, tuple[str, str]] = {
+    # ------------------------------------------------------------ states of a command
+    "seen": ("Seen.", "已看到。"),
+    "queued": ("Queued, place {place}.", "排队中，第 {place} 位。"),
+    "running": ("Step {step} of {steps}: {doing} …", "第 {step} 步，共 {steps} 步：{doing}……"),
+    "done": ("**Done.**", "**完成。**"),
+    "failed": ("**Failed** at step {step}.", "**失败**：停在第 {step} 步。"),
+    "failed.before": ("**Failed** before anything moved.", "**失败**：还没有任何动作。"),
+    "refused": ("**Refused.**", "**拒绝执行。**"),
+    "asks_back": ("**I need to ask.**", "**需要确认。**"),
+    "stopped": ("**Stopped.**", "**已停下。**"),
+    "stopped.by": ("**Stopped** by {who}.", "**已停下**，由 {who} 叫停。"),
+    "interrupted": (
+        "**Interrupted.** I was cut off during this command, stand still, and do not repeat it. "
+        "Post it again if you still want it.",
+        "**中断。** 执行过程中被打断，我已停住，不会重复执行。如仍需要，请重新发帖。",
+    ),
+    "interrupted.claim": (
+        "**Interrupted.** This post was taken up before, and I cannot tell how far that went, so nothing moves now. "
+        "Post it again if you still want it.",
+        "**中断。** 这个帖子以前已被受理，我无法确认做到了哪一步，所以现在不动。如仍需要，请重新发帖。",
+    ),
+    "cancelled": ("**Cancelled.**", "**已取消。**"),
+    "expired": (
+        "**Expired.** It waited longer than {minutes:.0f} minutes. Post it again if you still want it.",
+        "**已过期。** 等待超过 {minutes:.0f} 分钟。如仍需要，请重新发帖。",
+    ),
+    "stale": (
+        "**Too old.** I act only on posts younger than {seconds:.0f} s that came after I was first started. "
+        "Post it again if you still want it.",
+        "**太旧了。** 我只执行 {seconds:.0f} 秒以内、并且在我首次启动之后发的帖子。如仍需要，请重新发帖。",
+    ),
+    "nothing": ("There is nothing for me to do in this post.", "这个帖子里没有要我做的事。"),
+    "see_reply": ("{state} See my reply below.", "{state} 详见下面的回复。"),
+    "rule": ("Rule: `{rule}`.", "规则：`{rule}`。"),
+    "ask.default": (
+        "I did not understand what to do. Try: `walk forward 1 m, turn left 90 degrees, wave`.",
+        "我没有看懂要做什么。可以这样写：`向前走 1 米，左转 90 度，挥手`。",
+    ),
+    # ------------------------------------------------------------ why a command was ended before its time
+    "because.stop": ("A stop came.", "收到了停止命令。"),
+    "because.edited": (
+        "The post was edited, and an edit never starts a motion. Post it anew.",
+        "帖子被修改过，修改不会引发动作。请重新发帖。",
+    ),
+    "because.removed": ("The post is no longer there.", "帖子已被删除或隐藏。"),
+    "because.suspended": ("Its author may not command me now.", "作者现在不能指挥我。"),
+    "because.unverified": (
+        "I could not check whether the command still holds, so nothing moved.",
+        "无法确认命令是否仍然有效，所以没有动作。",
+    ),
+    "because.shutdown": ("My agent was ended.", "我的代理程序被关闭。"),
+    "because.driver": ("The robot cannot be used: {message}", "机器人无法使用：{message}"),
+    "because.journal": (
+        "My journal cannot be written, and without it nothing may move.",
+        "日志无法写入；没有日志就不能动作。",
+    ),
+    "because.internal": ("Something went wrong inside my agent; it is in its log.", "代理程序内部出错，详见其日志。"),
+    # ------------------------------------------------------------ steps
+    "do.move": ("walk {direction} {distance_m:g} m", "向{direction}走 {distance_m:g} 米"),
+    "do.turn": ("turn {direction} {degrees:g}°", "{direction}转 {degrees:g}°"),
+    "do.speed": ("{step} at {speed_mps:g} m/s", "{step}，速度 {speed_mps:g} 米/秒"),
+    "do.hello": ("wave", "挥手"),
+    "do.heart": ("make a heart", "比心"),
+    "do.backflip": ("backflip", "后空翻"),
+    "do.sit": ("sit", "坐下"),
+    "do.stand": ("stand", "站立"),
+    "do.stretch": ("stretch", "伸懒腰"),
+    "do.get_front_image": ("take a photo", "拍照"),
+    "direction.forward": ("forward", "前"),
+    "direction.backward": ("backward", "后"),
+    "direction.left": ("left", "左"),
+    "direction.right": ("right", "右"),
+    "table.step": ("Step", "步骤"),
+    "table.asked": ("Asked", "要求"),
+    "table.measured": ("Measured", "实测"),
+    "table.outcome": ("Outcome", "结果"),
+    "outcome.done": ("done", "完成"),
+    "outcome.inaccurate": ("inaccurate", "不准确"),
+    "outcome.failed": ("failed", "失败"),
+    "outcome.refused": ("refused", "拒绝"),
+    "outcome.stopped": ("stopped", "停下"),
+    "outcome.interrupted": ("interrupted", "中断"),
+    "outcome.unknown": ("unknown", "未知"),
+    "outcome.skipped": ("not begun", "未开始"),
+    "outcome.animated": ("{outcome} (played, not walked by physics)", "{outcome}（播放动画，非物理仿真）"),
+    "unknown": ("unknown", "未知"),
+    # ------------------------------------------------------------ why a step ended
+    "reason.obstacle": ("Something was in the way.", "前方有障碍物。"),
+    "reason.fence": ("It would have left the allowed area.", "会走出允许的区域。"),
+    "reason.deadline": ("It took too long.", "超时。"),
+    "reason.stale_state": ("The robot's state was too old to trust.", "机器人状态太旧，不可信。"),
+    "reason.lease_lapsed": ("The driver did not hear from me in time.", "驱动没有及时收到我的信号。"),
+    "reason.stop": ("A stop came.", "收到了停止命令。"),
+    "reason.halt": ("An emergency stop came; only the owner can release it.", "收到了急停，只有主人能解除。"),
+    "reason.halted": (
+        "I am halted; only my owner can release that.",
+        "我处于急停状态，只有主人能解除。",
+    ),
+    "reason.stalled": ("I got commands but did not move.", "收到了指令，但没有移动。"),
+    "reason.unsupported": ("This robot cannot do that.", "这台机器人做不到。"),
+    "reason.busy": ("Somebody else uses the robot.", "机器人正被别人使用。"),
+    "reason.not_homed": (
+        "My home is not set, so I cannot tell where I may go.",
+        "还没有设置原点，无法判断可以去哪里。",
+    ),
+    "reason.odometry_jump": ("My odometry jumped; I must be homed again.", "里程计跳变，需要重新设置原点。"),
+    "reason.ranges_unknown": ("I cannot tell what is around me.", "无法判断周围有什么。"),
+    "reason.fallen": ("I fell.", "我摔倒了。"),
+    "reason.consent": ("That needs my owner's consent.", "这需要主人同意。"),
+    "reason.mandate": ("It would exceed what was allowed for this command.", "超出了这个命令允许的范围。"),
+    "reason.stop_channel": (
+        "The forum was silent, so nobody could have stopped me.",
+        "论坛没有响应，没有人能叫停我。",
+    ),
+    "reason.shutdown": ("My agent was ended.", "我的代理程序被关闭。"),
+    "reason.unreachable": ("The driver stopped answering.", "驱动没有响应。"),
+    "reason.other": ("Reason: `{reason}`.", "原因：`{reason}`。"),
+    # ------------------------------------------------------------ what stands below
+    "note": ("Assumed: {notes}", "按此理解：{notes}"),
+    "pictures": ("Pictures: {pictures}.", "图片：{pictures}。"),
+    "picture.step": ("photo of step {step}", "第 {step} 步的照片"),
+    "picture.path": ("the path measured", "实测路径"),
+    "timing.seen": ("seen after {seconds:.2f} s", "{seconds:.2f} 秒后看到"),
+    "timing.first_motion": ("first motion after {seconds:.2f} s", "{seconds:.2f} 秒后开始动作"),
+    "timing.done": ("done after {seconds:.1f} s", "{seconds:.1f} 秒后完成"),
+    "trace": ("trace `{trace_id}`", "追踪号 `{trace_id}`"),
+    # ------------------------------------------------------------ stop
+    "stop.post": (
+        "**Stopped.** Zero velocity was commanded {latency_ms:.0f} ms after your post",
+        "**已停下。** 发帖 {latency_ms:.0f} 毫秒后速度归零",
+    ),
+    "stop.still": ("**I was standing still** and stay so", "**我本来就没有在动**，继续保持不动"),
+    "stop.coasted": ("; I came to rest {coasted_m:.2f} m further.", "，又滑行 {coasted_m:.2f} 米后停住。"),
+    "stop.end": (".", "。"),
+    "stop.unconfirmed": (
+        "**I commanded a stop, but the robot did not confirm that it stands.** Use its own stop now.",
+        "**已下达停止命令，但机器人没有确认停住。** 请立即使用机器人自带的急停。",
+    ),
+    "stop.unreachable": (
+        "**I could not reach the robot's driver to stop it.** Use its own stop now. The driver stops it by itself "
+        "when it no longer hears from me.",
+        "**无法联系机器人驱动来停止它。** 请立即使用机器人自带的急停。驱动收不到我的信号时会自行停下。",
+    ),
+    "stop.halted": (
+        "It refuses all motion until its owner releases it.",
+        "在主人解除之前，它拒绝一切动作。",
+    ),
+    "stop.cancelled": ("Commands ended or cancelled: {count}.", "结束或取消的命令数：{count}。"),
+    "stop.folded": ("Stops since then: {count}.", "此后又收到停止：{count} 次。"),
+    # ------------------------------------------------------------ status
+    "status.unknown": ("I cannot reach my robot: {message}", "联系不上机器人：{message}"),
+    "status.mode": ("**{mode}**", "**{mode}**"),
+    "status.battery": ("battery {percent:.0f} %", "电量 {percent:.0f}%"),
+    "status.battery.unknown": ("battery unknown", "电量未知"),
+    "status.pose": ("at x {x_m:.2f} m, y {y_m:.2f} m", "位置 x {x_m:.2f} 米，y {y_m:.2f} 米"),
+    "status.halted": ("halted until the owner releases it", "急停中，等待主人解除"),
+    "status.not_homed": ("home is not set", "未设置原点"),
+    "status.queue": ("commands waiting or running: {count}", "排队或执行中的命令：{count}"),
+}
+_COLUMN = {"en": 0, "zh": 1}
+
+
+def say(key: str, language: Language, **values: object) -> str:
+    """The sentence `key` with `values` put in. An unknown key or a missing value is a `KeyError`."""
+    return _SENTENCES[key][_COLUMN[language]].format(**values)
+
+
+def known(key: str) -> bool:
+    return key in _SENTENCES
