@@ -15,12 +15,12 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from agentrob.board import access, buttons, robot_view
 from agentrob.board.access import Viewer
 from agentrob.board.api_models import POST_BYTES
-from agentrob.board.records import Page, Post
+from agentrob.board.records import Page, Post, Topic
 from agentrob.board.services import services
 from agentrob.board.store import Store
-from agentrob.board.templating import error_page, go, hint_of, own_path, sentence, show, static_file
+from agentrob.board.templating import error_page, go, hint_of, own_path, sentence, show, static_file, with_receipt
 from agentrob.errors import BoardError
-from agentrob.model import AccountKind
+from agentrob.model import Account, AccountKind
 
 __all__ = ["error_page", "router"]
 
@@ -102,8 +102,7 @@ async def reply(request: Request, viewer: Anybody, topic_id: str) -> Response:
 @router.get("/p/{post_id}")
 async def post(request: Request, viewer: Reading, post_id: str) -> Response:
     store = services(request).store
-    stopped = request.query_params.get("stopped", "")
-    return go(_path(store, store.post(post_id), stopped))
+    return go(_path(store, store.post(post_id), request.query_params.get("done", "")))
 
 
 @router.get("/p/{post_id}/fragment")
@@ -165,17 +164,17 @@ async def remove(request: Request, viewer: Anybody, post_id: str) -> Response:
 
 # ------------------------------------------------------------------ robots and people
 @router.get("/robots")
-async def robots(request: Request, viewer: Reading) -> Response:
-    return show(request, viewer, "robots.html", {"robots": robot_view.robots(services(request))}, here="robots")
+async def robots(request: Request, viewer: Reading, part: str = "") -> Response:
+    data = {"robots": robot_view.robots(services(request))}
+    return show(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
 
 
 @router.get("/robots/{name}")
-async def robot(request: Request, viewer: Reading, name: str, stopped: str = "", reset: str = "") -> Response:
+async def robot(request: Request, viewer: Reading, name: str) -> Response:
     known = services(request)
     account, view = robot_view.robot(known, name)
-    latest = known.store.posts_by(account, _LATEST)
-    note = f"Asked for the room of @{name} to be put back." if reset else ""
-    data = {"robot": view, "account": account, "latest": latest, "stopped": bool(stopped), "note": note}
+    latest = _latest(known.store, account)
+    data = {"robot": view, "account": account, "latest": latest}
     return show(request, viewer, "robot.html", data, here="robots")
 
 
@@ -189,10 +188,10 @@ async def stop(request: Request, viewer: Anybody, name: str) -> Response:
     """Anybody signed in, at any rate, whatever the robot's agent last said."""
     form = await _form(request)
     access.check_form(viewer, form.get("csrf"))
-    event = await buttons.stop(services(request), name, access.account_of(viewer))
+    await buttons.stop(services(request), name, access.account_of(viewer))
     if request.headers.get("x-live"):
         return Response(status_code=204)
-    return go(f"{own_path(form.get('back'), f'/robots/{name}').partition('?')[0]}?stopped={event.robot}")
+    return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "stop", name))
 
 
 @router.post("/robots/{name}/reset")
@@ -200,11 +199,11 @@ async def reset(request: Request, viewer: Anybody, name: str) -> Response:
     form = await _form(request)
     access.check_form(viewer, form.get("csrf"))
     await buttons.reset(services(request), name, access.account_of(viewer))
-    return go(f"/robots/{name}?reset=1")
+    return go(with_receipt(f"/robots/{name}", viewer, "reset", name))
 
 
 @router.get("/u/{name}")
-async def account(request: Request, viewer: Reading, name: str) -> Response:
+async def person(request: Request, viewer: Reading, name: str) -> Response:
     store = services(request).store
     found = store.account(name)
     if found is None:
@@ -212,7 +211,7 @@ async def account(request: Request, viewer: Reading, name: str) -> Response:
     if found.kind is AccountKind.ROBOT_AGENT:
         return go(f"/robots/{found.name}")
     mine = viewer.account is not None and viewer.account.id == found.id
-    latest = store.posts_by(found, _LATEST)
+    latest = _latest(store, found)
     data = {"account": found, "mine": mine, "latest": latest}
     return show(request, viewer, "account.html", data, here="me" if mine else "")
 
@@ -321,15 +320,20 @@ def _topic(
     found = known.store.topic(topic_id)
     posts: Page[Post] = known.store.posts(topic_id, after, POSTS)
     data: Data = {"topic": found, "posts": posts, "first_page": not after, "board": known.store.board(found.board_id)}
-    data |= {"after": newest, "robots": robot_view.robots(known), "key": _nonce(), "draft": draft}
-    data |= {"problem": _problem(error), "stopped": request.query_params.get("stopped", "")[:64]}
+    data |= {"after": newest, "robots": robot_view.robots(known), "key": _nonce()}
+    data |= {"draft": draft, "problem": _problem(error)}
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
 
 
-def _path(store: Store, post: Post, stopped: str = "") -> str:
+def _latest(store: Store, author: Account) -> list[tuple[Topic, Post]]:
+    """An account's latest posts, each with its topic."""
+    return [(store.topic(post.topic_id), post) for post in store.posts_by(author, _LATEST)]
+
+
+def _path(store: Store, post: Post, done: str = "") -> str:
     """Where a post is to be seen: the page of its topic that shows it."""
     cursor = store.cursor_before(post.id, POSTS)
-    query = "&".join(f"{k}={quote(v, safe='')}" for k, v in (("after", cursor), ("stopped", stopped)) if v)
+    query = "&".join(f"{k}={quote(v, safe='')}" for k, v in (("after", cursor), ("done", done)) if v)
     return f"/t/{post.topic_id}{'?' + query if query else ''}#post-{post.id}"
 
 

@@ -65,7 +65,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         board=_words(card.get("board")),
         can_reset=card.get("can_reset") is True,
         ops=tuple(_op(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
-        limits=tuple(_limit(k, v) for k, v in limits.items()) if isinstance(limits, Mapping) else (),
+        limits=_limits(limits) if isinstance(limits, Mapping) else (),
         facts=tuple((name, value) for name, value in facts[:20] if value),
     )
 
@@ -89,6 +89,15 @@ def _look(services: Services, account: Account) -> RobotView:
 
 def _op(op: str) -> str:
     return _OPS.get(op, op.replace("_", " "))[:40]
+
+
+def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:
+    """In words, those of the same thing on one line."""
+    lines: dict[str, list[str]] = {}
+    for name, value in list(limits.items())[:20]:
+        label, shown = _limit(name, value)
+        lines.setdefault(label, []).append(shown)
+    return tuple((label, ", ".join(shown)) for label, shown in lines.items())
 
 
 def _limit(name: str, value: object) -> tuple[str, str]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import hmac
 import math
 import re
+import time
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -81,7 +83,7 @@ def tone(name: str) -> int:
 
 def excerpt(raw: str) -> str:
     """The first words of a post, without the marks of Markdown."""
-    text = " ".join(re.sub(r"[*_`#>|~\[\]]+", " ", raw).split())
+    text = " ".join(re.sub(r"[|>#]+", " ", re.sub(r"[*`~]+|\|?[\s|:-]*---[\s|:-]*", "", raw)).split())
     return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
 
 
@@ -129,14 +131,43 @@ def show(
     """A page for this viewer. `here` marks the part of the navigation it belongs to."""
     known = services(request)
     settings = known.settings
-    frame = {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
+    frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
+    frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
     html = _TEMPLATES.get_template(template).render(
-        {"viewer": viewer, "here": here, "title": settings.title, "stopped": "", "problem": ""} | frame | dict(data)
+        {"viewer": viewer, "here": here, "title": settings.title, "problem": ""} | frame | dict(data)
     )
     response = HTMLResponse(html, status, headers=_HEADERS)
     if viewer.account is None:
         access.keep(response, known, viewer)
     return response
+
+
+@dataclass(frozen=True, slots=True)
+class Receipt:
+    """That a button was pressed, shown on the page that follows. `deed` is stop or reset."""
+
+    deed: str
+    robot: str
+    at: datetime
+
+
+def with_receipt(path: str, viewer: Viewer, deed: str, robot: str) -> str:
+    """The path of the following page with a receipt that only this viewer's session can have made: no link from
+    elsewhere makes a page say that a robot was stopped."""
+    told = f"{deed}.{robot}.{int(time.time())}"
+    return f"{path.partition('?')[0]}?done={told}.{_seal(viewer, told)}"
+
+
+def receipt_of(request: Request, viewer: Viewer) -> Receipt | None:
+    told, _, seal = request.query_params.get("done", "").rpartition(".")
+    if not told or not hmac.compare_digest(seal.encode(), _seal(viewer, told).encode()):
+        return None
+    deed, robot, at = told.split(".")
+    return Receipt(deed, robot, datetime.fromtimestamp(int(at), UTC))
+
+
+def _seal(viewer: Viewer, told: str) -> str:
+    return hmac.digest(viewer.secret.encode(), f"receipt:{told}".encode(), "sha256").hex()[:32]
 
 
 def go(path: str) -> RedirectResponse:

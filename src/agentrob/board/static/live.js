@@ -4,7 +4,7 @@
 
 const main = document.getElementById("main");
 const live = document.getElementById("live");
-document.documentElement.classList.add("live");
+document.documentElement.classList.add("scripted");
 
 const say = (text) => { if (live && live.textContent !== text) live.textContent = text; };
 
@@ -14,9 +14,9 @@ function localTimes(root) {
   for (const time of root.querySelectorAll("time[datetime]")) {
     const at = new Date(time.dateTime);
     if (Number.isNaN(at.getTime())) continue;
-    const clock = at.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit", second: "2-digit" });
-    const day = at.toLocaleDateString([], { day: "numeric", month: "short", year: "numeric" });
-    time.textContent = at.toDateString() === today ? clock : `${day}, ${clock.replace(/:\d\d(?=\D*$)/, "")}`;
+    const clock = at.toLocaleTimeString("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit" });
+    const day = at.toLocaleDateString("en-GB", { day: "numeric", month: "short", year: "numeric" });
+    time.textContent = at.toDateString() === today ? clock : `${day}, ${clock.slice(0, -3)}`;
     time.title = at.toLocaleString();
   }
 }
@@ -168,21 +168,20 @@ document.addEventListener("submit", async (event) => {
   }
 });
 
-// ---------------------------------------------------------------- a robot's page
-const facts = document.getElementById("robot-facts");
-if (facts) {
+// ---------------------------------------------------------------- what is known of robots, renewed while looked at
+for (const part of document.querySelectorAll("[data-refresh]")) {
   setInterval(async () => {
-    if (document.hidden) return;
+    if (document.hidden || part.contains(document.activeElement)) return;
     try {
-      const answer = await fetch(facts.dataset.refresh, { headers: { Accept: "text/html" } });
+      const answer = await fetch(part.dataset.refresh, { headers: { Accept: "text/html" } });
       if (!answer.ok) return;
       const text = await answer.text();
-      if (text === facts.dataset.shown) return;
-      facts.dataset.shown = text;
-      facts.replaceChildren(...new DOMParser().parseFromString(text, "text/html").body.childNodes);
-      localTimes(facts);
+      if (text === part.dataset.shown) return;
+      part.dataset.shown = text;
+      part.replaceChildren(...new DOMParser().parseFromString(text, "text/html").body.childNodes);
+      localTimes(part);
     } catch { /* the next time */ }
-  }, 2000);
+  }, 3000);
 }
 
 // The camera runs only while its picture is on the screen: somebody looking is what makes the robot's room render.
