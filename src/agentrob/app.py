@@ -11,11 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agentrob import config as configuration
+from agentrob.child import say_ready
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import ConfigError
+from agentrob.model import Account, AccountKind, Capabilities, Role
 
 if TYPE_CHECKING:
     from agentrob.agent.turn import RobotAgent
+    from agentrob.board.settings import BoardSettings
     from agentrob.forums.forum import Forum
     from agentrob.minds.mind import Mind
 
@@ -61,24 +64,48 @@ def only_robot(config: Config, name: str | None) -> str:
 
 
 # ---------------------------------------------------------------------- board
-def board_admin(config: Config) -> Any:
-    """Accounts, tokens and links of the embedded forum, for the command line; works while it runs."""
-    from agentrob.board.admin import Admin
-
-    return Admin(board_settings(config))
-
-
-def board_settings(config: Config) -> Any:
+def board_settings(config: Config) -> BoardSettings:
     from agentrob.board.settings import BoardSettings
 
-    return BoardSettings.of(config.board, config.data_dir / "board")
+    return BoardSettings.from_config(config.board, config.data_dir)
 
 
 def serve_board(config: Config) -> None:
-    """Run the embedded forum until SIGTERM or Ctrl-C."""
+    """Run the embedded forum until SIGTERM or Ctrl-C; prints the ready line with its address."""
     from agentrob.board.server import serve
 
-    serve(board_settings(config))
+    serve(board_settings(config), ready=lambda settings: say_ready(url=settings.base_url))
+
+
+def board_account(config: Config, name: str, kind: AccountKind, role: Role, display_name: str = "") -> Account:
+    """The account of that name, made when it is not there yet; works while the forum runs."""
+    from agentrob.board import admin
+    from agentrob.errors import BoardError
+
+    settings = board_settings(config)
+    admin.bootstrap(settings)
+    try:
+        return admin.find_account(settings, name)
+    except BoardError as e:
+        if e.status != 404:
+            raise
+        return admin.create_account(settings, name, kind=kind, role=role, display_name=display_name)
+
+
+def board_token(config: Config, name: str, label: str = "") -> str:
+    """A new bearer token of an account."""
+    from agentrob.board import admin
+
+    settings = board_settings(config)
+    return admin.issue_token(settings, admin.find_account(settings, name), label)
+
+
+def board_link(config: Config, name: str) -> str:
+    """An address that signs this account in, once."""
+    from agentrob.board import admin
+
+    settings = board_settings(config)
+    return settings.base_url + admin.issue_link(settings, admin.find_account(settings, name))
 
 
 # ---------------------------------------------------------------------- agents
@@ -107,6 +134,12 @@ def run_agent(config: Config, name: str, once: bool) -> None:
         for sign in (signal.SIGTERM, signal.SIGINT):
             asyncio.get_running_loop().add_signal_handler(sign, running.cancel)
         try:
+            if not once:
+                readying = asyncio.ensure_future(agent.ready.wait())
+                await asyncio.wait((readying, running), return_when=asyncio.FIRST_COMPLETED)
+                readying.cancel()
+                if not running.done():
+                    say_ready(robot=name)
             await running
         except asyncio.CancelledError:
             pass
@@ -120,7 +153,34 @@ def run_driver(config: Config, name: str) -> None:
     """Hold one robot until SIGTERM or Ctrl-C."""
     from agentrob.robots.driver import run_driver as run
 
-    run(name, config.robot(name))
+    run(name, config.robot(name), data=config.data_dir)
+
+
+def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
+    """Stop one robot, or all that drivers on this machine hold; lines for people, and the exit code."""
+    import getpass
+
+    from agentrob.errors import RobotUnreachable
+    from agentrob.robots import stop as stopping
+
+    who = f"{getpass.getuser()} at the shell"
+    if robot is None:
+        results = stopping.stop_all(who)
+        if not results:
+            return ["no driver runs on this machine, so no robot is moved by us"], 0
+    else:
+        config = load(config_file)
+        settings = config.robots.get(robot) or RobotConfig(model=robot)
+        results = {robot: stopping.stop_robot(robot, settings, who)}
+    lines, code = [], 0
+    for name, result in results.items():
+        if isinstance(result, RobotUnreachable):
+            lines.append(f"{name}: NOT STOPPED: {result}")
+        else:
+            rest = "stands still" if result.confirmed else "DID NOT CONFIRM that it stands still: use its own stop"
+            lines.append(f"{name}: zero velocity commanded after {result.latency_ms:.0f} ms; {rest}")
+        code |= isinstance(result, RobotUnreachable) or not result.confirmed
+    return lines, code
 
 
 def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
@@ -133,26 +193,29 @@ def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
     return record
 
 
-def capabilities_of(model: str, settings: RobotConfig | None = None) -> Any:
+def capabilities_of(model: str, settings: RobotConfig | None = None) -> Capabilities:
     """What a kind of robot can do, without connecting to one."""
-    return find("robots", model).describe(settings or RobotConfig(model=model))
+    capabilities: Capabilities = find("robots", model).describe(settings or RobotConfig(model=model))
+    return capabilities
 
 
 # ---------------------------------------------------------------------- understanding
 async def understand(text: str, name: str, capabilities: Any, mind: str = "rules") -> Any:
     """What a mind makes of a text that is meant for this robot."""
-    from agentrob.language.visible import visible_text
+    from agentrob.language.visible import mentions, visible_text
     from agentrob.minds.mind import Listener
 
-    listener = Listener(names=(name,), others=(), capabilities=capabilities)
-    return await make_mind(mind).understand(visible_text(text), listener)
+    visible = visible_text(text)
+    if name not in mentions(visible):
+        visible = f"@{name} {visible}"
+    return await make_mind(mind).understand(visible, Listener((name,), (), capabilities))
 
 
 def plan_text(text: str, model: str) -> dict[str, Any]:
     """What a robot of this kind would make of a text, as data: intent, steps, notes, question, verdict."""
     from agentrob.judge.screen import screen
     from agentrob.language.visible import mentions, visible_text
-    from agentrob.model import Account, Intent, Role
+    from agentrob.model import Intent
 
     capabilities = capabilities_of(model)
     named = mentions(visible_text(text))

@@ -13,6 +13,7 @@ from agentrob import __version__, app
 from agentrob import config as configuration
 from agentrob.child import follow_parent
 from agentrob.errors import AgentRobError
+from agentrob.model import AccountKind, Role
 
 cli = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 demo_cli = typer.Typer(invoke_without_command=True)
@@ -108,13 +109,14 @@ def drive(
 def stop(
     robot: Annotated[str | None, typer.Argument(help="The robot's name; without it --all is needed.")] = None,
     everyone: Annotated[bool, typer.Option("--all", help="Every robot that a driver on this machine holds.")] = False,
+    config: ConfigFile = None,
 ) -> None:
-    """Stop a robot now. Works without forum, agent and configuration."""
-    from agentrob.robots import stop as stopping
-
+    """Stop a robot now. Works without forum, agent and journal; --all also without a configuration."""
     if robot is None and not everyone:
         _fail("name a robot, or give --all")
-    raise typer.Exit(stopping.main(None if everyone else robot))
+    lines, code = app.stop(None if everyone else robot, config)
+    typer.echo("\n".join(lines))
+    raise typer.Exit(code)
 
 
 @cli.command()
@@ -161,32 +163,26 @@ def board_serve(config: ConfigFile = None) -> None:
 @account_cli.command("add")
 def account_add(
     name: Annotated[str, typer.Argument(help="The handle after the @: small letters, digits, - and _.")],
-    kind: Annotated[str, typer.Option(help="human, commanding_agent, robot_agent or monitoring_agent.")] = "human",
-    role: Annotated[str, typer.Option(help="member, operator or admin.")] = "member",
+    kind: Annotated[AccountKind, typer.Option(help="What stands behind it.")] = AccountKind.HUMAN,
+    role: Annotated[Role, typer.Option(help="What it may do.")] = Role.MEMBER,
     config: ConfigFile = None,
 ) -> None:
     """Add an account; prints a one-time link (people) or a token (agents)."""
-    admin = app.board_admin(app.load(config))
-    admin.bootstrap()
-    admin.create_account(name, kind=kind, role=role)
-    if kind == "human":
-        settings = app.load(config)
-        typer.echo(settings.board.url + admin.issue_link(name))
-    else:
-        typer.echo(admin.issue_token(name))
+    settings = app.load(config)
+    app.board_account(settings, name, kind, role)
+    typer.echo(app.board_link(settings, name) if kind is AccountKind.HUMAN else app.board_token(settings, name))
 
 
 @account_cli.command("link")
 def account_link(name: str, config: ConfigFile = None) -> None:
     """Print a one-time link that signs this account in."""
-    settings = app.load(config)
-    typer.echo(settings.board.url + app.board_admin(settings).issue_link(name))
+    typer.echo(app.board_link(app.load(config), name))
 
 
 @account_cli.command("token")
 def account_token(name: str, config: ConfigFile = None) -> None:
     """Print a new bearer token of this account."""
-    typer.echo(app.board_admin(app.load(config)).issue_token(name))
+    typer.echo(app.board_token(app.load(config), name))
 
 
 def _fail(message: str) -> NoReturn:

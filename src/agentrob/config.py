@@ -41,11 +41,6 @@ class BoardConfig(_Section):
     title: str = "AgentRob"
     sign_up: bool | None = None
 
-    @property
-    def url(self) -> str:
-        """The address that people open."""
-        return self.base_url or f"http://{self.listen}"
-
 
 class ForumConfig(_Section):
     """Where agents read and write. The secret is in the environment, in the variable that `token_env` names."""

@@ -8,9 +8,11 @@ import fcntl
 import json
 import os
 import secrets
+import shutil
 import signal
 import socket
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,6 +23,7 @@ from typing import IO, Any
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
 from agentrob.errors import AgentRobError, ConfigError
+from agentrob.model import AccountKind, Role
 
 ROBOT = "quadruped"
 VISITOR = "visitor"
@@ -83,6 +86,7 @@ class Demo:
         self._lock: IO[str] | None = None
         self.url = ""
         self.tokens: dict[str, str] = {}
+        self.runtime: Path | None = None
         self.room_url = ""
 
     def __enter__(self) -> Demo:
@@ -92,6 +96,8 @@ class Demo:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         end_all(self.children)
+        if self.runtime:
+            shutil.rmtree(self.runtime, ignore_errors=True)
         if self._lock:
             (self.data / "demo.json").unlink(missing_ok=True)
             self._lock.close()
@@ -100,6 +106,8 @@ class Demo:
     def start(self) -> None:
         """Start all; returns when a post would be answered. `DemoError` or `ChildError` in one line otherwise."""
         self._hold_data()
+        # sockets of this demo's own: another demo, or a driver of the same name, is not in the way
+        self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-demo-"))
         port = self.settings.port or free_port()
         check_port(port)
         self.url = f"http://127.0.0.1:{port}"
@@ -129,7 +137,7 @@ class Demo:
         (self.data / "demo.json").write_text(json.dumps({"pid": os.getpid(), "url": self.url, "room": self.room_url}))
 
     def _child(self, name: str, *args: str, env: dict[str, str] | None = None) -> Child:
-        own = {"AGENTROB_DATA": str(self.data), **(env or {})}
+        own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}
         child = Child(name, args, self.data / "log" / f"{name}.log", own)
         self.children.append(child)
         return child
@@ -177,19 +185,17 @@ class Demo:
     def _bootstrap(self, config_path: Path) -> None:
         from agentrob import app
 
-        admin = app.board_admin(app.load(config_path))
-        admin.bootstrap()
-        admin.ensure_account(ROBOT, kind="robot_agent", role="member", display_name="Quadruped")
-        admin.ensure_account(VISITOR, kind="human", role="operator", display_name="Visitor")
-        for name in (ROBOT, VISITOR):
-            self.tokens[name] = admin.issue_token(name, label="demo")
+        config = app.load(config_path)
+        app.board_account(config, ROBOT, AccountKind.ROBOT_AGENT, Role.MEMBER, "Quadruped")
+        app.board_account(config, VISITOR, AccountKind.HUMAN, Role.OPERATOR, "Visitor")
+        self.tokens = {name: app.board_token(config, name, "demo") for name in (ROBOT, VISITOR)}
 
     # ------------------------------------------------------------------ while it runs
     def link(self) -> str:
         """A one-time link that signs the visitor in."""
         from agentrob import app
 
-        return self.url + app.board_admin(app.load(self.data / "agentrob.toml")).issue_link(VISITOR)
+        return app.board_link(app.load(self.data / "agentrob.toml"), VISITOR)
 
     def watch(self) -> None:
         """Return only when a child has ended, as `ChildError`."""
@@ -254,9 +260,7 @@ def print_link(data: Path) -> None:
     facts = running(data)
     if facts is None:
         raise DemoError(f"no demo runs with the data folder {data}; start one with: agentrob demo")
-    demo = Demo(DemoSettings(data))
-    demo.url = facts["url"]
-    print(demo.link())
+    print(Demo(DemoSettings(data)).link())
 
 
 # ---------------------------------------------------------------------- one post, then end

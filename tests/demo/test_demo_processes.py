@@ -1,0 +1,134 @@
+"""The demo as a process: it starts once, says clearly why not, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import httpx2
+import pytest
+from running import AGENTROB, RunningDemo, start_demo
+
+from agentrob import hostlock
+
+pytestmark = [pytest.mark.sim, pytest.mark.timeout(120)]
+
+
+def descendants(pid: int) -> set[int]:
+    """All processes below `pid`."""
+    found = set()
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            found |= {int(child)} | descendants(int(child))
+    return found
+
+
+def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(tmp_path: Path) -> None:
+    before = set(hostlock.held())
+    demo = start_demo(tmp_path / "data")
+    children = descendants(demo.process.pid)
+    assert len(children) >= 4
+    assert set(hostlock.held()) > before
+    port = urlsplit(demo.url).port
+    began = time.monotonic()
+    os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
+    assert demo.process.wait(10) == 0
+    assert time.monotonic() - began < 3.0
+    assert not [c for c in children if Path(f"/proc/{c}").exists()]
+    assert set(hostlock.held()) <= before
+    with socket.socket() as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        s.bind(("127.0.0.1", port))
+    assert (tmp_path / "data/agentrob.toml").exists(), "the data folder is kept"
+    assert str(tmp_path / "data") in "".join(demo.said), "and named"
+
+
+def test_a_second_demo_with_the_same_data_is_refused_in_one_line(demo: RunningDemo) -> None:
+    second = subprocess.run(
+        [AGENTROB, "demo", "--port", "0", "--data", str(demo.data)],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert second.returncode == 1
+    assert f"a demo already runs at {demo.url}" in second.stderr.splitlines()[-1]
+    assert "Traceback" not in second.stderr
+
+
+def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        s.listen()
+        port = s.getsockname()[1]
+        refused = subprocess.run(
+            [AGENTROB, "demo", "--port", str(port), "--data", str(tmp_path / "data")],
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=False,
+        )
+    assert refused.returncode == 1
+    assert f"port {port} is taken; choose another with --port" in refused.stderr.splitlines()[-1]
+
+
+def test_another_link_can_be_printed_and_each_works_once(demo: RunningDemo) -> None:
+    printed = demo.agentrob("demo", "link", "--data", str(demo.data))
+    assert printed.returncode == 0, printed.stderr
+    link = printed.stdout.strip()
+    assert link.startswith(demo.url + "/enter/")
+    with httpx2.Client() as browser:
+        for _ in range(2):  # a prefetch does not spend it
+            assert browser.get(link).status_code == 200
+
+
+def test_without_a_demo_the_link_command_says_how_to_start_one(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [AGENTROB, "demo", "link", "--data", str(tmp_path)], capture_output=True, text=True, timeout=30, check=False
+    )
+    assert done.returncode == 1
+    assert "start one with: agentrob demo" in done.stderr
+
+
+def test_one_post_is_done_and_told_as_json(tmp_path: Path) -> None:
+    sentence = "@quadruped walk forward 1 metre, turn left, wave and take a photo"
+    done = subprocess.run(
+        [AGENTROB, "demo", "--post", sentence, "--json", "--data", str(tmp_path / "data")],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = json.loads(done.stdout.splitlines()[-1])
+    assert told["status"] == "done"
+    assert [s["op"] for s in told["steps"]] == ["move", "turn", "hello", "get_front_image"]
+    assert all(s["outcome"] == "done" for s in told["steps"])
+    move, turn = told["steps"][:2]
+    assert move["asked"]["distance_m"] == 1.0
+    assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
+    assert turn["asked"]["degrees"] == 90
+    assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
+    assert {"seen", "first_motion", "done"} <= set(told["timings_ms"])
+    assert 0 < told["timings_ms"]["seen"] < told["timings_ms"]["first_motion"] < told["timings_ms"]["done"]
+    assert told["topic_url"].startswith("http://127.0.0.1:")
+    assert "1.0" in told["reply_markdown"] or "1 m" in told["reply_markdown"]
+    assert [Path(p).read_bytes()[:2] for p in told["images"]].count(b"\xff\xd8") >= 1
+
+
+def test_what_is_asked_back_ends_with_exit_code_one(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [AGENTROB, "demo", "--post", "@quadruped walk forward", "--json", "--data", str(tmp_path / "data")],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert json.loads(done.stdout.splitlines()[-1])["status"] == "asks_back"
