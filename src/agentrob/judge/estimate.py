@@ -2,9 +2,37 @@
 
 from __future__ import annotations
 
-from agentrob.model import Capabilities, Plan
+from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
+
+#: Starting, settling and measuring at rest, in seconds, for each walk and turn.
+SETTLING_S = 2.0
+#: Four-legged robots walk sideways more slowly than ahead.
+SIDEWAYS_MPS = 0.3
+#: Whole gestures, in seconds; the Go2's own take up to eight.
+GESTURE_S = {
+    Op.HELLO: 5.0,
+    Op.HEART: 6.0,
+    Op.BACKFLIP: 6.0,
+    Op.SIT: 3.0,
+    Op.STAND: 3.0,
+    Op.STRETCH: 8.0,
+    Op.GET_FRONT_IMAGE: 1.0,
+}
 
 
 def seconds_of(plan: Plan, capabilities: Capabilities) -> float:
-    """Estimated duration of the whole plan in seconds."""
-    return 0.0
+    """Estimated duration of the whole plan in seconds, at the speeds asked for or else at the robot's limits."""
+    return sum(step_seconds(step, capabilities) for step in plan.steps)
+
+
+def step_seconds(step: Primitive, capabilities: Capabilities) -> float:
+    """Estimated duration of one step in seconds."""
+    limits = capabilities.limits
+    if step.op is Op.MOVE:
+        speed_mps = min(limits.speed_mps, step.speed_mps or limits.speed_mps)
+        if step.direction in (Direction.LEFT, Direction.RIGHT):
+            speed_mps = min(speed_mps, SIDEWAYS_MPS)
+        return (step.distance_m or 0.0) / speed_mps + SETTLING_S
+    if step.op is Op.TURN:
+        return (step.degrees or 0.0) / limits.turn_dps + SETTLING_S
+    return GESTURE_S[step.op]

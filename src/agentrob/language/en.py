@@ -170,7 +170,7 @@ def _whole(said: str) -> float:
     words = said.split()
     # "one eighty", "two seventy", "three sixty": hundreds left out, as people say angles.
     if len(words) in (2, 3) and words[0] in _UNITS and words[1] in _TENS and (len(words) == 2 or words[2] in _UNITS):
-        return text2num(words[0], "en") * 100 + float(text2num(" ".join(words[1:]), "en"))
+        return float(text2num(words[0], "en")) * 100 + float(text2num(" ".join(words[1:]), "en"))
     return float(text2num(said, "en"))
 
 

@@ -13,6 +13,9 @@ PHRASES = {
     "step.stretch": "stretch",
     "step.get_front_image": "take a photo",
     "step.times": "{step} {times} times",
+    "list.joint": ", ",
+    "verb.move": "walk",
+    "verb.turn": "turn",
     "step.joint": ", then ",
     "direction.forward": "forward",
     "direction.backward": "backward",
@@ -68,6 +71,7 @@ PHRASES = {
     "refuse.command_steps": "{asked} steps are beyond the limit of {limit} steps a command.",
     "refuse.speed": "{asked} m/s is beyond the limit of {limit} m/s.",
     "refuse.flip": "A backflip needs the consent of the robot's owner.",
+    "refuse.malformed": "This is not a step I can take: {steps}.",
     "refuse.empty": "There is nothing to do in this command.",
     # ---------------------------------------------------------------- harm
     "refuse.collide": "I do not drive into people, animals or things ({words}).",

@@ -13,6 +13,9 @@ PHRASES = {
     "step.stretch": "伸个懒腰",
     "step.get_front_image": "拍张照",
     "step.times": "{step}{times}次",
+    "list.joint": "、",
+    "verb.move": "走",
+    "verb.turn": "转",
     "step.joint": "，然后",
     "direction.forward": "前",
     "direction.backward": "后",
@@ -65,6 +68,7 @@ PHRASES = {
     "refuse.command_steps": "{asked}步超出了每条命令{limit}步的限制。",
     "refuse.speed": "{asked}米每秒超出了{limit}米每秒的限制。",
     "refuse.flip": "后空翻需要机器人主人的同意。",
+    "refuse.malformed": "这一步我做不了：{steps}。",
     "refuse.empty": "这条命令里没有要做的事。",
     # ---------------------------------------------------------------- harm
     "refuse.collide": "我不会去撞人、动物或东西（{words}）。",
