@@ -59,7 +59,7 @@ def create(
 def checked_name(name: str) -> str:
     """The name, case-folded. 422 when it is none."""
     folded = name.strip().lower()
-    if not NAME.fullmatch(folded):
+    if not name.isascii() or not NAME.fullmatch(folded):
         hint = "2 to 32 of a-z, 0-9, _ and -, a letter first"
         raise BoardError(422, "bad_name", f"{name[:64]!r} cannot be a name", hint)
     return folded

@@ -109,17 +109,17 @@ class Writer:
         with self.engine.begin() as connection:
             for waiting in batch:
                 transaction = Transaction(connection)
+                savepoint = connection.begin_nested()
                 try:
-                    with connection.begin_nested():
-                        waiting.result = waiting.job(transaction)
+                    waiting.result = waiting.job(transaction)
+                    savepoint.commit()
                     event_ids += transaction.event_ids
-                except DBAPIError as e:
-                    # SQLite may have ended the whole transaction (full disk): then nothing of the batch is kept.
-                    if not connection.in_transaction() or not _alive(connection):
-                        raise
-                    waiting.error = unavailable(e)
                 except Exception as e:
-                    waiting.error = e
+                    # For some errors (a full disk) SQLite itself ends the transaction: then nothing of it is kept.
+                    if not _in_transaction(connection):
+                        raise
+                    savepoint.rollback()
+                    waiting.error = unavailable(e) if isinstance(e, DBAPIError) else e
         return event_ids
 
     def _answer(self, batch: list[_Waiting], event_ids: list[int]) -> None:
@@ -140,7 +140,7 @@ class Writer:
             log.warning("board.nobody_waits", jobs=len(batch))
 
 
-def _alive(connection: Connection) -> bool:
-    """Whether SQLite still is in the transaction; it gives it up by itself for some errors."""
+def _in_transaction(connection: Connection) -> bool:
+    """Whether the database still is where we think it is."""
     raw: Any = connection.connection.dbapi_connection
     return bool(getattr(raw, "in_transaction", True))

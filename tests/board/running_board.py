@@ -1,0 +1,114 @@
+"""A real board for tests: real sockets, real SQLite, served from a thread of the test process."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+from collections.abc import Coroutine, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+import httpx2
+
+from agentrob.board import accounts, admin
+from agentrob.board.database import open_engine
+from agentrob.board.server import Server, create_app
+from agentrob.board.services import Services
+from agentrob.board.settings import BoardSettings
+from agentrob.config import BoardConfig
+from agentrob.model import Account, AccountKind, Role
+
+T = TypeVar("T")
+#: Nothing in these tests may take longer.
+LIMIT_S = 10.0
+
+
+class RunningBoard:
+    """A served board. `op`, `member`, `admin` and the robot agent `quadruped` have accounts from the beginning."""
+
+    def __init__(self, settings: BoardSettings, server: Server, loop: asyncio.AbstractEventLoop) -> None:
+        self.settings = settings
+        self.server = server
+        self.loop = loop
+        self.tokens: dict[str, str] = {}
+        self._clients: list[httpx2.Client] = []
+        for name, role in (("op", Role.OPERATOR), ("member", Role.MEMBER), ("admin", Role.ADMIN)):
+            self.add(name, role=role)
+        self.add("quadruped", kind=AccountKind.ROBOT_AGENT)
+
+    @property
+    def url(self) -> str:
+        return self.settings.base_url
+
+    @property
+    def services(self) -> Services:
+        """The server's own parts; they belong to its thread."""
+        parts: Services = self.server.app.state.services
+        return parts
+
+    def add(self, name: str, **options: Any) -> Account:
+        account = admin.create_account(self.settings, name, **options)
+        self.tokens[name] = admin.issue_token(self.settings, account)
+        return account
+
+    def client(self, name: str | None = None) -> httpx2.Client:
+        """A program signed in by token (or a browser that is not signed in); paths are below `/api/v1`."""
+        headers = {"Authorization": f"Bearer {self.tokens[name]}"} if name else {}
+        client = httpx2.Client(base_url=self.url + "/api/v1", headers=headers, timeout=LIMIT_S)
+        self._clients.append(client)
+        return client
+
+    def browser(self, name: str | None = None) -> httpx2.Client:
+        """A browser; signed in by a one-time link's session when a name is given. Paths are below `/`."""
+        client = httpx2.Client(base_url=self.url, timeout=LIMIT_S)
+        self._clients.append(client)
+        if name is not None:
+            account = admin.find_account(self.settings, name)
+            engine = open_engine(self.settings, writes=True)
+            with engine.begin() as connection:
+                session = accounts.new_session(connection, int(account.id))
+            engine.dispose()
+            client.cookies.set(f"agentrob_{self.settings.port}", session, domain="127.0.0.1")
+        return client
+
+    def run(self, coroutine: Coroutine[Any, Any, T]) -> T:
+        """Run something on the server's own event loop."""
+        return asyncio.run_coroutine_threadsafe(coroutine, self.loop).result(LIMIT_S)
+
+    def close(self) -> None:
+        for client in self._clients:
+            client.close()
+
+
+@contextmanager
+def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
+    """A board in a folder; `options` replace fields of its settings. Ends the server and its thread afterwards."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    config = BoardConfig(listen=f"127.0.0.1:{listener.getsockname()[1]}")
+    settings = replace(BoardSettings.from_config(config, folder), **options)
+    admin.bootstrap(settings)
+    ready = threading.Event()
+    loops: list[asyncio.AbstractEventLoop] = []
+
+    def on_ready(_: BoardSettings) -> None:
+        loops.append(asyncio.get_running_loop())
+        ready.set()
+
+    server = Server(create_app(settings), settings, on_ready)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+    thread.start()
+    try:
+        assert ready.wait(LIMIT_S), "the board did not start"
+        board = RunningBoard(settings, server, loops[0])
+        try:
+            yield board
+        finally:
+            board.close()
+    finally:
+        server.should_exit = True
+        thread.join(LIMIT_S)
+        listener.close()
+    assert not thread.is_alive(), "the board did not end"

@@ -1,0 +1,253 @@
+"""Who may do what: signing in, tokens, sessions, CSRF, one-time links, suspension, where requests may come from."""
+
+from __future__ import annotations
+
+import re
+import sqlite3
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from running_board import RunningBoard
+from starlette.responses import Response
+
+from agentrob.board import access, accounts, admin
+from agentrob.board.attempts import PER_ADDRESS, PER_NAME, WINDOW_S, Attempts
+from agentrob.board.settings import BoardSettings, is_loopback, parse_listen
+from agentrob.config import BoardConfig
+from agentrob.errors import BoardError, ConfigError
+from agentrob.model import Role
+
+READS = ["/me", "/boards", "/boards/robots/topics", "/posts?key=x", "/changes", "/events", "/robots", "/accounts/op"]
+
+
+@pytest.mark.parametrize("path", READS)
+def test_nothing_is_open_to_the_world(board: RunningBoard, path: str) -> None:
+    answer = board.client().get(path)
+    assert (answer.status_code, answer.json()["code"]) == (401, "not_signed_in")
+    assert answer.headers["www-authenticate"] == "Bearer"
+
+
+def test_public_read_opens_reading_only(fresh_board: Callable[..., RunningBoard]) -> None:
+    board = fresh_board(public_read=True)
+    anybody = board.client()
+    assert anybody.get("/boards").status_code == 200
+    assert anybody.get("/posts", params={"key": "x"}).json() == {"items": []}
+    assert anybody.post("/robots/quadruped/stop").status_code == 401
+    assert anybody.post("/topics", json={"board": "talk", "title": "x", "body": "y"}).status_code == 401
+
+
+@pytest.mark.parametrize("header", ["Bearer wrong", "Bearer", "Basic b3A6", "", "Bearer \xff"])
+def test_a_bad_token_is_never_an_anonymous_reader(fresh_board: Callable[..., RunningBoard], header: str) -> None:
+    board = fresh_board(public_read=True)
+    answer = board.client().get("/boards", headers={"Authorization": header.encode("latin-1")})
+    assert (answer.status_code, answer.json()["code"]) == (401, "bad_token")
+
+
+def test_me_tells_who_asks(board: RunningBoard) -> None:
+    me = board.client("quadruped").get("/me").json()
+    assert (me["name"], me["kind"], me["role"], me["suspended"]) == ("quadruped", "robot_agent", "member", False)
+
+
+def test_the_suspended_may_nothing_but_know_it(board: RunningBoard) -> None:
+    account = board.add("rowdy", role=Role.OPERATOR)
+    rowdy = board.client("rowdy")
+    browser = board.browser("rowdy")
+    assert rowdy.get("/boards").status_code == 200
+    admin.change_account(board.settings, account, suspended=True)
+    assert rowdy.get("/boards").json()["code"] == "suspended"
+    assert rowdy.post("/robots/quadruped/stop").json()["code"] == "suspended"
+    assert rowdy.get("/me").json()["suspended"] is True
+    assert browser.get("/api/v1/me").status_code == 401
+
+
+def test_a_cookie_needs_the_csrf_token_to_write(board: RunningBoard) -> None:
+    browser = board.browser("op")
+    (secret,) = browser.cookies.jar
+    fields = {"board": "talk", "title": "x", "body": "y"}
+    path = "/api/v1/topics"
+    assert browser.get("/api/v1/me").json()["name"] == "op"
+    assert browser.post(path, json=fields).json()["code"] == "bad_csrf"
+    assert browser.post(path, json=fields, headers={"X-CSRF-Token": "guess"}).json()["code"] == "bad_csrf"
+    token = access.csrf_token(str(secret.value))
+    assert browser.post(path, json=fields, headers={"X-CSRF-Token": token}).status_code == 201
+
+
+def test_a_token_needs_no_csrf_token_but_must_be_right(board: RunningBoard) -> None:
+    client = board.client("op")
+    assert client.post("/topics", json={"board": "talk", "title": "x", "body": "y"}).status_code == 201
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Origin": "https://evil.example"}, {"Origin": "null"}, {"Sec-Fetch-Site": "cross-site"}]
+)
+def test_another_site_cannot_write(board: RunningBoard, headers: dict[str, str]) -> None:
+    browser = board.browser("op")
+    (secret,) = browser.cookies.jar
+    token = {"X-CSRF-Token": access.csrf_token(str(secret.value))}
+    answer = browser.post("/api/v1/topics", json={}, headers=token | headers)
+    assert (answer.status_code, answer.json()["code"]) == (403, "foreign_origin")
+
+
+@pytest.mark.parametrize("host", ["evil.example", "", "127.0.0.1.evil.example", "[", "x:y"])
+def test_a_name_that_is_not_ours_is_refused(board: RunningBoard, host: str) -> None:
+    answer = board.client("op").get("/boards", headers={"Host": host})
+    assert answer.status_code in (400, 421)
+
+
+def test_localhost_is_ours(board: RunningBoard) -> None:
+    assert board.client("op").get("/boards", headers={"Host": f"localhost:{board.settings.port}"}).status_code == 200
+
+
+def test_browsers_are_told_to_be_careful(board: RunningBoard) -> None:
+    for path in ("/api/v1/boards", "/nothing", "/sign-in"):
+        headers = board.browser().get(path).headers
+        assert "unsafe-inline" not in headers["content-security-policy"]
+        assert "frame-ancestors 'none'" in headers["content-security-policy"]
+        assert headers["x-content-type-options"] == "nosniff"
+        assert headers["referrer-policy"] == "same-origin"
+
+
+# -------------------------------------------------------------------- passwords and links
+def test_signing_in_by_password(board: RunningBoard) -> None:
+    board.add("alice", password="correct horse")
+    session = board.run(access.sign_in(board.services, " Alice ", "correct horse", "10.0.0.1"))
+    browser = board.browser()
+    browser.cookies.set(f"agentrob_{board.settings.port}", str(session), domain="127.0.0.1")
+    assert browser.get("/api/v1/me").json()["name"] == "alice"
+
+
+@pytest.mark.parametrize(
+    ("name", "password"), [("bob", "wrong"), ("nobody", "x"), ("quadruped", ""), ("bob", "\ud800")]
+)
+def test_a_wrong_name_and_a_wrong_password_look_the_same(board: RunningBoard, name: str, password: str) -> None:
+    if board.services.store.account("bob") is None:
+        board.add("bob", password="right password")
+    with pytest.raises(BoardError) as caught:
+        board.run(access.sign_in(board.services, name, password, "10.0.0.2"))
+    assert (caught.value.status, str(caught.value)) == (401, "that name or password is wrong")
+
+
+def test_guessing_is_stopped_with_the_time_to_wait() -> None:
+    now = [0.0]
+    attempts = Attempts(lambda: now[0])
+    for _ in range(PER_NAME):
+        attempts.count("Op", "1.1.1.1")
+    with pytest.raises(BoardError) as caught:
+        attempts.count("op", "2.2.2.2")
+    assert (caught.value.status, caught.value.retry_after_s) == (429, WINDOW_S)
+    attempts.count("other", "1.1.1.1")
+    now[0] = WINDOW_S
+    attempts.count("op", "2.2.2.2")
+
+
+def test_guessing_names_from_one_address_is_stopped() -> None:
+    attempts = Attempts(lambda: 0.0)
+    for n in range(PER_ADDRESS):
+        attempts.count(f"name{n}", "1.1.1.1")
+    with pytest.raises(BoardError):
+        attempts.count("one-more", "1.1.1.1")
+    attempts.count("one-more", "2.2.2.2")
+
+
+def test_a_right_password_starts_the_count_anew() -> None:
+    attempts = Attempts(lambda: 0.0)
+    for n in range(PER_NAME * 2):
+        attempts.count("op", str(n))
+        attempts.forget("op")
+    assert attempts.count("op", "x") is None
+
+
+def test_a_link_signs_in_once(board: RunningBoard) -> None:
+    account = admin.find_account(board.settings, "member")
+    secret = admin.issue_link(board.settings, account).removeprefix("/enter/")
+    assert board.run(access.enter(board.services, secret))
+    with pytest.raises(BoardError) as caught:
+        board.run(access.enter(board.services, secret))
+    assert caught.value.status == 404
+
+
+def test_a_link_expires(board: RunningBoard) -> None:
+    account = admin.find_account(board.settings, "member")
+    secret = admin.issue_link(board.settings, account).removeprefix("/enter/")
+    with sqlite3.connect(str(board.settings.database_path)) as database:
+        database.execute("UPDATE links SET expires_us = expires_us - 600000000")
+    database.close()
+    with pytest.raises(BoardError):
+        board.run(access.enter(board.services, secret))
+
+
+def test_the_database_holds_no_secret(board: RunningBoard) -> None:
+    account = admin.find_account(board.settings, "member")
+    secrets = [board.tokens["op"], admin.issue_link(board.settings, account).removeprefix("/enter/")]
+    with sqlite3.connect(str(board.settings.database_path)) as database:
+        dump = "\n".join(database.iterdump())
+    database.close()
+    assert not [s for s in secrets if s in dump]
+
+
+def test_cookies_are_secure_under_https(board: RunningBoard) -> None:
+    secure = replace(board.services, settings=replace(board.settings, base_url="https://forum.example.org"))
+    response = Response()
+    access.set_session(response, secure, "secret")
+    cookie = response.headers["set-cookie"]
+    assert cookie.startswith("__Host-agentrob_")
+    assert all(word in cookie for word in ("Secure", "HttpOnly", "SameSite=lax", "Path=/"))
+
+
+def test_sign_up_makes_members_only_and_can_be_off(
+    board: RunningBoard, fresh_board: Callable[..., RunningBoard]
+) -> None:
+    assert board.run(access.sign_up(board.services, "Newcomer", "long enough", "10.0.0.3"))
+    newcomer = board.services.store.account("newcomer")
+    assert newcomer is not None
+    assert newcomer.role is Role.MEMBER
+    closed = fresh_board(sign_up=False)
+    with pytest.raises(BoardError) as caught:
+        closed.run(access.sign_up(closed.services, "newcomer", "long enough", "10.0.0.3"))
+    assert caught.value.code == "sign_up_off"
+
+
+# -------------------------------------------------------------------- names and settings
+@given(st.text(max_size=40))
+def test_a_name_is_ascii_or_refused(name: str) -> None:
+    try:
+        taken = accounts.checked_name(name)
+    except BoardError as e:
+        taken = e.code
+    assert taken == "bad_name" or re.fullmatch(r"[a-z][a-z0-9_-]{1,31}", taken)
+
+
+@pytest.mark.parametrize("name", ["оp", "ｏｐ", "o", "1op", "op op", "a" * 33, "op\u200b", "\u212aelvin", ""])
+def test_look_alikes_are_refused(name: str) -> None:
+    with pytest.raises(BoardError):
+        accounts.checked_name(name)
+
+
+def test_names_are_unique_whatever_their_case(board: RunningBoard) -> None:
+    with pytest.raises(BoardError) as caught:
+        admin.create_account(board.settings, "OP")
+    assert (caught.value.status, caught.value.code) == (409, "name_taken")
+
+
+def test_sign_up_is_on_by_itself_only_on_loopback(tmp_path: Path) -> None:
+    def sign_up(listen: str) -> bool:
+        return BoardSettings.from_config(BoardConfig(listen=listen), tmp_path).sign_up
+
+    assert [sign_up(x) for x in ("127.0.0.1:1", "[::1]:1", "0.0.0.0:1", "192.168.1.2:1")] == [True, True, False, False]
+
+
+@pytest.mark.parametrize("listen", ["", "8088", "host:", "host:port", "host:70000"])
+def test_a_wrong_listen_address_says_what_would_be_valid(listen: str) -> None:
+    with pytest.raises(ConfigError, match=r"valid: 127\.0\.0\.1:8088"):
+        parse_listen(listen)
+
+
+def test_hosts_that_are_loopback() -> None:
+    assert [is_loopback(h) for h in ("localhost", "127.0.0.9", "::1", "0.0.0.0", "example.org")] == [
+        *(True, True, True),
+        *(False, False),
+    ]

@@ -1,0 +1,253 @@
+"""The event stream and the log behind it: order, resuming, beats, many listeners, ending in time."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+import time
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx2
+import pytest
+from running_board import LIMIT_S, RunningBoard, running_board
+
+from agentrob.board import admin
+from agentrob.board.records import EventKind
+
+
+def post_topic(client: httpx2.Client, body: str = "hello") -> dict:
+    return client.post("/topics", json={"board": "talk", "title": "t", "body": body}).json()
+
+
+def now(client: httpx2.Client) -> str:
+    return client.get("/changes").json()["now"]["id"]
+
+
+@contextmanager
+def stream(client: httpx2.Client, headers: dict[str, str] | None = None, **params: Any) -> Iterator[Iterator[dict]]:
+    """Events of an open stream, as dicts with `id` (of the stream), `event` and `data`."""
+    with client.stream("GET", "/events", params=params, headers=headers or {}) as response:
+        assert response.status_code == 200
+        assert response.headers["content-type"].startswith("text/event-stream")
+        yield _parsed(response.iter_lines())
+
+
+def _parsed(lines: Iterator[str]) -> Iterator[dict]:
+    fields: dict[str, str] = {}
+    for line in lines:
+        if line:
+            name, _, value = line.partition(": ")
+            fields[name] = value
+        else:
+            if "data" in fields:
+                yield fields | {"data": json.loads(fields["data"])}
+            fields = {}
+
+
+def until(events: Iterator[dict], count: int) -> list[dict]:
+    """The next events that are no heartbeat."""
+    found = []
+    while len(found) < count:
+        event = next(events)
+        if event["event"] != "heartbeat":
+            found.append(event)
+    return found
+
+
+def test_posts_edits_and_removals_arrive_as_they_happen(board: RunningBoard) -> None:
+    op = board.client("op")
+    with stream(board.client("quadruped")) as events:
+        next_kinds = []
+        post = post_topic(op)["post"]
+        op.patch(f"/posts/{post['id']}", json={"body": "changed"})
+        op.delete(f"/posts/{post['id']}")
+        for event in until(events, 3):
+            next_kinds.append(event["event"])
+            assert event["data"]["kind"] == event["event"]
+            assert event["data"]["id"] == event["id"]
+            assert event["data"]["post"]["id"] == post["id"]
+    assert next_kinds == ["post.created", "post.edited", "post.removed"]
+
+
+def test_changes_gives_the_same_events_as_the_stream(board: RunningBoard) -> None:
+    op = board.client("op")
+    start = now(op)
+    post_topic(op, "one")
+    post_topic(op, "two")
+    polled = op.get("/changes", params={"after": start}).json()
+    with stream(op, after=start) as events:
+        assert [e["data"] for e in until(events, 2)] == polled["items"]
+    assert polled["now"]["id"] == polled["items"][-1]["id"]
+    assert op.get("/changes", params={"after": start, "limit": 1}).json()["items"] == polled["items"][:1]
+
+
+def test_a_stream_resumes_after_the_last_id_which_wins_over_after(board: RunningBoard) -> None:
+    op = board.client("op")
+    start = now(op)
+    for n in range(3):
+        post_topic(op, f"post {n}")
+    second = str(int(start) + 2)
+    with stream(op, headers={"Last-Event-ID": second}, after=start) as events:
+        (event,) = until(events, 1)
+    assert event["data"]["post"]["raw"] == "post 2"
+
+
+def test_a_post_is_delivered_as_it_is_now(board: RunningBoard) -> None:
+    op = board.client("op")
+    start = now(op)
+    post = post_topic(op, "secret")["post"]
+    op.delete(f"/posts/{post['id']}")
+    items = op.get("/changes", params={"after": start}).json()["items"]
+    assert [e["kind"] for e in items] == ["post.created", "post.removed"]
+    assert [e["post"]["raw"] for e in items] == ["", ""]
+
+
+def test_an_id_that_never_was_is_an_error_and_not_silence(board: RunningBoard) -> None:
+    answer = board.client("op").get("/events", params={"after": "99999"})
+    assert (answer.status_code, answer.json()["code"]) == (404, "no_such_event")
+
+
+def test_heartbeats_come_when_nothing_happens(board: RunningBoard) -> None:
+    with stream(board.client("op"), heartbeat=0.25) as events:
+        started = time.monotonic()
+        beats = [next(events) for _ in range(4)]
+        took = time.monotonic() - started
+    assert [b["event"] for b in beats] == ["heartbeat"] * 4
+    assert all("id" not in b and b["data"]["id"] == "" for b in beats)
+    assert 0.5 < took < 3
+
+
+@pytest.mark.parametrize("heartbeat", ["0.2", "31", "nan", "x"])
+def test_heartbeats_have_bounds(board: RunningBoard, heartbeat: str) -> None:
+    assert board.client("op").get("/events", params={"heartbeat": heartbeat}).status_code == 422
+
+
+def test_a_stream_of_one_topic_tells_of_that_topic_only(board: RunningBoard) -> None:
+    op = board.client("op")
+    topic = post_topic(op)["topic"]["id"]
+    start = now(op)
+    op.post("/robots/quadruped/stop")
+    post_topic(op, "elsewhere")
+    with stream(op, topic=topic, after=start) as events:
+        post_topic(op, "elsewhere again")
+        op.post(f"/topics/{topic}/posts", json={"body": "here"})
+        assert until(events, 1)[0]["data"]["post"]["raw"] == "here"
+    assert op.get("/events", params={"topic": "99999"}).status_code == 404
+
+
+def test_keys_in_events_are_shown_to_their_owner_only(board: RunningBoard) -> None:
+    op = board.client("op")
+    with stream(op) as mine, stream(board.client("member")) as others:
+        fields = {"board": "talk", "title": "t", "body": "b"}
+        op.post("/topics", json=fields, headers={"Idempotency-Key": "own-key"})
+        assert until(mine, 1)[0]["data"]["post"]["key"] == "own-key"
+        assert until(others, 1)[0]["data"]["post"]["key"] is None
+
+
+@asynccontextmanager
+async def raw_stream(board: RunningBoard, **params: str) -> AsyncIterator[asyncio.StreamReader]:
+    query = "&".join(f"{k}={v}" for k, v in params.items())
+    reader, writer = await asyncio.open_connection("127.0.0.1", board.settings.port)
+    request = f"GET /api/v1/events?{query} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {board.tokens['op']}"
+    writer.write(request.encode() + b"\r\n\r\n")
+    await reader.readuntil(b"retry: 1000\n\n")
+    try:
+        yield reader
+    finally:
+        writer.close()
+
+
+async def test_two_hundred_listeners_hear_everything_in_order(board: RunningBoard) -> None:
+    posts = 20
+    async with AsyncExitStack() as stack:
+        readers = [await stack.enter_async_context(raw_stream(board, heartbeat="30")) for _ in range(200)]
+        op = board.client("op")
+        made = await asyncio.to_thread(lambda: [post_topic(op, str(n))["post"]["raw"] for n in range(posts)])
+
+        async def heard(reader: asyncio.StreamReader) -> list[str]:
+            found = []
+            while len(found) < posts:
+                line = await reader.readline()
+                if line.startswith(b"data: "):
+                    found.append(json.loads(line[6:])["post"]["raw"])
+            return found
+
+        async with asyncio.timeout(LIMIT_S):
+            everybody = await asyncio.gather(*map(heard, readers))
+    assert everybody == [made] * 200
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Look again and again, under a limit, until something that happens in another thread is so."""
+    pause, end = threading.Event(), time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        pause.wait(0.01)
+
+
+def test_a_listener_that_goes_is_forgotten(board: RunningBoard) -> None:
+    hub = board.services.hub
+    wait_for(lambda: hub.listeners == 0)
+    with stream(board.client("op"), heartbeat=0.25) as events:
+        next(events)
+        assert hub.listeners == 1
+    wait_for(lambda: hub.listeners == 0)
+
+
+def test_a_listener_that_does_not_read_is_cut_off_and_misses_nothing(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agentrob.board.events.MAX_PENDING", 10)
+    op = board.client("op")
+    start = now(op)
+    listener = board.services.hub.listen()
+    topic = post_topic(op)["topic"]["id"]
+    wanted = 30
+    for n in range(wanted):
+        op.post(f"/topics/{topic}/posts", json={"body": str(n)})
+    board.services.hub.leave(listener)
+    assert listener.closed
+    with stream(op, after=start) as events:
+        assert [e["data"]["post"]["raw"] for e in until(events, wanted + 1)][1:] == [str(n) for n in range(wanted)]
+
+
+def test_the_server_ends_soon_though_streams_are_open(tmp_path: Path) -> None:
+    ended: list[float] = []
+    with running_board(tmp_path) as board:
+        streams = [board.client("op").stream("GET", "/events") for _ in range(5)]
+        streams.append(board.client("op").stream("GET", "/robots/quadruped/camera.mjpg"))
+        opened = [s.__enter__() for s in streams]
+        started = time.monotonic()
+        board.server.should_exit = True
+        for response in opened:
+            for _ in response.iter_bytes():
+                pass  # until the server ends it, whole
+        ended.append(time.monotonic() - started)
+        for s in streams:
+            s.__exit__(None, None, None)
+    assert ended[0] < 1.5
+
+
+def test_a_lost_right_ends_the_stream(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agentrob.board.events.RECHECK_S", 0.0)
+    account = board.add("leaver")
+    with stream(board.client("leaver"), heartbeat=0.25) as events:
+        next(events)
+        admin.change_account(board.settings, account, suspended=True)
+        assert all(e["event"] == "heartbeat" for e in events)
+
+
+def test_robot_events_say_who_pressed(board: RunningBoard) -> None:
+    op = board.client("op")
+    start = now(op)
+    op.post("/robots/quadruped/stop")
+    op.post("/robots/quadruped/reset")
+    items = op.get("/changes", params={"after": start}).json()["items"]
+    assert [(e["kind"], e["robot"], e["account"]["name"]) for e in items] == [
+        (EventKind.ROBOT_STOP, "quadruped", "op"),
+        (EventKind.ROBOT_RESET, "quadruped", "op"),
+    ]
