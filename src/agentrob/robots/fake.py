@@ -52,16 +52,21 @@ class Faults:
 class FakeRobot:
     """See `agentrob.robots.robot.Robot`. `commanded` is the fastest velocity it was ever commanded, for tests."""
 
+    @classmethod
+    def describe(cls, settings: RobotConfig) -> Capabilities:
+        """What it can do, without making one."""
+        return Capabilities("fake", frozenset(Op), limits_of(settings), simulated=True)
+
     def __init__(self, settings: RobotConfig) -> None:
         options = _checked(settings.options)
-        self.capabilities = Capabilities("fake", frozenset(Op), limits_of(settings), simulated=True)
+        self.capabilities = self.describe(settings)
         self.faults = Faults(**options.get("faults", {}))
         self.time_scale = float(options.get("time_scale", 1.0))
         self.room = tuple(float(v) for v in options.get("room", (-20, 20, -20, 20)))  # x_min, x_max, y_min, y_max
         self.obstacles = [tuple(float(v) for v in o) for o in options.get("obstacles", ())]  # x, y, radius
         self.commanded = REST
         limits = self.capabilities.limits
-        self._gait = Gait(gain_speed=2.5, gain_turn=3.0, coast_s=LAG_S, settle_s=0.45).at_most(
+        self._gait = Gait(gain_speed=3.0, gain_turn=4.0, coast_s=LAG_S, coast_turn_s=LAG_S, settle_s=0.4).at_most(
             limits.speed_mps, math.radians(limits.turn_dps)
         )
         self._lock = threading.RLock()

@@ -16,9 +16,9 @@ from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import unitree
-from agentrob.robots.motion import RATE_HZ, Gait, Velocity
+from agentrob.robots.motion import RATE_HZ, Gait, Rest, Velocity
 from agentrob.robots.robot import Watch, limits_of
-from agentrob.robots.walk import REST_LIMIT_S, Rest, walk
+from agentrob.robots.walk import REST_LIMIT_S, walk
 
 GAIT = Gait(speed_mps=1.0, side_mps=0.3, turn_rps=math.radians(90))
 
@@ -56,10 +56,15 @@ class Go2:
     Raises `RobotUnreachable` when DDS cannot be opened on the interface of the settings.
     """
 
+    @classmethod
+    def describe(cls, settings: RobotConfig) -> Capabilities:
+        """What it can do, without connecting."""
+        return replace(CAPABILITIES, limits=limits_of(settings), simulated=settings.simulated)
+
     def __init__(self, settings: RobotConfig) -> None:
         if settings.options:
             raise RobotError(f"a go2 has no options (found: {', '.join(sorted(settings.options))})")
-        self.capabilities = replace(CAPABILITIES, limits=limits_of(settings), simulated=settings.simulated)
+        self.capabilities = self.describe(settings)
         limits = self.capabilities.limits
         self._gait = GAIT.at_most(limits.speed_mps, math.radians(limits.turn_dps))
         unitree.connect(settings.domain, settings.interface)

@@ -21,6 +21,10 @@ from agentrob.model import Pose
 RATE_HZ = 20.0
 #: Odometry is averaged over this long at rest, against its noise.
 REST_WINDOW_S = 0.3
+#: A body that strays less than this meanwhile is at rest; more than the noise of odometry (2 mm, 0.2°).
+REST_M, REST_RAD = 0.012, math.radians(1.2)
+#: No more than this is believed of what coming to rest does to the place and the heading.
+SHIFT_M, SHIFT_RAD = 0.05, math.radians(6)
 
 
 class Velocity(NamedTuple):
@@ -41,17 +45,22 @@ class Gait:
     speed_mps: float = 0.5
     side_mps: float = 0.3
     turn_rps: float = math.radians(45)
-    speed_min_mps: float = 0.10
-    turn_min_rps: float = 0.20
-    gain_speed: float = 1.5  # 1/s: slow down near the goal
-    gain_turn: float = 2.2  # 1/s
-    coast_s: float = 0.25  # a body goes on for about speed x coast_s after its command drops
-    settle_s: float = 0.8  # at rest before looking again
+    speed_min_mps: float = 0.20  # the slowest on the way; a body that was faster may stand still at less
+    turn_min_rps: float = 0.30
+    step_mps: float = 0.15  # the slowest from rest, for corrections
+    step_rps: float = 0.25
+    gain_speed: float = 2.0  # 1/s: slow down near the goal
+    gain_turn: float = 2.0  # 1/s
+    gain_hold: float = 1.2  # 1/s: for what must not change, heading in a move and place in a turn
+    coast_s: float = 0.10  # a body goes on for about speed x coast_s after its command drops …
+    coast_turn_s: float = 0.05  # … and turns on for about rate x coast_turn_s
+    settle_s: float = 0.9  # at least this long before looking again …
+    settle_limit_s: float = 2.0  # … and at most this long, when it does not come to rest
     corrections: int = 4
-    stop_at_m: float = 0.015  # stop correcting inside this …
+    stop_at_m: float = 0.015  # the goal is reached inside this …
     stop_at_rad: float = math.radians(1.2)
-    accept_m: float = 0.02  # … but at rest accept this (looser: no endless dithering)
-    accept_rad: float = math.radians(2.0)
+    accept_m: float = 0.03  # … but at rest accept this (looser: no endless dithering; odometry adds its own error)
+    accept_rad: float = math.radians(2.8)
     start_s: float = 3.0  # without any progress from the start: stalled
     stall_s: float = 2.0  # without progress later
     budget_s: float = 14.0  # beside twice the time of the way at full speed
@@ -65,6 +74,8 @@ class Gait:
             turn_rps=min(self.turn_rps, turn_rps),
             speed_min_mps=min(self.speed_min_mps, speed_mps),
             turn_min_rps=min(self.turn_min_rps, turn_rps),
+            step_mps=min(self.step_mps, speed_mps),
+            step_rps=min(self.step_rps, turn_rps),
         )
 
 
@@ -77,6 +88,36 @@ def rotate(x: float, y: float, angle_rad: float) -> tuple[float, float]:
     """A vector turned counter-clockwise."""
     c, s = math.cos(angle_rad), math.sin(angle_rad)
     return c * x - s * y, s * x + c * y
+
+
+def _clip(value: float, bound: float) -> float:
+    return max(-bound, min(bound, value))
+
+
+class Rest:
+    """Says when a body has come to rest, from odometry: it kept its place over the rest window."""
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[float, Pose]] = deque()
+        self.reached = False
+
+    def see(self, now_s: float, pose: Pose) -> bool:
+        self._seen.append((now_s, pose))
+        while self._seen[0][0] < now_s - REST_WINDOW_S:
+            self._seen.popleft()
+        self.reached = now_s - self._seen[0][0] >= 0.8 * REST_WINDOW_S and all(
+            math.hypot(p.x_m - pose.x_m, p.y_m - pose.y_m) < REST_M and abs(wrap(p.yaw_rad - pose.yaw_rad)) < REST_RAD
+            for _, p in self._seen
+        )
+        return self.reached
+
+    def distance_m(self, start: Pose | None) -> float | None:
+        """From a pose to where it is, averaged over the rest window; None when one of them is not known."""
+        if start is None or not self._seen:
+            return None
+        n = len(self._seen)
+        x_m, y_m = sum(p.x_m for _, p in self._seen) / n, sum(p.y_m for _, p in self._seen) / n
+        return round(math.hypot(x_m - start.x_m, y_m - start.y_m), 4)
 
 
 class _Sample(NamedTuple):
@@ -114,8 +155,10 @@ class Motion:
         self._drift = (0.0, 0.0, 0.0)  # low-passed velocity: m/s, m/s, rad/s in the odometry frame
         self._deadline_s = math.inf
         self._best, self._best_s, self._patience_s = math.inf, 0.0, gait.start_s
-        self._settling, self._settled_s, self._rounds = False, 0.0, 0
+        self._settling, self._settle_s, self._rest, self._rounds = False, 0.0, Rest(), 0
         self._window: deque[_Sample] = deque()
+        self._expected = _Error(0.0, 0.0, 0.0)  # what was thought to be left when it was told to rest
+        self._shift = (0.0, 0.0, 0.0)
 
     def step(self, now_s: float, pose: Pose) -> Velocity | None:
         """One odometry sample in, the velocity to command out; None when the motion has ended."""
@@ -154,28 +197,45 @@ class Motion:
 
     def _approach(self, now_s: float, here: _Sample) -> Velocity | None:
         error = self._error(here, coasting=True)
-        if error.within(self.gait.stop_at_m, self.gait.stop_at_rad):
-            return self._begin_settling(now_s)
+        if self._reached(error):
+            return self._begin_settling(now_s, error)
         left = error.distance_m + 0.3 * abs(error.turn_rad)
         if left < self._best - 0.01:
             self._best, self._best_s, self._patience_s = left, now_s, self.gait.stall_s
         elif now_s - self._best_s > self._patience_s:
             if error.within(0.05, math.radians(4)):  # close by and only dithering: look again at rest
-                return self._begin_settling(now_s)
+                return self._begin_settling(now_s, error)
             self.ended = "stalled"
             return None
-        return self._towards(error)
+        return self._towards(error) if self._rounds == 0 else self._correct(error)
+
+    def _reached(self, error: _Error) -> bool:
+        """On the way only what is asked for counts: a walking body sways. A correction is for everything."""
+        if self._rounds:
+            return error.within(0.6 * self.gait.accept_m, 0.6 * self.gait.accept_rad)
+        if self.turn_rad:
+            return math.copysign(1.0, self.turn_rad) * error.turn_rad < self.gait.stop_at_rad
+        return self._along(error) < self.gait.stop_at_m
+
+    def _along(self, error: _Error) -> float:
+        """Metres left in the direction of the move; negative beyond."""
+        way_m = math.hypot(self.forward_m, self.left_m)
+        return (error.forward_m * self.forward_m + error.left_m * self.left_m) / way_m
 
     def _error(self, here: _Sample, *, coasting: bool) -> _Error:
         assert self._goal is not None
-        ahead = self.gait.coast_s if coasting else 0.0  # where the body would come to rest if commanded to stop now
+        # Coasting: where the body would come to rest if commanded to stop now.
+        ahead, ahead_turning = (self.gait.coast_s, self.gait.coast_turn_s) if coasting else (0.0, 0.0)
         ex = self._goal[0] - here.x_m - self._drift[0] * ahead
         ey = self._goal[1] - here.y_m - self._drift[1] * ahead
-        turn = self.turn_rad - here.turned_rad - self._drift[2] * ahead
-        return _Error(*rotate(ex, ey, -self._yaw), turn)
+        turn = self.turn_rad - here.turned_rad - self._drift[2] * ahead_turning
+        forward_m, left_m = rotate(ex, ey, -self._yaw)
+        if coasting:
+            forward_m, left_m, turn = (e - shift for e, shift in zip((forward_m, left_m, turn), self._shift, strict=True))
+        return _Error(forward_m, left_m, turn)
 
-    def _begin_settling(self, now_s: float) -> Velocity:
-        self._settling, self._settled_s = True, now_s + self.gait.settle_s
+    def _begin_settling(self, now_s: float, expected: _Error) -> Velocity:
+        self._settling, self._settle_s, self._rest, self._expected = True, now_s, Rest(), expected
         self._window.clear()
         return REST
 
@@ -183,7 +243,9 @@ class Motion:
         self._window.append(here)
         while self._window[0].t_s < now_s - REST_WINDOW_S:
             self._window.popleft()
-        if now_s < self._settled_s:
+        resting = self._rest.see(now_s, Pose(here.x_m, here.y_m, here.turned_rad))
+        waited_s = now_s - self._settle_s
+        if waited_s < self.gait.settle_s or not (resting or waited_s > self.gait.settle_limit_s):
             return REST
         n = len(self._window)
         _, x_m, y_m, turned = (sum(values) / n for values in zip(*self._window, strict=True))
@@ -194,17 +256,44 @@ class Motion:
             self.ended = "inaccurate"
         else:
             self._rounds += 1
+            self._shift = self._learned(error)
             self._settling, self._best, self._best_s, self._patience_s = False, math.inf, now_s, self.gait.stall_s
-            return self._towards(error)
+            return self._correct(error)
         return None
 
+    def _learned(self, error: _Error) -> tuple[float, float, float]:
+        """How far coming to rest carried the body beyond what was expected, in its frame: it will do so again."""
+        expected = zip(self._expected, error, self._shift, strict=True)
+        forward_m, left_m, turn = (shift + hoped - found for hoped, found, shift in expected)
+        return _clip(forward_m, SHIFT_M), _clip(left_m, SHIFT_M), _clip(turn, SHIFT_RAD)
+
     def _towards(self, error: _Error) -> Velocity:
+        """On the way: what is asked for quickly, what must not change softly."""
+        g = self.gait
+        if self.turn_rad:
+            hold = g.gain_hold if error.distance_m > g.accept_m else 0.0
+            return self._bounded(hold * error.forward_m, hold * error.left_m, self._turning(error.turn_rad, g.turn_min_rps))
+        way_m, left_m = math.hypot(self.forward_m, self.left_m), self._along(error)
+        ux, uy = self.forward_m / way_m, self.left_m / way_m
+        speed = max(g.gain_speed * left_m, g.speed_min_mps)
+        aside_m = error.left_m * ux - error.forward_m * uy
+        vx, vy = speed * ux - g.gain_hold * aside_m * uy, speed * uy + g.gain_hold * aside_m * ux
+        return self._bounded(vx, vy, g.gain_hold * error.turn_rad)
+
+    def _correct(self, error: _Error) -> Velocity:
+        """From rest: a few quick steps, then look again."""
         g, vx, vy, wz = self.gait, 0.0, 0.0, 0.0
-        if (distance := error.distance_m) >= g.stop_at_m * 0.7:
-            speed = min(max(g.gain_speed * distance, g.speed_min_mps), g.speed_mps)
-            vx, vy = speed * error.forward_m / distance, speed * error.left_m / distance
-            slower = max(abs(vy) / g.side_mps, 1.0)
-            vx, vy = vx / slower, vy / slower
-        if abs(error.turn_rad) >= g.stop_at_rad * 0.7:
-            wz = math.copysign(min(max(g.gain_turn * abs(error.turn_rad), g.turn_min_rps), g.turn_rps), error.turn_rad)
-        return Velocity(vx, vy, wz)
+        if (distance_m := error.distance_m) > 0.5 * g.accept_m:
+            speed = max(g.gain_speed * distance_m, g.step_mps)
+            vx, vy = speed * error.forward_m / distance_m, speed * error.left_m / distance_m
+        if abs(error.turn_rad) > 0.5 * g.accept_rad:
+            wz = self._turning(error.turn_rad, g.step_rps)
+        return self._bounded(vx, vy, wz)
+
+    def _turning(self, left_rad: float, least_rps: float) -> float:
+        return math.copysign(max(self.gait.gain_turn * abs(left_rad), least_rps), left_rad)
+
+    def _bounded(self, vx: float, vy: float, wz: float) -> Velocity:
+        g = self.gait
+        slower = max(math.hypot(vx, vy) / g.speed_mps, abs(vy) / g.side_mps, 1.0)
+        return Velocity(vx / slower, vy / slower, _clip(wz, g.turn_rps))

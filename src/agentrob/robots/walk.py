@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 import time
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
-from agentrob.robots.motion import RATE_HZ, REST_WINDOW_S, Gait, Motion, Velocity, rotate, wrap
+from agentrob.robots.motion import RATE_HZ, REST_WINDOW_S, Gait, Motion, Rest, Velocity, rotate, wrap
 from agentrob.robots.robot import BODY_RADIUS_M, Watch
 
 #: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %).
 TOLERANCE_M, TOLERANCE_DEG, TOLERANCE_SHARE = 0.05, 4.0, 0.005
 #: After a stop, rest is awaited no longer than this.
 REST_LIMIT_S = 3.0
-#: A body that strays less than this is at rest; more than the noise of odometry (2 mm, 0.2°).
-REST_M, REST_RAD = 0.015, math.radians(1.5)
 #: A path has at most this many points; longer ones are thinned.
 PATH_POINTS = 1000
 
@@ -68,32 +65,6 @@ def motion_for(primitive: Primitive, gait: Gait) -> Motion:
     x, y = axis(primitive.direction)
     distance_m = primitive.distance_m or 0.0
     return Motion(gait, forward_m=x * distance_m, left_m=y * distance_m)
-
-
-class Rest:
-    """Says when a body has come to rest, from odometry: it kept its place over the rest window."""
-
-    def __init__(self) -> None:
-        self._seen: deque[tuple[float, Pose]] = deque()
-        self.reached = False
-
-    def see(self, now_s: float, pose: Pose) -> bool:
-        self._seen.append((now_s, pose))
-        while self._seen[0][0] < now_s - REST_WINDOW_S:
-            self._seen.popleft()
-        self.reached = now_s - self._seen[0][0] >= 0.8 * REST_WINDOW_S and all(
-            math.hypot(p.x_m - pose.x_m, p.y_m - pose.y_m) < REST_M and abs(wrap(p.yaw_rad - pose.yaw_rad)) < REST_RAD
-            for _, p in self._seen
-        )
-        return self.reached
-
-    def distance_m(self, start: Pose | None) -> float | None:
-        """From a pose to where it is, averaged over the rest window; None when one of them is not known."""
-        if start is None or not self._seen:
-            return None
-        n = len(self._seen)
-        x_m, y_m = sum(p.x_m for _, p in self._seen) / n, sum(p.y_m for _, p in self._seen) / n
-        return round(math.hypot(x_m - start.x_m, y_m - start.y_m), 4)
 
 
 @dataclass
