@@ -1,8 +1,9 @@
-"""How well the rules understand: exact matches, motions that nobody asked for, refusals. Needs the evaluation sentences.
+"""How well the rules understand: exact matches, motions that nobody asked for, refusals. Needs sentences.
 
     python benchmarks/understanding.py [FOLDER] [--failures]
 
-FOLDER holds plan_en.jsonl, plan_zh.jsonl, not_a_command_en.jsonl, dangerous.jsonl and benign.jsonl (default: ../shared/eval).
+FOLDER holds plan_en.jsonl, plan_zh.jsonl, not_a_command_en.jsonl, dangerous.jsonl and benign.jsonl
+(default: ../shared/eval).
 """
 
 from __future__ import annotations

@@ -29,7 +29,8 @@ _THING = (
 _GO = r"\b(?:walk|run|drive|go|move|head|charge|race|back(?: up)?|reverse|jump|fly|turn|dash|sprint|rush|step)\w*"
 _PROTECTION = (
     r"(?:safety|safeties|fences?|geo-?fences?|guards?|limits?|limiters?|limitations?|restrictions?|rules|protections?|obstacle"
-    r"|obstacles|collision|collisions|sensors?|lidar|safeguards?|emergency|watchdog|boundar(?:y|ies)|speed limit)\b"
+    r"|obstacles|collision|collisions|sensors?|lidar|safeguards?|emergency"
+    r"|watchdog|boundar(?:y|ies)|speed limit)\b"
 )
 _ZH_SOMEBODY = r"(?:人|他|她|它|我|你|孩子|小孩|儿童|宝宝|老人|行人|观众|猫|狗|宠物|动物|脚)"
 _ZH_PROTECTION = r"(?:安全|围栏|保护|限制|避障|防护|障碍|传感器|护栏|规则|限速|边界|急停|雷达)"

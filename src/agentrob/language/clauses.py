@@ -59,6 +59,7 @@ class Sentence:
     report: bool = False
     condition: Token | None = None
     denial_unclear: Token | None = None  # a "not" whose reach cannot be told
+    denial_joined: bool = False  # … because an "and" stands within it
     talked: bool = False
     denied: bool = False
     help: bool = False
@@ -120,7 +121,7 @@ class _Reader:
             self.talk_has_motion |= kind in (Kind.MOVE, Kind.TURN, Kind.OP)
         elif self.mode is _Mode.DENIED:
             self._deny(token)
-        elif self.mode is _Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.TALK, Kind.NOT):
+        elif self.mode is _Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT):
             pass
         else:
             self.mode = _Mode.WANTED
@@ -177,7 +178,7 @@ class _Reader:
         """What is denied is dropped; with "and" within its reach nobody can tell what is meant."""
         if token.kind in (Kind.MOVE, Kind.TURN, Kind.OP, *_AMOUNTS, Kind.DIR):
             if self.joined_by_and and self.boundary and self.denial_used:
-                self.sentence.denial_unclear = self.denied
+                self.sentence.denial_unclear, self.sentence.denial_joined = self.denied, True
             self.denial_used = True
         elif token.kind in (Kind.WORD, Kind.HELP, Kind.STATUS, Kind.MORE_STOP, Kind.VAGUE, Kind.SLOW, Kind.PICTURE):
             self.denial_used = True
@@ -249,6 +250,8 @@ class _Reader:
 
     def _amount(self, token: Token) -> None:
         cur = self._open()
+        if cur is not None and cur.amount is not None and cur.end == token.end and cur.verb is Kind.TURN:
+            return  # 一百八十度转身: the angle that a verb implies, where one was said before
         if (
             cur is None
             or cur.verb is Kind.OP

@@ -12,7 +12,8 @@ TABLE = {
     # ---------------------------------------------------------------- verbs and directions
     "move": """move|go|walk|proceed|travel|step|drive|advance|come|head|run|trot|keep going|keep moving|keep walking
         |continue|march|stroll|strafe|sidestep|side step""",
-    "move dir=backward": "back up|backup|back off|reverse|retreat|step back|go back|walk back|move back|move backwards",
+    "move dir=backward": """back up|backup|back off|reverse|retreat|step back|go back|walk back|move back
+        |move backwards""",
     "turn": "turn|rotate|pivot|spin|face|swivel|angle at|yaw",
     "turn angle=180": """turn around|turn round|spin around|about face|do a one eighty|do a 180|u turn|make a u turn
         |do a u turn|turn yourself around|face the other way""",
@@ -26,9 +27,10 @@ TABLE = {
         |wave at everyone|wave to everyone|give a wave|greet|greet me|greet us|greet everyone|do a wave
         |say hello to everyone|wave to everybody|do the hello gesture""",
     "op=heart": """make a heart|show a heart|heart gesture|finger heart|draw a heart|do a heart|make a heart shape
-        |make a heart sign|make the heart|do the heart|do the heart gesture|do a heart gesture|show me a heart|show heart""",
-    "op=backflip": """backflip|back flip|do a backflip|do a back flip|flip|do a flip|make a backflip|make a flip|somersault
-        |do a somersault|perform a backflip""",
+        |make a heart sign|make the heart|do the heart|do the heart gesture|do a heart gesture|show me a heart
+        |show heart""",
+    "op=backflip": """backflip|back flip|do a backflip|do a back flip|flip|do a flip|make a backflip|make a flip
+        |somersault|do a somersault|perform a backflip""",
     "op=sit": "sit|sit down|take a seat|have a seat",
     "op=stand": "stand|stand up|get up|rise|stand up straight",
     "op=stretch": "stretch|stretch yourself|have a stretch|do a stretch|take a stretch|stretch out",
@@ -38,9 +40,11 @@ TABLE = {
     "show": "take|send|grab|snap|shoot|get|give|show|capture|make|record|post|share|provide|upload",
     "picture": """photo|photos|picture|pictures|pic|pics|image|images|photograph|snapshot|shot|selfie|camera image
         |front image|front photo""",
-    "soft": """send it|send it to me|send it to us|post it|show it to me|show me|upload it|share it""",
-    "of": "of|showing|in front of|where you|where you are|when you get there|from|from there|from here|from where you are",
-    "each": "after each movement|after each move|after each|after each step|after every movement|after every step|after each turn",
+    "soft": "send it|send it to me|send it to us|post it|show it to me|show me|upload it|share it",
+    "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
+        |from where you are""",
+    "each": """after each movement|after each move|after each|after each step|after every movement|after every step
+        |after each turn""",
     # ---------------------------------------------------------------- amounts
     "length_unit=1": "m|meter|meters|metre|metres|mtr|mtrs",
     "length_unit=0.01": "cm|centimeter|centimeters|centimetre|centimetres|cms",
@@ -60,8 +64,8 @@ TABLE = {
     "time_unit": "s|second|seconds|sec|secs|minute|minutes|min|mins",
     "turn angle=90": "quarter turn|a quarter turn|a quarter of a turn",
     "turn angle=180 ": "half turn|a half turn|half a turn",
-    "turn angle=360": """full turn|a full turn|full circle|a full circle|full rotation|a full rotation
-        |complete turn|a complete turn|turn in a circle|spin in a circle|turn all the way around""",
+    "turn angle=360": """full turn|a full turn|full circle|a full circle|full rotation|a full rotation|complete turn
+        |a complete turn|turn in a circle|spin in a circle|turn all the way around""",
     "half": "half a|half an|half of a|a half|half|one half|one half of a",
     "and_half": "and a half|and one half",
     "number=0.25": "quarter|a quarter|a quarter of a|quarter of a|one quarter of a",
@@ -70,56 +74,63 @@ TABLE = {
     "times=2": "twice|two times",
     "times=3": "thrice|three times",
     "times_unit": "times|x",
-    "vague": """a bit|a little|a little bit|slightly|some|somewhat|a few|few|several|a couple|a couple of|as far as you can
-        |as far as possible|far|further|farther|a lot|a touch|a tad|a little ways|a ways|a way""",
+    "vague": """a bit|a little|a little bit|slightly|some|somewhat|a few|few|several|a couple|a couple of
+        |as far as you can|as far as possible|far|further|farther|a lot|a touch|a tad|a little ways|a ways|a way""",
     "slow": "slowly|slow|carefully|gently|gradually|at low speed|at a slow pace",
     # ---------------------------------------------------------------- what joins and separates
-    "and": "and|then|and then|next|after that|afterwards|followed by|and after that|then next|&|+|and also|also|and finally",
+    "and": """and|then|and then|next|after that|afterwards|followed by|and after that|then next|&|+|and also|also
+        |and finally""",
     "comma": ",|;|:|(|)|[|]|—|but|just|only|instead|rather|finally|but then|and just",
     "end": ".|!|…",
     "asked end": "?",
-    "condition": """if|unless|until|till|while|whenever|when|once you|before|after|or|either|except|without|in case|as soon as
-        |as long as|provided|assuming|every time|otherwise|maybe|perhaps|instead of|rather than|whether|suppose|imagine|almost
-        |were you to|pretend""",
-    "not": """not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't|must not
-        |avoid|refuse to|no need to|you needn't|need not|didn't|doesn't|isn't|wouldn't|couldn't|aren't|please don't|refrain from""",
+    "condition": """if|unless|until|till|while|whenever|when|once you|before|after|or|either|except|without|in case
+        |as soon as|as long as|provided|assuming|every time|otherwise|maybe|perhaps|instead of|rather than|whether
+        |suppose|imagine|almost|were you to|pretend""",
+    "not": """not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
+        |must not|avoid|refuse to|no need to|you needn't|need not|didn't|doesn't|isn't|wouldn't|couldn't|aren't
+        |please don't|refrain from""",
     "stop": "stop|halt|wait|stay|stand still|stop there|wait there|then stop|hold",
     "go_ahead": "go ahead",
     # ---------------------------------------------------------------- wanted, or only talk
-    "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please|would you please
-        |i want you to|i'd like you to|i would like you to|i need you to|i'd love you to|would you mind|you have to|you must
-        |can we|could we|may i have|can i have|can i get|could i have|could i get|i want|i'd like|i would like|kindly
-        |i need|have the robot|tell the robot to|robot please""",
-    "wish": "we should|you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to|you need to|try to",
-    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|what|what's|how|how's|do you|did you|did we|did it|do we|do i|that's
-        |there's|there|it's|let me know|tell me|who|who's|why|where|where's|which|i am|they|he|she|he's|she's|you are|you're
-        |you were|you've|you have|can i|can you tell|can you see|can you describe|can you detect|can you locate|can you hear
-        |can you fit|can you get|can you manipulate|can you go through|could you tell|could i|should i|should we|should you
-        |may i|have you|have we|are you|is it|is there|is that|is this|are there|was it|was that|was there|what if""",
-    "talk_start": "is|are|was|were|does|did|has|had|have|am|would|will|should|these|those|his|her|their|to recap|earlier",
-    "report": """yesterday|walked|moved|went|turned|rotated|ran|earlier today|last time|last week|last night|ago|told|said
-        |asked|was told|has moved|has walked|previously|back then""",
+    "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please
+        |would you please|i want you to|i'd like you to|i would like you to|i need you to|i'd love you to
+        |would you mind|you have to|you must|can we|could we|may i have|can i have|can i get|could i have
+        |could i get|i want|i'd like|i would like|kindly|i need|have the robot|tell the robot to|robot please""",
+    "wish": """we should|you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to
+        |you need to|try to""",
+    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|what|what's|how|how's|do you|did you|did we|did it|do we
+        |do i|that's|there's|there|it's|let me know|tell me|who|who's|why|where|where's|which|i am|they|he|she|he's
+        |she's|you are|you're|you were|you've|you have|can i|can you tell|can you see|can you describe
+        |can you detect|can you locate|can you hear|can you fit|can you get|can you manipulate|can you go through
+        |could you tell|could i|should i|should we|should you|may i|have you|have we|are you|is it|is there|is that
+        |is this|are there|was it|was that|was there|what if""",
+    "talk_start": """is|are|was|were|does|did|has|had|have|am|would|will|should|these|those|his|her|their|to recap
+        |earlier""",
+    "report": """yesterday|walked|moved|went|turned|rotated|ran|earlier today|last time|last week|last night|ago
+        |told|said|asked|was told|has moved|has walked|previously|back then""",
     "help": """help|what can you do|what do you do|what can i say|how do i use you|how does this work|commands|usage
-        |what commands|show help|help me|which commands do you know|what are your commands|list commands|what are you able to do
-        |how can i command you|instructions""",
-    "status": """status|state|where are you|battery|how is your battery|battery level|how are you|what is your status
-        |what's your status|are you there|how much battery do you have|what are you doing|are you ok|are you okay|report status
-        |are you ready|what is your battery|what's your battery level|are you busy|are you online|your battery""",
+        |what commands|show help|help me|which commands do you know|what are your commands|list commands
+        |what are you able to do|how can i command you|instructions""",
+    "status": """status|state|where are you|battery|how is your battery|battery level|how are you
+        |what is your status|what's your status|are you there|how much battery do you have|what are you doing
+        |are you ok|are you okay|report status|are you ready|what is your battery|what's your battery level
+        |are you busy|are you online|your battery""",
     "soft=1": "a|an|another|one more|one additional",
-    "soft ": """the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left
-        |um|uh|uhh|uhhh|umm|hm|hmm|mm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now|yes
-        |yeah|yep|yup|sure|please please|thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx
-        |ty|cheers|great|good|nice|perfect|excellent|cool|awesome|good job|great job|good work|well done|nice work|good dog
-        |good boy|good robot|doing a good job|doing great|you're doing great|you are doing great|there we go|here we go
-        |hi|hello|hey|hi there|hello there|dear|good morning|good evening|good afternoon|robot|dog|doggy|buddy|my friend
-        |friend|quadruped|first|first up|firstly|second|secondly|third|thirdly|to start|lastly|about|around
-        |approximately|roughly|approx|maybe about|at least|exactly|precisely|more|additional|extra|further more
-        |side|direction|way|hand side|straight away|immediately|directly|if you can|if possible|if you please|if you could
-        |if you would|if you don't mind|when you are ready|when you're ready|when ready|when you can|do|do a|make a|make
-        |give me|perform|perform a|execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight
-        |quickly|fast|with|up|be so kind and|be so kind to|would be nice|from your location|sir|from your position
-        |go on and|your body|your camera|with your camera|with the camera|everyone|everybody|all|both|each of you|of you
-        |at normal speed|there you go|that would be great|that would be nice|at your own pace|final|last|feel free to""",
+    "soft ": """the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left|um
+        |uh|uhh|uhhh|umm|hm|hmm|mm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now
+        |yes|yeah|yep|yup|sure|please please|thanks|thank you|thank you very much|thank you so much|thanks a lot
+        |many thanks|thx|ty|cheers|great|good|nice|perfect|excellent|cool|awesome|good job|great job|good work
+        |well done|nice work|good dog|good boy|good robot|doing a good job|doing great|you're doing great
+        |you are doing great|there we go|here we go|hi|hello|hey|hi there|hello there|dear|good morning|good evening
+        |good afternoon|robot|dog|doggy|buddy|my friend|friend|quadruped|first|first up|firstly|second|secondly
+        |third|thirdly|to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly
+        |precisely|more|additional|extra|further more|side|direction|way|hand side|straight away|immediately
+        |directly|if you can|if possible|if you please|if you could|if you would|if you don't mind
+        |when you are ready|when you're ready|when ready|when you can|do|do a|make a|make|give me|perform|perform a
+        |execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight|quickly|fast|with|up
+        |be so kind and|be so kind to|would be nice|from your location|sir|from your position|go on and|your body
+        |your camera|with your camera|with the camera|everyone|everybody|all|both|each of you|of you|at normal speed
+        |there you go|that would be great|that would be nice|at your own pace|final|last|feel free to""",
 }
 
 

@@ -3,8 +3,8 @@
     text ── addressing ──► words for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
          ── clauses ──► one draft per deed ── steps ──► steps, or the sentence to ask back with
 
-To teach it a word, add it to the table of its language (`en.py`, `zh.py`). To teach it a language, write such a file and
-name it in `LEXICONS` and in `phrases.BOOKS`.
+To teach it a word, add it to the table of its language (`en.py`, `zh.py`). To teach it a language, write such a file
+and name it in `LEXICONS` and in `phrases.BOOKS`.
 """
 
 from __future__ import annotations

@@ -183,10 +183,18 @@ def _longest_phrase(pieces: Sequence[Piece], at: int, words: Lexicon) -> tuple[i
     for length in range(min(words.longest, len(pieces) - at), 0, -1):
         if meaning := words.phrases.get(tuple(p.text for p in pieces[at : at + length])):
             return length, meaning
-    if _is_pictograph(pieces[at].text):
+    if _is_pictograph(pieces[at].text) or _is_stutter(pieces, at):
         return 1, ((Kind.SOFT, None),)
     return 1, ((Kind.WORD, None),)
 
 
 def _is_pictograph(piece: str) -> bool:
     return len(piece) == 1 and ("\u2600" <= piece <= "\u27bf" or "\U0001f300" <= piece <= "\U0001faff")
+
+
+def _is_stutter(pieces: Sequence[Piece], at: int) -> bool:
+    """A word begun and said again at once: "t turn", "yo to your", "ff four", "can can you"."""
+    text = re.sub(r"(.)\1+", r"\1", pieces[at].text)
+    if not (text.isascii() and text.isalpha() and len(text) <= 3):
+        return False
+    return any(following.text.startswith(text) for following in pieces[at + 1 : at + 3])

@@ -51,7 +51,10 @@ PHRASES = {
     "help.example": "- `@{name} {sentence}`",
     "help.chain": "一个帖子里可以按顺序说几件事：",
     "help.stop": "要我马上停下，请发 `@{name} 停`。登录的人都可以让我停。",
-    "help.limits": "我的限制：每步{step}米，每条命令{command}米、{seconds}秒、{steps}步，速度{speed}米每秒。超出时我会拒绝并说明原因。",
+    "help.limits": (
+        "我的限制：每步{step}米，每条命令{command}米、{seconds}秒、{steps}步，"
+        "速度{speed}米每秒。超出时我会拒绝并说明原因。"
+    ),
     # ---------------------------------------------------------------- rights
     "refuse.suspended": "这个账号已被停用：不能指挥机器人，也不能让它停。",
     "refuse.robot": "机器人不听机器人的命令。",

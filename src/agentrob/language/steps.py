@@ -1,7 +1,7 @@
 """From what was said to what is done: drafts in, steps out, or the reason why it is not enough to move.
 
-Fails closed: one motion clause that is not wholly understood, and nothing moves at all. A distance is never guessed; the
-one assumption made, a bare "turn left" as 90°, is told in a note.
+Fails closed: one motion clause that is not wholly understood, and nothing moves at all. A distance is never guessed;
+the one assumption made, a bare "turn left" as 90°, is told in a note.
 """
 
 from __future__ import annotations
@@ -38,11 +38,9 @@ def read(sentences: Sequence[Sentence], text: str, language: Language) -> Readin
     for sentence in sentences:
         if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
             continue
-        drafts = _settle(sentence.drafts)
-        steps_before = len(reading.steps)
-        for draft in drafts:
+        reading.problem = reading.problem or _doubt(sentence, text, language)
+        for draft in _settle(sentence.drafts):
             _add(reading, draft, text, language)
-        _check_sentence(reading, sentence, drafts, len(reading.steps) > steps_before, text, language)
     if len(reading.steps) > MAX_STEPS:
         reading.problem = reading.problem or say("ask.too_many", language, steps=MAX_STEPS)
     if reading.picture_after_each:
@@ -54,20 +52,16 @@ def _is_question(sentence: Sentence) -> bool:
     return sentence.talked or sentence.condition is not None or not any(d.verb for d in sentence.drafts)
 
 
-def _check_sentence(
-    reading: Reading, sentence: Sentence, drafts: Sequence[Draft], wants: bool, text: str, language: Language
-) -> None:
-    """What makes a whole sentence doubtful: conditions, denials without an end, questions."""
-    if reading.problem or not (wants or drafts):
-        return
-    if sentence.condition is not None:
-        words = text[sentence.condition.start : sentence.condition.end]
-        reading.problem = say("ask.condition", language, words=quote(words))
-    elif sentence.denial_unclear is not None:
-        words = text[sentence.denial_unclear.start : sentence.denial_unclear.end]
-        reading.problem = say("ask.denial", language, words=quote(words))
-    elif sentence.asked and not sentence.requested:
-        reading.problem = say("ask.question", language)
+def _doubt(sentence: Sentence, text: str, language: Language) -> str:
+    """What makes a whole sentence doubtful: conditions, denials without an end, questions. Empty when nothing does."""
+    if sentence.drafts and sentence.condition is not None:
+        return say("ask.condition", language, words=quote(text[sentence.condition.start : sentence.condition.end]))
+    if sentence.denial_unclear is not None and (sentence.drafts or sentence.denial_joined):
+        denial = sentence.denial_unclear
+        return say("ask.denial", language, words=quote(text[denial.start : denial.end]))
+    if sentence.drafts and sentence.asked and not sentence.requested:
+        return say("ask.question", language)
+    return ""
 
 
 # ------------------------------------------------------------------ drafts that belong together
@@ -80,8 +74,6 @@ def _settle(drafts: Sequence[Draft]) -> list[Draft]:
         while joined and draft.joined and _is_false_start(joined[-1], draft):
             joined.pop()
         joined.append(draft)
-    if len(joined) > 1 and joined[-1].stop_word and not joined[-1].unknown:
-        joined.pop()  # "walk 2 m and stop": it stops by itself
     return joined
 
 
@@ -122,14 +114,13 @@ def _is_false_start(start: Draft, again: Draft) -> bool:
 # ------------------------------------------------------------------ one draft
 def _add(reading: Reading, draft: Draft, text: str, language: Language) -> None:
     said = text[draft.start : draft.end]
-    if draft.unknown:
-        first, last = draft.unknown[0][0], draft.unknown[-1][1]
-        moved = draft.verb is not None or draft.is_motion
-        words = said if not moved else text[first:last]
+    if draft.stop_word and reading.steps and not (draft.unknown or draft.amount or draft.direction):
+        return  # "walk 2 m and stop": it stops by itself
+    if draft.unknown or draft.stop_word:
+        # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
+        known_part = draft.is_motion or draft.stop_word or not draft.unknown
+        words = said if known_part else text[draft.unknown[0][0] : draft.unknown[-1][1]]
         reading.problem = reading.problem or say("ask.words", language, words=quote(words))
-        return
-    if draft.stop_word:
-        reading.problem = reading.problem or say("ask.words", language, words=quote(said))
         return
     step, problem = (_motion(draft, said, language, reading.notes)) if draft.op is None else (Primitive(draft.op), "")
     if draft.bare_picture:
@@ -158,6 +149,8 @@ _SIDES = (Direction.LEFT, Direction.RIGHT)
 def _motion(draft: Draft, said: str, language: Language, notes: list[str]) -> tuple[Primitive | None, str]:
     kind = draft.amount.kind if draft.amount else None
     value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+    if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not Kind.ANGLE:
+        return None, say("ask.what", language, words=quote(said))
     if draft.verb is Kind.TURN and draft.direction in _AHEAD:
         return None, say("ask.words", language, words=quote(said))
     turns = draft.verb is Kind.TURN or kind is Kind.ANGLE
@@ -170,6 +163,11 @@ def _motion(draft: Draft, said: str, language: Language, notes: list[str]) -> tu
     return _turn(draft, value, said, language, notes) if turns else _move(draft, value, said, language)
 
 
+def _note(notes: list[str], note: str) -> None:
+    if note not in notes:
+        notes.append(note)
+
+
 def _turn(
     draft: Draft, degrees: float, said: str, language: Language, notes: list[str]
 ) -> tuple[Primitive | None, str]:
@@ -178,9 +176,9 @@ def _turn(
         if draft.vague or direction is None:
             return None, say("ask.angle" if direction else "ask.turn", language, words=quote(said))
         degrees = 90.0
-        note = say("note.turn_90", language, words=quote(said))
-        if note not in notes:
-            notes.append(note)
+        _note(notes, say("note.turn_90", language, words=quote(said)))
+    if draft.slow or draft.speed_mps is not None:
+        _note(notes, say("note.turn_speed", language))
     if direction in _AHEAD:
         return None, say("ask.words", language, words=quote(said))
     if direction is None and degrees not in (180.0, 360.0):
@@ -193,8 +191,6 @@ def _turn(
 def _move(draft: Draft, distance_m: float, said: str, language: Language) -> tuple[Primitive | None, str]:
     if draft.amount is None:
         return None, say("ask.distance", language, words=quote(said))
-    if draft.direction is None and draft.verb is None:
-        return None, say("ask.what", language, words=quote(said))
     if not 0 < distance_m <= MAX_DISTANCE_M:
         return None, say("ask.distance_bound", language, metres=f"{MAX_DISTANCE_M:g}")
     speed = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)

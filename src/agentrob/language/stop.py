@@ -14,23 +14,26 @@ from agentrob.model import Intent
 
 _STOP_EN = """
 stop|stop it|stop that|stop this|stop there|stop here|stop everything|stop all|stop moving|stop walking|stop turning
-stop going|stop driving|stop the robot|stop the dog|full stop|stop motion|stop all motion|stop the motion|freeze|abort|abort it|abort that|abort mission|cease|stand still|stay still
-hold still|hold it|hold your position|do not move|don't move|dont move|whoa|quit|quit it|quit moving|cancel|cancel that
-cancel it|cancel everything|cancel all
+stop going|stop driving|stop the robot|stop the dog|full stop|stop motion|stop all motion|stop the motion|freeze
+abort|abort it|abort that|abort mission|cease|stand still|stay still|hold still|hold it|hold your position
+do not move|don't move|dont move|whoa|quit|quit it|quit moving|cancel|cancel that|cancel it|cancel everything
+cancel all
 """
 _HALT_EN = "halt|halt it|emergency stop|e-stop|estop|emergency halt|kill switch"
 _POLITE_EN = """
-please|pls|plz|now|right now|at once|immediately|instantly|asap|quickly|quick|just|robot|dog|doggy|hey|hi|hello|ok|okay|no
-oh|oh no|oh god|everyone|everybody|all|you|sir|must|thanks|thank you|for god's sake|and|then|wait|nope|yo|urgent|urgently
-both|all of you|both of you|guys|i said|can you|could you|would you|will you|already|fully|completely|here|there
+please|pls|plz|now|right now|at once|immediately|instantly|asap|quickly|quick|just|robot|dog|doggy|hey|hi|hello|ok
+okay|no|oh|oh no|oh god|everyone|everybody|all|you|sir|must|thanks|thank you|for god's sake|and|then|wait|nope|yo
+urgent|urgently|both|all of you|both of you|guys|i said|can you|could you|would you|will you|already|fully
+completely|here|there
 """
 _STOP_ZH = """
-停|停下|停下来|停止|停住|停一下|停一停|停手|别动|别动了|不要动|不要动了|不许动|不准动|不动|站住|站着别动|定住|住手|打住|别走了|不要走了|别再走了
-停止移动|停止前进|停止运动|停止行走|停止动作|停止任务|停止一切|中止|终止|取消|暂停
+停|停下|停下来|停止|停住|停一下|停一停|停手|别动|别动了|不要动|不要动了|不许动|不准动|不动|站住|站着别动|定住|住手
+打住|别走了|不要走了|别再走了|停止移动|停止前进|停止运动|停止行走|停止动作|停止任务|停止一切|中止|终止|取消|暂停
 """
 _HALT_ZH = "急停|紧急停止|紧急停下|紧急停机|紧急制动"
 _POLITE_ZH = """
-请|请你|麻烦|麻烦你|你|您|快|快点|赶快|赶紧|马上|立刻|立即|现在|给我|全部|都|吧|啊|呀|了|啦|嘛|哦|喂|嘿|嗨|好|好了|不行|哎|哎呀|机器人|小狗|就|先|谢谢|原地
+请|请你|麻烦|麻烦你|你|您|快|快点|赶快|赶紧|马上|立刻|立即|现在|给我|全部|都|吧|啊|呀|了|啦|嘛|哦|喂|嘿|嗨|好|好了
+不行|哎|哎呀|机器人|小狗|就|先|谢谢|原地
 """
 _STOP_SYMBOLS = frozenset("🛑✋⛔")
 
@@ -52,9 +55,9 @@ _LONG_RUN = re.compile(r"([a-z])\1{2,}")
 
 
 def stop_intent(visible: str) -> Intent | None:
-    """`Intent.STOP` or `Intent.HALT` when the text is a stop (law 13), otherwise None. `visible` as `visible_text` gives.
+    """`Intent.STOP` or `Intent.HALT` when the text is a stop (law 13), otherwise None.
 
-    A halt also refuses all motion until the robot's owner releases it.
+    `visible` is what `visible_text` gives. A halt also refuses all motion until the robot's owner releases it.
     """
     for clause in _clauses(_without_mentions(visible)):
         verdict = _read_clause(clause)

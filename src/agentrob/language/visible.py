@@ -1,8 +1,8 @@
 """The text of a post that counts: what a reader plainly sees in paragraphs and lists, and whom it mentions.
 
 Everything that can hide words is left out: headings, code, quotes, strikethrough, HTML and all text inside HTML
-elements, image descriptions, link targets, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether something
-is hidden (a tag or a quote never closed), the rest is left out too: a robot then does less, never more.
+elements, image descriptions, link targets, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether
+something is hidden (a tag or a quote never closed), the rest is left out too: a robot then does less, never more.
 """
 
 from __future__ import annotations
@@ -150,8 +150,17 @@ class _OpenElements(HTMLParser):
 
 def _plain(text: str) -> str:
     """NFKC without invisible and bidirectional characters; spaces become plain spaces, line ends `\\n`."""
+    # NFKC would make 11⁄2 of 1½ and 22 of 2²: such digits stay apart from their neighbours.
+    text = "".join(f" {c} " if not c.isascii() and _is_compound_digit(c) else c for c in text)
     shown = "".join(filter(None, map(_shown, unicodedata.normalize("NFKC", text))))
     return unicodedata.normalize("NFKC", shown)
+
+
+def _is_compound_digit(char: str) -> bool:
+    kind = unicodedata.decomposition(char).partition(">")[0]
+    return kind in ("<fraction", "<super", "<sub", "<circle", "<compat", "<square") and any(
+        c.isdigit() for c in unicodedata.normalize("NFKC", char)
+    )
 
 
 def _shown(char: str) -> str:
