@@ -1,16 +1,17 @@
-"""The ear of an agent: events of the forum without end, from the stream or by polling, and how long it has been silent."""
+"""The ear of an agent: events of a forum without end, streamed or polled, and for how long it has been silent."""
 
 from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 from datetime import UTC, datetime, timedelta
 
 import structlog
 
 from agentrob.errors import ForumError, ForumLimited
 from agentrob.forums.forum import Event, EventKind, Forum
+from agentrob.model import Post
 
 #: While a robot moves its stop channel is proven this often, and given up after `SILENCE_S` (law 16).
 BEAT_S = 0.5
@@ -126,3 +127,17 @@ class Channel:
     def _alive(self) -> None:
         self._heard_s = time.monotonic()
         self._heard.set()
+
+
+async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> AsyncIterator[Post]:
+    """Posts written after `since` in the threads that were active last, oldest first in each."""
+    for board in boards:
+        for topic in (await forum.topics(board)).items:
+            cursor: str | None = None
+            while True:
+                page = await forum.posts(topic.id, cursor)
+                for post in page.items:
+                    if post.created_at > since:
+                        yield post
+                if (cursor := page.next) is None:
+                    break

@@ -50,13 +50,17 @@ class Reins:
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence."""
+    """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence.
+
+    `pictures` are the files of the steps' pictures ("" for none), once they have been put on disk.
+    """
 
     status: str
     results: tuple[ActionResult, ...] = ()
     verdict: Verdict | None = None
     message: str = ""
     first_motion_s: float | None = None
+    pictures: tuple[str, ...] = ()
 
 
 class _Run:

@@ -11,7 +11,7 @@ import structlog
 from agentrob.errors import MindError
 from agentrob.minds.mind import Listener, Mind
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Intent, Plan, Understanding
+from agentrob.model import Intent, Plan, Understanding, Verdict
 
 #: A mind that takes longer is as good as none.
 LIMIT_S = 60.0
@@ -19,23 +19,24 @@ _log = structlog.get_logger()
 
 
 @dataclass(frozen=True, slots=True)
-class Extracted:
-    """What was understood, and by which mind (law 19)."""
+class Thought:
+    """What was made of a post before anything moves: understood by which mind (law 19), and judged how."""
 
     understanding: Understanding
     mind: str
+    verdict: Verdict | None = None
 
 
-async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Extracted:
+async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Thought:
     """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
     try:
         async with asyncio.timeout(LIMIT_S):
             understood = await mind.understand(text, listener, history)
-        return Extracted(_checked(understood), mind.name)
+        return Thought(_checked(understood), mind.name)
     except (MindError, TimeoutError) as e:
         _log.warning("mind failed, reading by rules", mind=mind.name, error=str(e) or type(e).__name__)
         rules = RulesMind()
-        return Extracted(_checked(await rules.understand(text, listener, history)), rules.name)
+        return Thought(_checked(await rules.understand(text, listener, history)), rules.name)
 
 
 def _checked(understood: Understanding) -> Understanding:

@@ -124,8 +124,7 @@ class Journal:
             raise JournalError(f"the journal {path} cannot be opened: {e}") from None
 
     def _launch(self) -> None:
-        global _current
-        if _current is not None:
+        if _open:
             raise JournalError("this process already has an open journal; run one agent per process")
         url = f"sqlite:///{self._folder / 'journal.sqlite'}"
         config: DBOSConfig = {
@@ -144,7 +143,7 @@ class Journal:
             DBOS.launch()
         except Exception as e:
             raise JournalError(f"the journal's engine does not start: {e}") from e
-        _current = self
+        _open.append(self)
 
     def _has_workflows(self) -> bool:
         found = self._rows.submit(self._one, "SELECT 1 FROM sqlite_master WHERE name = 'workflow_status'").result()
@@ -152,10 +151,9 @@ class Journal:
 
     async def close(self) -> None:
         """End the engine; deeds that still run are left unfinished. Calling again does nothing."""
-        global _current
         self._ended.set()
-        if _current is self:
-            _current = None
+        if self in _open:
+            _open.remove(self)
             await asyncio.to_thread(DBOS.destroy, workflow_completion_timeout_sec=0)
         if self._db is not None:
             await self._in_rows(self._db.close)
@@ -202,7 +200,9 @@ class Journal:
 
     async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
         """The plans done before in a thread, oldest first."""
-        query = "SELECT plan FROM claim WHERE topic = ? AND final = 'done' AND plan NOT NULL ORDER BY number DESC LIMIT ?"
+        query = (
+            "SELECT plan FROM claim WHERE topic = ? AND final = 'done' AND plan NOT NULL ORDER BY number DESC LIMIT ?"
+        )
         found = await self._in_rows(self._all, query, (topic_id, limit))
         return [_PLAN.validate_json(row[0]) for row in reversed(found)]
 
@@ -317,13 +317,14 @@ class Journal:
 
 
 # -------------------------------------------------------------------- the engine's side
-_current: Journal | None = None
+#: The one open journal of this process: the engine is one per process too.
+_open: list[Journal] = []
 
 
 def _journal() -> Journal:
-    if _current is None:
+    if not _open:
         raise _Ended
-    return _current
+    return _open[0]
 
 
 @DBOS.workflow(name="keep")

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import asyncio
 
+from agentrob.agent.sentences import say
 from agentrob.errors import ForumError, ForumNotFound, RobotError
 from agentrob.forums.forum import Forum
-from agentrob.judge.rights import may
 from agentrob.judge.screen import screen
-from agentrob.agent.sentences import say
 from agentrob.model import Account, Capabilities, Command, Decision, Plan, Post, Verdict
 from agentrob.robots.client import DriverClient
 
 
 def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilities, allow_flip: bool) -> Verdict:
-    """Rights, then the screen; the first that does not allow decides."""
-    verdict = may(author, "command", command.language)
-    if verdict.decision is not Decision.ALLOW:
-        return verdict
+    """The screen, which asks for the author's rights first."""
     return screen(
         plan,
         text=command.text,

@@ -18,7 +18,7 @@ _SIDEWAYS = {Direction.FORWARD: (1, 0), Direction.BACKWARD: (-1, 0), Direction.L
 
 
 def path_plot(results: Sequence[ActionResult]) -> bytes | None:
-    """A PNG of about 570x430 pixels, or None when there is no path. Takes about 0.1 s of computing: call it in a thread.
+    """A PNG of about 570x430 pixels, or None when there is no path. Computes for about 0.1 s: call it in a thread.
 
     The frame is the robot's at the start: x forward (up in the picture), y left, in metres.
     """

@@ -1,7 +1,7 @@
 """What the thread is told (pure): facts in, Markdown out, in the language of the post.
 
-What people wrote, and whatever a model or a driver made of it, is shown only without mentions; people's own words only
-as escaped code of at most 100 characters.
+People's own words are in it only as escaped code (`agentrob.language.phrases.quote`); sentences that others made of
+them, a mind, the screen or a driver, are disarmed here once more.
 """
 
 from __future__ import annotations
@@ -12,21 +12,14 @@ from collections.abc import Sequence
 from agentrob.agent.sentences import known, say
 from agentrob.model import ActionResult, Language, Op, Outcome, Primitive, Report, RobotState, StopResult
 
-QUOTE_CHARS = 100
 SENTENCE_CHARS = 600
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
 
 
 # -------------------------------------------------------------------- words that are not ours
-def quoted(text: str) -> str:
-    """Somebody's words as inline code: one line, at most 100 characters, no mention, no way out of the code."""
-    line = " ".join(text.split()).replace("`", "'").replace("@", "@ ")
-    return f"`{line if len(line) <= QUOTE_CHARS else line[: QUOTE_CHARS - 1] + '…'}`" if line else "` `"
-
-
 def disarmed(text: str) -> str:
-    """A sentence made elsewhere, perhaps of somebody's words: no mention, no picture, no markup of HTML, not endless."""
+    """A sentence made elsewhere, perhaps of somebody's words: no mention, picture, link or HTML, and not endless."""
     plain = re.sub(r"@(?=\S)", "@ ", text).replace("<", "‹").replace(">", "›").replace("![", "! [")
     plain = re.sub(r"\]\(", "] (", plain)
     return plain if len(plain) <= SENTENCE_CHARS else plain[: SENTENCE_CHARS - 1] + "…"

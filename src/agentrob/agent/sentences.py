@@ -1,4 +1,4 @@
-"""What an agent says on the forum by itself, in both languages; sentences about limits and understanding stand elsewhere."""
+"""What an agent says on the forum by itself, in both languages (of limits and understanding, `language` speaks)."""
 
 from __future__ import annotations
 
@@ -55,6 +55,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "I could not check whether the command still holds, so nothing moved.",
         "无法确认命令是否仍然有效，所以没有动作。",
     ),
+    "because.before": ("It was cancelled before it began.", "在开始之前已被取消。"),
     "because.shutdown": ("My agent was ended.", "我的代理程序被关闭。"),
     "because.driver": ("The robot cannot be used: {message}", "机器人无法使用：{message}"),
     "because.journal": (

@@ -1,0 +1,271 @@
+"""The course of one command through the deeds, from its claim on the forum to its final reply."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import timedelta
+from functools import partial
+from typing import Any
+
+import structlog
+from pydantic import TypeAdapter
+
+from agentrob.agent import report as words
+from agentrob.agent.channel import Channel
+from agentrob.agent.execute import Execution, Reins, execute
+from agentrob.agent.extract import Thought, extract
+from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
+from agentrob.agent.line import Job, Line
+from agentrob.agent.permission import judge, permission
+from agentrob.agent.plot import path_plot
+from agentrob.agent.records import Records
+from agentrob.agent.sentences import say
+from agentrob.agent.status import Shown, StatusLine
+from agentrob.agent.stops import Stops
+from agentrob.config import RobotConfig
+from agentrob.errors import JournalError, RobotError
+from agentrob.forums.forum import Forum
+from agentrob.language.help import help_text
+from agentrob.language.visible import mentions
+from agentrob.minds.mind import Listener, Mind
+from agentrob.model import Decision, Intent, Language, Plan, Report, StatusCard
+from agentrob.robots.client import DriverClient
+
+#: States after which nothing more comes.
+FINAL = frozenset(
+    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+)
+#: A mind that answers within this time is waited for before the status is posted: a post that wants nothing gets none.
+GLANCE_S = 0.1
+_THOUGHT = TypeAdapter(Thought)
+_EXECUTION = TypeAdapter(Execution)
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True)
+class Course:
+    """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins."""
+
+    name: str
+    names: frozenset[str]
+    settings: RobotConfig
+    forum: Forum
+    driver: DriverClient
+    mind: Mind
+    journal: Journal
+    channel: Channel
+    line: Line
+    stops: Stops
+    records: Records
+    on_motion: Callable[[], None]
+
+    async def run(self, job: Job) -> None:
+        """From the claim to the final reply; whatever goes wrong in between is told too."""
+        job.status = StatusLine(self.forum, job.command)
+        try:
+            report = await self._decide(job)
+        except JournalError as e:
+            _log.error("journal failed", post=job.command.post_id, error=str(e))
+            report = self._report(job, "failed", message=self._because(job, "journal"))
+        except RobotError as e:
+            message = say("because.driver", job.command.language, message=e)
+            report = self._report(job, "failed", message=message)
+        except Exception:
+            _log.exception("command failed", post=job.command.post_id)
+            report = self._report(job, "failed", message=self._because(job, "internal"))
+        finally:
+            self.line.leave(job)
+        if report is not None:
+            await self._tell(job, report)
+
+    async def _decide(self, job: Job) -> Report | None:
+        """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
+        post_id = job.command.post_id
+        thinking = asyncio.ensure_future(self._think(job))
+        await asyncio.wait({thinking}, timeout=GLANCE_S)
+        if thinking.done() and not job.known and thinking.result().understanding.intent is Intent.NOTHING:
+            await self.journal.finish(post_id, "nothing")
+            return None
+        ours, told = await self._claim(job)
+        if told:
+            await self.journal.finish(post_id, "answered before")
+            return None
+        if not ours:
+            await self.journal.cancel(post_id)
+            return self._report(job, "interrupted", message=say("interrupted.claim", job.command.language))
+        thought: Thought = await thinking
+        if job.ended is None and thought.understanding.intent is Intent.COMMAND:
+            return await self._obey(job, thought)
+        return await self._answer(job, thought)
+
+    async def _think(self, job: Job) -> Thought:
+        """Understand and judge, once; a restart gets the same thought again."""
+
+        async def deed() -> str:
+            command, capabilities = job.command, await self.driver.capabilities()
+            others = tuple(name for name in mentions(command.text) if name not in self.names)
+            history = await self.journal.history(command.topic_id)
+            thought = await extract(self.mind, command.text, Listener(tuple(self.names), others, capabilities), history)
+            understood = thought.understanding
+            if understood.intent is Intent.COMMAND:
+                command = replace(command, language=understood.language)
+                allow_flip = self.settings.allow_flip
+                verdict = judge(command, understood.plan, command.author, capabilities, allow_flip)
+                thought = replace(thought, verdict=verdict)
+            return _THOUGHT.dump_json(thought).decode()
+
+        thought = _THOUGHT.validate_json(await self.journal.once(f"post-{job.command.post_id}", deed))
+        if thought.understanding.intent is not Intent.NOTHING:
+            job.command = replace(job.command, language=thought.understanding.language)
+        return thought
+
+    async def _claim(self, job: Job) -> tuple[bool, bool]:
+        """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
+        command = job.command
+        card = StatusCard(self.name, "seen", trace_id=command.trace_id)
+        written = await job.status.claim(Shown(words.seen(command.language, command.trace_id), card))
+        job.note("seen", self.channel.now())
+        now = written.post
+        if not written.created and command.trace_id not in (now.raw, now.card.trace_id if now.card else ""):
+            return False, now.card is not None and now.card.state in FINAL
+        await self.journal.posted(command.post_id, now.id)
+        return True, False
+
+    async def _answer(self, job: Job, thought: Thought) -> Report:
+        """Everything that moves nothing."""
+        language, understood = job.command.language, thought.understanding
+        if job.ended is not None:
+            await self.journal.cancel(job.command.post_id)
+            return await self._ended(job, understood.plan)
+        match understood.intent:
+            case Intent.HELP:
+                told = help_text(await self.driver.capabilities(), self.name, language)
+                return self._report(job, "answered", message=told)
+            case Intent.STATUS:
+                return self._report(job, "answered", message=await self._state_text(language))
+            case Intent.ASK_BACK:
+                return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
+            case Intent.STOP | Intent.HALT:
+                stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
+                return self._report(job, "stopped", stop=stop)
+        return self._report(job, "answered", message=say("nothing", language))
+
+    async def _state_text(self, language: Language) -> str:
+        try:
+            return words.state_text(await self.driver.state(), len(self.line) - 1, language)
+        except RobotError as e:
+            return words.state_text(None, len(self.line) - 1, language, str(e))
+
+    async def _ended(self, job: Job, plan: Plan, execution: Execution | None = None) -> Report:
+        """A command that was ended from outside, before it moved or while it did."""
+        why, language = job.ended or "before", job.command.language
+        if why in ("stale", "expired"):
+            limits = {"seconds": self.settings.max_post_age_s, "minutes": self.settings.queue_expiry_s / 60}
+            return self._report(job, "expired", plan, message=say(why, language, **limits))
+        stop = await job.stop if job.stop is not None and execution is not None else None
+        status = execution.status if execution else "cancelled"
+        return self._report(job, status, plan, execution, message=self._because(job, why), stop=stop)
+
+    async def _obey(self, job: Job, thought: Thought) -> Report:
+        """A command: judged, then in line, then moved."""
+        plan, verdict, command = thought.understanding.plan, thought.verdict, job.command
+        assert verdict is not None
+        if verdict.decision is not Decision.ALLOW:
+            status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
+            return self._report(job, status, plan, verdict=verdict)
+        self.show_place(job)
+        if not await self.line.turn(job, self.settings.queue_expiry_s - job.waited_s):
+            await self.journal.cancel(command.post_id)
+            return await self._ended(job, plan)
+        text = await self.journal.move(command.post_id, partial(self._move, job, plan))
+        if text == CANCELLED:
+            return await self._ended(job, plan)
+        if text == INTERRUPTED:
+            await self.stops.stop("interrupted command", self.channel.now())
+            return self._report(job, "interrupted", plan, verdict=verdict)
+        execution = _EXECUTION.validate_json(text)
+        results = self.records.with_pictures(execution.results, execution.pictures)
+        execution = replace(execution, results=results, verdict=execution.verdict or verdict)
+        if job.ended is not None and execution.status != "done":
+            return await self._ended(job, plan, execution)
+        message = say("because.driver", command.language, message=execution.message) if execution.message else ""
+        return self._report(job, execution.status, plan, execution, message=message)
+
+    async def _move(self, job: Job, plan: Plan) -> str:
+        """The motion itself; called at most once ever for a post."""
+        job.moving = True
+        self.on_motion()
+        allowed = partial(permission, self.forum, self.driver, job.command, plan, self.settings.allow_flip)
+        reins = Reins(
+            permit=allowed,
+            ended=lambda: job.ended,
+            alive=self.channel.prove,
+            silent_s=lambda: self.channel.silent_s,
+            on_step=lambda number: self._show_step(job, plan, number),
+        )
+        try:
+            with self.channel:
+                execution = await execute(self.driver, job.command, plan, reins)
+        finally:
+            job.moving = False
+        now, now_s = self.channel.now(), time.monotonic()
+        if execution.first_motion_s is not None:
+            job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
+        ended_s = max((r.ended_s for r in execution.results if r.ended_s <= now_s), default=now_s)
+        job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
+        results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
+        return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
+
+    # ------------------------------------------------------------------ tell
+    def show_place(self, job: Job) -> None:
+        """Tell a command that waits how many are before it."""
+        if job.ended is None and "seen" in job.timings_ms and (place := self.line.place(job)):
+            self._show(job, words.queued(job.command.language, place), "queued", place=place)
+
+    def _show(self, job: Job, text: str, state: str, **more: Any) -> None:
+        card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)
+        job.status.show(Shown(text, card))
+
+    def _show_step(self, job: Job, plan: Plan, number: int) -> None:
+        language = job.command.language
+        doing = words.doing(plan.steps[number], language)
+        text = words.running(language, number, plan.steps)
+        self._show(job, text, "running", step=number + 1, steps=len(plan.steps), doing=doing)
+
+    def _because(self, job: Job, why: str) -> str:
+        return say(f"because.{why}", job.command.language)
+
+    def _report(
+        self, job: Job, status: str, plan: Plan = Plan(), execution: Execution | None = None, **more: Any
+    ) -> Report:
+        if execution is not None:
+            more = {"results": execution.results, "verdict": execution.verdict, **more}
+        return Report(job.command, status, plan=plan, timings_ms=dict(job.timings_ms), **more)
+
+    async def _tell(self, job: Job, report: Report) -> None:
+        """Put the report into the thread, exactly once, and close the claim."""
+        command = job.command
+        images = [r.image for r in report.results if r.image]
+        if words.has_path(report.results) and (plot := await asyncio.to_thread(path_plot, report.results)):
+            images.append(plot)
+        try:
+            self.records.write(report, stopped_by=job.stopped_by, mind=self.mind.name)
+        except OSError as e:
+            _log.error("record not written", post=command.post_id, error=str(e))
+        at = len(report.plan.steps)
+        card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
+
+        async def deed() -> str:
+            final = Shown(words.final(report), card)
+            await job.status.close(final, images, words.short(report))
+            return report.status
+
+        try:
+            await self.journal.once(f"post-{command.post_id}:reply", deed)
+            await self.journal.finish(command.post_id, report.status, report.plan)
+        except JournalError as e:
+            _log.error("telling without the journal", post=command.post_id, error=str(e))
+            await deed()

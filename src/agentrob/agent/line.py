@@ -1,0 +1,103 @@
+"""The line before one robot: commands wait in the order in which they were accepted, one moves at a time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any
+
+from agentrob.model import Command, StopResult
+
+
+@dataclass(eq=False)
+class Job:
+    """One post under way, from its claim to its final reply.
+
+    `known`: the claim was there before this process. `waited_s`: how long before that it was accepted. `ended` is a
+    stable word as soon as the command may not go on; `stop` brings what the stop that ended it did, `stopped_by` whose
+    it was. `status` is its status post, `task` what carries it through.
+    """
+
+    command: Command
+    known: bool = False
+    waited_s: float = 0.0
+    ended: str | None = None
+    moving: bool = False
+    stopped_by: str = ""
+    stop: asyncio.Task[StopResult | None] | None = None
+    timings_ms: dict[str, float] = field(default_factory=dict)
+    status: Any = None
+    task: asyncio.Task[None] | None = None
+    _changed: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def note(self, name: str, at: datetime) -> None:
+        """Remember when something happened, in milliseconds after the post was accepted; the first time counts."""
+        self.timings_ms.setdefault(name, max(0.0, (at - self.command.posted_at).total_seconds() * 1000))
+
+    def end(self, why: str) -> None:
+        """The first reason counts."""
+        if self.ended is None:
+            self.ended = why
+        self._changed.set()
+
+
+class Line:
+    """Who waits. `on_change` hears whenever somebody came, went or moved up."""
+
+    def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
+        self._jobs: list[Job] = []
+        self._on_change = on_change
+
+    def __len__(self) -> int:
+        return len(self._jobs)
+
+    def __iter__(self) -> Iterator[Job]:
+        return iter(tuple(self._jobs))
+
+    @property
+    def moving(self) -> Job | None:
+        """The command whose motion runs now."""
+        return next((job for job in self._jobs if job.moving), None)
+
+    def find(self, post_id: str) -> Job | None:
+        return next((job for job in self._jobs if job.command.post_id == post_id), None)
+
+    def place(self, job: Job) -> int:
+        """How many are before it; 0 when it is its turn."""
+        return self._jobs.index(job)
+
+    def topics(self) -> frozenset[str]:
+        """Threads in which a bare "stop" is meant for this robot."""
+        return frozenset(job.command.topic_id for job in self._jobs)
+
+    def enter(self, job: Job) -> None:
+        self._jobs.append(job)
+        self._on_change()
+
+    def leave(self, job: Job) -> None:
+        """Leaving twice does nothing."""
+        if job in self._jobs:
+            self._jobs.remove(job)
+            for other in self._jobs:
+                other._changed.set()
+            self._on_change()
+
+    def end_before(self, at: datetime, why: str) -> list[Job]:
+        """End every command that was posted at `at` or earlier; returns those that had not been ended."""
+        found = [job for job in self._jobs if job.command.posted_at <= at and job.ended is None]
+        for job in found:
+            job.end(why)
+        return found
+
+    async def turn(self, job: Job, limit_s: float) -> bool:
+        """Wait until it is the job's turn (True) or it was ended; False as well when that takes `limit_s`."""
+        try:
+            async with asyncio.timeout(max(0.0, limit_s)):
+                while job.ended is None and self._jobs[0] is not job:
+                    job._changed.clear()
+                    await job._changed.wait()
+        except TimeoutError:
+            job.end("expired")
+        return job.ended is None

@@ -1,0 +1,102 @@
+"""What a robot's page shows of it: kept fresh while the agent lives; and putting a simulated room back."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+import httpx2
+import structlog
+
+from agentrob.config import RobotConfig
+from agentrob.errors import ForumError, RobotError
+from agentrob.forums.forum import Stage
+from agentrob.model import Capabilities, RobotState
+from agentrob.robots.client import DriverClient
+
+LOOK_S = 1.0
+REFRESH_S = 5.0
+#: After a reset the odometry jumps; the guard needs a moment until it lets itself be homed again.
+HOME_TRIES, HOME_WAIT_S = 10, 0.3
+_log = structlog.get_logger()
+
+
+class Presence:
+    """Publishes a card every five seconds and when something changed. `waiting` counts commands."""
+
+    def __init__(
+        self, stage: Stage, driver: DriverClient, name: str, settings: RobotConfig, waiting: Callable[[], int]
+    ) -> None:
+        self._stage = stage
+        self._driver = driver
+        self._name = name
+        self._settings = settings
+        self._waiting = waiting
+        self._changed = asyncio.Event()
+
+    def changed(self) -> None:
+        """Look now rather than in a second."""
+        self._changed.set()
+
+    async def run(self) -> None:
+        """For ever. A forum that does not answer is tried again with the next look."""
+        shown: dict[str, Any] | None = None
+        shown_s = -float("inf")
+        while True:
+            self._changed.clear()
+            card = await self.card()
+            if card != shown or time.monotonic() - shown_s >= REFRESH_S:
+                try:
+                    await self._stage.publish_robot(self._name, card)
+                    shown, shown_s = card, time.monotonic()
+                except ForumError as e:
+                    _log.info("robot card not shown", robot=self._name, error=str(e))
+            try:
+                await asyncio.wait_for(self._changed.wait(), LOOK_S)
+                await asyncio.sleep(0.1)  # several changes at once are one
+            except TimeoutError:
+                continue
+
+    async def card(self) -> dict[str, Any]:
+        """The card as it is now; a robot whose driver does not answer is `offline`."""
+        try:
+            capabilities, state = await asyncio.gather(self._driver.capabilities(), self._driver.state())
+        except RobotError:
+            return self._card(None, None)
+        return self._card(capabilities, state)
+
+    def _card(self, capabilities: Capabilities | None, state: RobotState | None) -> dict[str, Any]:
+        battery = state.battery_percent if state else None
+        return {
+            "model": capabilities.model if capabilities else self._settings.model,
+            "ops": sorted(str(op) for op in capabilities.ops) if capabilities else [],
+            "limits": asdict(capabilities.limits) if capabilities else {},
+            "state": ("halted" if state.halted else state.mode) if state else "offline",
+            "battery_percent": None if battery is None else round(battery),
+            "queue": self._waiting(),
+            "board": self._settings.boards[0] if self._settings.boards else "",
+            "simulated": self._settings.simulated,
+            "can_reset": bool(self._settings.room_reset),
+        }
+
+
+async def reset_room(driver: DriverClient, settings: RobotConfig, by: str) -> None:
+    """Put a simulated room back and set the robot's home there. Raises `RobotError` when that does not work."""
+    try:
+        async with httpx2.AsyncClient(timeout=10.0, trust_env=False) as http:
+            (await http.post(settings.room_reset)).raise_for_status()
+    except (httpx2.HTTPError, httpx2.InvalidURL) as e:
+        raise RobotError(f"the room was not reset: {e}") from None
+    if not settings.simulated:
+        return
+    for left in reversed(range(HOME_TRIES)):
+        await asyncio.sleep(HOME_WAIT_S)
+        try:
+            await driver.home(by)
+            return
+        except RobotError:
+            if not left:
+                raise

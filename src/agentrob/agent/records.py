@@ -1,0 +1,84 @@
+"""What is kept of each command on disk: why it was decided so, what was measured, and the pictures (law 19)."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from agentrob.model import ActionResult, Report
+
+
+class Records:
+    """Files under one agent's data folder: `records/<post>.json` and `pictures/<post>-<step>.jpg`."""
+
+    def __init__(self, folder: Path) -> None:
+        self._records = folder / "records"
+        self._pictures = folder / "pictures"
+
+    def keep_pictures(
+        self, post_id: str, results: Sequence[ActionResult]
+    ) -> tuple[tuple[ActionResult, ...], tuple[str, ...]]:
+        """Write the pictures of the steps; returns the results without them, and per step the path or ""."""
+        self._pictures.mkdir(parents=True, exist_ok=True, mode=0o700)
+        paths = []
+        for number, result in enumerate(results, 1):
+            path = ""
+            if result.image:
+                path = str(self._pictures / f"{_safe(post_id)}-{number}.jpg")
+                Path(path).write_bytes(result.image)
+            paths.append(path)
+        return tuple(replace(r, image=None) for r in results), tuple(paths)
+
+    def with_pictures(self, results: Sequence[ActionResult], paths: Sequence[str]) -> tuple[ActionResult, ...]:
+        """The results with their pictures again, as far as the files are still there."""
+        pictures = (Path(p).read_bytes() if p and Path(p).exists() else None for p in paths)
+        return tuple(replace(r, image=image) for r, image in zip(results, pictures, strict=True))
+
+    def write(self, report: Report, **more: Any) -> None:
+        """The record of a finished command, readable by people and programs."""
+        command = report.command
+        facts = {
+            "post": command.post_id,
+            "topic": command.topic_id,
+            "robot": command.robot,
+            "author": {"id": command.author.id, "name": command.author.name, "role": str(command.author.role)},
+            "text": command.text,
+            "content_hash": command.content_hash,
+            "posted_at": command.posted_at.isoformat(),
+            "trace_id": command.trace_id,
+            "status": report.status,
+            "message": report.message,
+            "plan": [{"op": str(s.op), **s.asked()} for s in report.plan.steps],
+            "notes": list(report.plan.notes),
+            "verdict": asdict(report.verdict) if report.verdict else None,
+            "steps": [_step(r) for r in report.results],
+            "stop": asdict(report.stop) if report.stop else None,
+            "timings_ms": {k: round(v, 1) for k, v in report.timings_ms.items()},
+            **more,
+        }
+        self._records.mkdir(parents=True, exist_ok=True, mode=0o700)
+        path = self._records / f"{_safe(command.post_id)}.json"
+        part = path.with_suffix(".part")
+        part.write_text(json.dumps(facts, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+        part.replace(path)
+
+
+def _step(result: ActionResult) -> dict[str, Any]:
+    return {
+        "op": str(result.primitive.op),
+        "asked": result.primitive.asked(),
+        "measured": {k: round(v, 4) for k, v in result.measured.items()},
+        "outcome": str(result.outcome),
+        "reason": result.reason,
+        "message": result.message,
+        "duration_s": round(result.duration_s, 3),
+    }
+
+
+def _safe(post_id: str) -> str:
+    """Ids are the forum's; they must not name another file."""
+    return re.sub(r"[^A-Za-z0-9_-]", "_", post_id)[:80]

@@ -1,0 +1,112 @@
+"""Stop, straight to the driver: no model, journal, queue or limit stands in the way (laws 13 to 17)."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import structlog
+
+from agentrob.config import RobotConfig
+from agentrob.errors import ForumError, RobotError
+from agentrob.forums.forum import Forum
+from agentrob.model import Language, Post, StopResult
+from agentrob.robots.client import DriverClient
+from agentrob.robots.stop import stop_robot
+
+#: A reply that is folded is brought up to date at most this often.
+FOLD_S = 1.0
+_log = structlog.get_logger()
+#: (what the stop did, language, commands ended, halted, stops folded into it) to Markdown.
+Render = Callable[[StopResult | None, Language, int, bool, int], str]
+
+
+@dataclass
+class _Reply:
+    """One reply that tells of a stop, and of those that came after it in its thread."""
+
+    post_id: str
+    language: Language
+    result: StopResult | None
+    ended: int
+    halted: bool
+    folded: int = 0
+    edits: int = 0
+    updating: asyncio.Task[None] | None = None
+
+
+class Stops:
+    """Stops one robot and answers stop posts, with one reply per thread until a new command comes."""
+
+    def __init__(
+        self, forum: Forum, driver: DriverClient, settings: RobotConfig, now: Callable[[], datetime], render: Render
+    ) -> None:
+        self._forum = forum
+        self._driver = driver
+        self._settings = settings
+        self._now = now
+        self._render = render
+        self._replies: dict[str, asyncio.Task[_Reply | None]] = {}
+
+    async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
+        """Stop or halt the robot; the result's latency counts from `at`, when the stop was accepted by the forum.
+
+        None when no driver could be reached on either of its two channels.
+        """
+        late_ms = max(0.0, (self._now() - at).total_seconds() * 1000)
+        sent_s = time.monotonic()
+        try:
+            result = await (self._driver.halt(by) if halt else self._driver.stop(by))
+        except RobotError as e:
+            _log.warning("driver does not take the stop, trying its second channel", error=str(e))
+            late_ms += (time.monotonic() - sent_s) * 1000
+            try:
+                result = await asyncio.to_thread(stop_robot, self._driver.robot, self._settings, by)
+            except RobotError as second:
+                _log.error("robot not stopped", robot=self._driver.robot, error=str(second))
+                return None
+        _log.info("stopped", robot=self._driver.robot, by=by, latency_ms=late_ms + result.latency_ms)
+        return replace(result, latency_ms=late_ms + result.latency_ms)
+
+    def new_command(self) -> None:
+        """The next stop is about something new and gets a reply of its own."""
+        self._replies.clear()
+
+    async def answer(
+        self, post: Post, language: Language, stopping: asyncio.Task[StopResult | None], ended: int, halted: bool
+    ) -> None:
+        """Reply to a stop post, or fold it into the reply that its thread already has."""
+        if (first := self._replies.get(post.topic_id)) is None:
+            replying = asyncio.create_task(self._reply(post, language, stopping, ended, halted))
+            self._replies[post.topic_id] = replying
+            await asyncio.shield(replying)
+        elif (reply := await asyncio.shield(first)) is not None:
+            reply.folded += 1
+            if reply.updating is None or reply.updating.done():
+                reply.updating = asyncio.create_task(self._update(reply))
+
+    async def _reply(
+        self, post: Post, language: Language, stopping: asyncio.Task[StopResult | None], ended: int, halted: bool
+    ) -> _Reply | None:
+        result = await asyncio.shield(stopping)
+        text = self._render(result, language, ended, halted, 0)
+        try:
+            written = await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
+        except ForumError as e:
+            _log.warning("stop not answered", post=post.id, error=str(e))
+            return None
+        return _Reply(written.post.id, language, result, ended, halted)
+
+    async def _update(self, reply: _Reply) -> None:
+        await asyncio.sleep(FOLD_S)
+        if self._forum.max_edits is not None and reply.edits >= self._forum.max_edits:
+            return
+        reply.edits += 1
+        text = self._render(reply.result, reply.language, reply.ended, reply.halted, reply.folded)
+        try:
+            await self._forum.edit(reply.post_id, text)
+        except ForumError as e:
+            _log.info("stop reply not updated", error=str(e))

@@ -1,0 +1,314 @@
+"""The agent of one robot: a post comes in, the robot moves, a reply goes out. Only this file knows its neighbours."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable, Coroutine
+from datetime import datetime, timedelta
+from functools import partial
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import structlog
+
+from agentrob.agent import report as words
+from agentrob.agent.camera import Camera
+from agentrob.agent.channel import Channel, recent_posts
+from agentrob.agent.course import Course
+from agentrob.agent.execute import SHUTDOWN, STOP
+from agentrob.agent.journal import Journal
+from agentrob.agent.line import Job, Line
+from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
+from agentrob.agent.plot import warm_up
+from agentrob.agent.presence import Presence, reset_room
+from agentrob.agent.records import Records
+from agentrob.agent.status import insist
+from agentrob.agent.stops import Stops
+from agentrob.config import RobotConfig
+from agentrob.errors import ForumError, JournalError, RobotError
+from agentrob.forums.forum import Event, EventKind, Forum, Stage
+from agentrob.judge.rights import may
+from agentrob.minds.mind import Mind
+from agentrob.model import (
+    Account,
+    Command,
+    Decision,
+    Post,
+    StopResult,
+)
+from agentrob.robots.client import DriverClient
+
+#: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
+LOOK_BACK = timedelta(minutes=10)
+#: How long a running command may take to tell its end when the agent is ended.
+LAST_WORDS_S = 1.5
+DRIVER_WAIT_S = 5.0
+_log = structlog.get_logger()
+
+
+class RobotAgent:
+    """One robot's agent on one forum. `run()` until cancelled, or `once()`; then `close()`.
+
+    `ready` is set when a post would be answered. Raises `JournalError` when another agent of this robot runs.
+    """
+
+    def __init__(
+        self, name: str, settings: RobotConfig, forum: Forum, driver: DriverClient, mind: Mind, data: Path
+    ) -> None:
+        self.name = name
+        self.settings = settings
+        self.forum = forum
+        self.driver = driver
+        self.mind = mind
+        self.folder = data / "agents" / name
+        self.ready = asyncio.Event()
+        self.channel = Channel(forum, "", settings.poll_s)
+        self.records = Records(self.folder)
+        self.line = Line(self._line_changed)
+        self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
+        stage = forum if isinstance(forum, Stage) else None
+        self.presence = Presence(stage, driver, name, settings, lambda: len(self.line)) if stage else None
+        seen_by = settings.room_camera
+        self.camera = Camera(stage, name, seen_by, lambda: self.line.moving is not None) if stage and seen_by else None
+        self._journal: Journal | None = None
+        self._course: Course | None = None
+        self._me: Account | None = None
+        self._watermark_at = self._stopped_at = datetime.min
+        self._inbox: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._accepting = True
+        self._ending = False
+
+    # ------------------------------------------------------------------ life
+    async def run(self, on_ready: Callable[[], None] = lambda: None) -> None:
+        """Serve the forum until cancelled; then the robot is stopped and what ran is told as interrupted."""
+        try:
+            await self._start()
+            async with asyncio.TaskGroup() as group:
+                for work in (self._listen(), self._accept_all(), *self._stage_work()):
+                    group.create_task(work)
+                self.ready.set()
+                on_ready()
+        finally:
+            await self._wind_down()
+
+    async def once(self) -> None:
+        """Handle what is new since the last time, then return. Stops are heard all the while."""
+        try:
+            await self._start()
+            while events := await insist(partial(self.forum.changes, self.channel.cursor)):
+                for event in events:
+                    self.channel.cursor = event.id
+                    self._hear(event)
+            self._accepting = False
+            helpers = [asyncio.create_task(work) for work in (self._listen(), *self._stage_work())]
+            self.ready.set()
+            try:
+                while not self._inbox.empty():
+                    await self._accept(*self._inbox.get_nowait())
+                while self._tasks:
+                    await asyncio.wait(set(self._tasks))
+            finally:
+                for helper in helpers:
+                    helper.cancel()
+        finally:
+            await self._wind_down()
+
+    async def close(self) -> None:
+        """Let go of journal, forum and driver. Calling again does nothing."""
+        if self._journal is not None:
+            await self._journal.close()
+            self._journal = None
+        await self.forum.close()
+        await self.driver.close()
+
+    async def _start(self) -> None:
+        self._journal = await Journal.open(self.folder, self.name)
+        self._me = await insist(self.forum.me)
+        newest = await insist(self.channel.set_clock)
+        begun = await self.journal.get_time("watermark")
+        if begun is None:
+            await self.journal.put("cursor", newest)
+            await self.journal.put("watermark", (begun := self.channel.now()).isoformat())
+        self._watermark_at = begun
+        self._stopped_at = await self.journal.get_time("stopped") or begun
+        self.channel.cursor = await self.journal.get("cursor") or newest
+        self._spawn(asyncio.to_thread(warm_up))
+        self._course = self._make_course()
+        for claim in await self.journal.open_claims():
+            self._take_up(Job(claim.command, known=True, waited_s=claim.waited_s))
+        if begun > self.channel.now() - LOOK_BACK:
+            await self._look_back()
+
+    async def _look_back(self) -> None:
+        """Shortly after a first start: answer posts of before it, and find claims of a journal that was lost."""
+        since = self.channel.now() - LOOK_BACK
+        with contextlib.suppress(ForumError):
+            async for post in recent_posts(self.forum, self.settings.boards, since):
+                if post.created_at <= self._watermark_at:
+                    heard = perceive(post, self._ears())
+                    await self._accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
+
+    async def _wind_down(self) -> None:
+        """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""
+        self._ending = True
+        if (job := self.line.moving) is not None:
+            job.end(SHUTDOWN)
+            if job.task is not None:
+                await asyncio.wait({job.task}, timeout=LAST_WORDS_S)
+        for task in tuple(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    @property
+    def journal(self) -> Journal:
+        if self._journal is None:
+            raise JournalError("the agent has not been started")
+        return self._journal
+
+    @property
+    def course(self) -> Course:
+        if self._course is None:
+            raise JournalError("the agent has not been started")
+        return self._course
+
+    def _make_course(self) -> Course:
+        return Course(
+            self.name, self._ears().names, self.settings, self.forum, self.driver, self.mind, self.journal,
+            self.channel, self.line, self.stops, self.records, self._line_changed,
+        )  # fmt: skip
+
+    def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
+        return [part.run() for part in (self.presence, self.camera) if part is not None]
+
+    def _spawn(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._done)
+        return task
+
+    def _done(self, task: asyncio.Task[Any]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            _log.error("task failed", robot=self.name, exc_info=error)
+
+    # ------------------------------------------------------------------ hear
+    async def _listen(self) -> None:
+        async for event in self.channel.events():
+            self._hear(event)
+
+    def _hear(self, event: Event) -> None:
+        """Never waits: a stop is on its way to the driver before anything else is done with any event."""
+        heard = Heard(Call.NOTHING)
+        if event.post is not None and event.kind is not EventKind.POST_REMOVED:
+            heard = perceive(event.post, self._ears(), edited=event.kind is EventKind.POST_EDITED)
+            if heard.call in (Call.STOP, Call.HALT):
+                self._stop(event, event.post.author, heard)
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
+            self._stop(event, event.account, heard)
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_WATCH and self.camera:
+            self.camera.wake()
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
+            self._spawn(self._reset(event.account, event.at))
+        if self._accepting:
+            self._inbox.put_nowait((event, heard))
+
+    def _ears(self) -> Ears:
+        assert self._me is not None
+        names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
+        return Ears(
+            self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
+            self.settings.max_post_age_s, self.line.topics(),
+        )  # fmt: skip
+
+    def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:
+        """End and cancel all that was posted earlier, and stop the robot, with nothing in between."""
+        assert self._me is not None
+        if author is None or not obeyed(author, self._me) or may(author, "stop").decision is not Decision.ALLOW:
+            return
+        post, halt = event.post, heard.call is Call.HALT
+        edited = event.kind is EventKind.POST_EDITED
+        at = post.created_at if post is not None and not edited else event.at
+        self._stopped_at = max(self._stopped_at, at)
+        ended = self.line.end_before(at, STOP)
+        stopping: asyncio.Task[StopResult | None] = self._spawn(self.stops.stop(author.name, at, halt))
+        for job in ended:
+            job.stop, job.stopped_by = stopping, author.name
+        if post is not None:
+            self._spawn(self.stops.answer(post, heard.language, stopping, len(ended), halt))
+        self._spawn(self.journal.put("stopped", self._stopped_at.isoformat()))
+
+    async def _reset(self, account: Account, at: datetime) -> None:
+        assert self._me is not None
+        allowed = obeyed(account, self._me) and may(account, "command").decision is Decision.ALLOW
+        if not self.settings.room_reset or not allowed:
+            return
+        if len(self.line):
+            for job in self.line.end_before(at, STOP):
+                job.stopped_by = account.name
+            await self.stops.stop(account.name, at)
+            if (moving := self.line.moving) is not None and moving.task is not None:
+                await asyncio.wait({moving.task}, timeout=DRIVER_WAIT_S)
+        try:
+            await reset_room(self.driver, self.settings, account.name)
+        except RobotError as e:
+            _log.warning("room not reset", robot=self.name, error=str(e))
+
+    # ------------------------------------------------------------------ accept
+    async def _accept_all(self) -> None:
+        saved_s = 0.0
+        while True:
+            event, heard = await self._inbox.get()
+            try:
+                await self._accept(event, heard)
+                if event.id and (heard.call is not Call.NOTHING or time.monotonic() - saved_s > 1.0):
+                    await self.journal.put("cursor", event.id)
+                    saved_s = time.monotonic()
+            except JournalError as e:
+                _log.error("post not taken: nothing moves without the journal", robot=self.name, error=str(e))
+
+    async def _accept(self, event: Event, heard: Heard) -> None:
+        """Claim a post in the journal and begin its turn; end what was edited or removed."""
+        post = event.post
+        if post is None:
+            return
+        if event.kind is not EventKind.POST_CREATED:
+            job = self.line.find(post.id)
+            if job is not None and post.removed:
+                job.end("removed")
+            elif job is not None and not job.moving and post.content_hash != job.command.content_hash:
+                job.end("edited")
+            return
+        if heard.call not in (Call.READ, Call.STALE):
+            return
+        claim = await self.journal.claim(self._command(post, heard))
+        if not claim.new:
+            return
+        job = Job(claim.command)
+        if heard.call is Call.STALE or post.version > 1:
+            job.end("stale" if heard.call is Call.STALE else "edited")
+        elif post.created_at <= self._stopped_at:
+            job.end(STOP)
+        self._take_up(job)
+
+    def _command(self, post: Post, heard: Heard) -> Command:
+        return Command(
+            post.id, post.topic_id, post.content_hash, post.author, self.name, heard.text, heard.language,
+            post.created_at, uuid4().hex[:12],
+        )  # fmt: skip
+
+    def _take_up(self, job: Job) -> None:
+        self.stops.new_command()
+        self.line.enter(job)
+        job.task = self._spawn(self.course.run(job))
+
+    def _line_changed(self) -> None:
+        if self.presence:
+            self.presence.changed()
+        if self.camera and self.line.moving:
+            self.camera.wake()
+        for job in self.line:
+            self.course.show_place(job)

@@ -1,0 +1,140 @@
+"""A memory forum, a fake robot behind a real driver process, and an agent between them."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import subprocess
+import sys
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from agentrob.agent.turn import RobotAgent
+from agentrob.config import RobotConfig
+from agentrob.forums.forum import Forum
+from agentrob.forums.memory import MemoryForum, MemoryWorld
+from agentrob.minds.mind import Mind
+from agentrob.minds.rules import RulesMind
+from agentrob.model import AccountKind, Post, Role
+from agentrob.robots.client import DriverClient
+
+ROBOT = "quadruped"
+WIDE = {"x_min_m": -1000.0, "x_max_m": 1000.0, "y_min_m": -1000.0, "y_max_m": 1000.0}
+FINAL = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+
+
+def robot_settings(**more: Any) -> RobotConfig:
+    """A fake robot in a large room, ten times as fast as life."""
+    options = {"time_scale": 10, "room": [-1000, 1000, -1000, 1000], **more.pop("options", {})}
+    common = {"model": "fake", "simulated": True, "home_on_start": True, "fence": WIDE, "options": options}
+    return RobotConfig.model_validate({**common, **more})
+
+
+_DRIVER = """
+import json, sys
+from pathlib import Path
+from agentrob.config import RobotConfig
+from agentrob.robots.driver import run_driver
+name, settings, socket, data = sys.argv[1:]
+run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
+"""
+
+
+class Driver:
+    """A driver process of its own."""
+
+    def __init__(self, folder: Path, settings: RobotConfig, name: str = ROBOT) -> None:
+        self.name = name
+        self.socket = folder / f"{name}.sock"
+        self.settings = settings
+        command = [sys.executable, "-c", _DRIVER, name, settings.model_dump_json(), str(self.socket), str(folder)]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout is not None
+        assert json.loads(self.process.stdout.readline())["ready"]
+
+    def client(self) -> DriverClient:
+        return DriverClient(self.name, self.socket)
+
+    def end(self) -> None:
+        self.process.terminate()
+        self.process.wait(10)
+        if self.process.stdout:
+            self.process.stdout.close()
+
+
+@dataclass
+class Scene:
+    """A forum with the operator `alice`, the member `bob` and one robot's agent."""
+
+    world: MemoryWorld
+    driver: Driver
+    folder: Path
+    settings: RobotConfig
+    mind: Mind = field(default_factory=RulesMind)
+    _keys: Iterator[int] = field(default_factory=lambda: iter(range(10**6)))
+
+    def person(self, name: str, role: Role = Role.OPERATOR, kind: AccountKind = AccountKind.HUMAN) -> MemoryForum:
+        return self.world.sign_in(name, role=role, kind=kind)
+
+    async def post(self, name: str, text: str, topic: str | None = None) -> Post:
+        forum = self.world.sign_in(name)
+        if topic is None:
+            return (await forum.create_topic("robots", "A topic", text, key=f"k{next(self._keys)}")).post
+        return (await forum.reply(topic, text, key=f"k{next(self._keys)}")).post
+
+    def replies(self, post: Post) -> list[Post]:
+        """What the robot wrote in answer to a post."""
+        return [p for p in self.world.posts.values() if p.reply_to == post.id and p.author.name == ROBOT]
+
+    async def until(self, condition: Callable[[], Any], limit_s: float = 10.0) -> Any:
+        """Wait for something to be so on the forum."""
+        async with asyncio.timeout(limit_s):
+            while not (found := condition()):
+                await self.world.wait(0.05)
+        return found
+
+    async def final(self, post: Post, limit_s: float = 15.0) -> Post:
+        """The robot's final answer to a post."""
+        return await self.until(lambda: next((p for p in self.replies(post) if p.card and p.card.state in FINAL), None))
+
+    async def state(self, post: Post, state: str) -> Post:
+        """The robot's answer when it shows a state."""
+        return await self.until(lambda: next((p for p in self.replies(post) if p.card and p.card.state == state), None))
+
+    @asynccontextmanager
+    async def agent(self, **changed: Any) -> AsyncIterator[RobotAgent]:
+        """An agent that serves until the block ends. `changed` replaces constructor arguments."""
+        agent = self.make(**changed)
+        running = asyncio.create_task(agent.run())
+        ready = asyncio.create_task(agent.ready.wait())
+        await asyncio.wait({running, ready}, return_when=asyncio.FIRST_COMPLETED)
+        ready.cancel()
+        try:
+            if running.done():
+                running.result()
+            yield agent
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+            await agent.close()
+
+    def make(self, **changed: Any) -> RobotAgent:
+        forum: Forum = self.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
+        arguments = {
+            "name": ROBOT, "settings": self.settings, "forum": forum, "driver": self.driver.client(),
+            "mind": self.mind, "data": self.folder, **changed,
+        }  # fmt: skip
+        return RobotAgent(**arguments)
+
+
+def make_scene(driver: Driver, folder: Path, world: MemoryWorld | None = None, **settings: Any) -> Scene:
+    scene = Scene(world or MemoryForum.world(), driver, folder, robot_settings(**settings))
+    scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
+    scene.person("alice")
+    scene.person("bob", Role.MEMBER)
+    return scene
+
+
