@@ -47,29 +47,108 @@ def visitor(browser: Browser, demo: RunningDemo) -> Iterator[BrowserContext]:
     context = browser.new_context(viewport={"width": 1180, "height": 900})
     page = context.new_page()
     page.goto(demo.link)
-    page.get_by_role("button").first.click()
+    page.get_by_role("button", name="Enter").click()
     page.wait_for_url(lambda url: "/enter/" not in url)
     page.close()
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     yield context
     context.close()
 
 
-def card(page: Page) -> str:
-    """The words of the newest status card."""
-    return page.locator(".card").last.inner_text()
+def shot(page: Page, name: str, element: str | None = None) -> None:
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    page.evaluate("window.scrollTo(0, 0)")
+    path = SCREENSHOTS / f"{name}.png"
+    if element:
+        page.locator(element).first.screenshot(path=path)
+    else:
+        page.screenshot(path=path, full_page=True)
 
 
-def shot(page: Page, name: str) -> None:
-    page.screenshot(path=SCREENSHOTS / f"{name}.png", full_page=True)
-
-
-def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(visitor: BrowserContext) -> None:
-    page = visitor.new_page()
+def listen_for_errors(page: Page) -> list[str]:
     wrong: list[str] = []
     page.on("console", lambda m: wrong.append(m.text) if m.type == "error" else None)
     page.on("pageerror", lambda e: wrong.append(str(e)))
-    page.goto("/".join(page.url.split("/")[:3])) if page.url != "about:blank" else None
-    page.goto(visitor.pages[0].url) if page.url == "about:blank" and visitor.pages[0] is not page else None
-    page.close()
+    return wrong
+
+
+def write_post(page: Page, url: str, title: str, body: str) -> None:
+    """From the home page to the new thread, as a person goes."""
+    page.goto(url)
+    page.get_by_role("main").get_by_role("link", name="Robots", exact=True).first.click()
+    page.get_by_role("link", name="New topic").first.click()
+    page.get_by_label("Title").fill(title)
+    page.get_by_label("Post", exact=True).fill(body)
+    page.get_by_role("button", name="Post", exact=True).click()
+    page.wait_for_url(re.compile("/t/"))
+
+
+#: Collects each text that the newest status chip shows, as it changes.
+WATCH_CHIP = """() => {
+  window.chips = [];
+  const look = () => {
+    const all = document.querySelectorAll("[data-post] .status .chip");
+    const text = all.length ? all[all.length - 1].innerText.trim().toLowerCase() : "";
+    if (text && window.chips[window.chips.length - 1] !== text) window.chips.push(text);
+  };
+  new MutationObserver(look).observe(document.body, {subtree: true, childList: true, characterData: true});
+  look();
+}"""
+
+
+def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(visitor: BrowserContext, demo: RunningDemo) -> None:
+    page = visitor.new_page()
+    wrong = listen_for_errors(page)
+    write_post(page, demo.url, "First steps", SENTENCE)
+    page.evaluate(WATCH_CHIP)
+    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    chips = page.evaluate("window.chips")
+    assert chips[-1] == "done"
+    assert "running" in chips, f"the thread must tell what the robot is doing; it showed {chips}"
+    answer = page.locator("article.by-robot").last
+    expect(answer.locator("table")).to_be_visible()
+    expect(answer).to_contain_text("1 m")
+    expect(answer).to_contain_text("90")
+    pictures = answer.locator(".pictures img")
+    expect(pictures).not_to_have_count(0)
+    pictures.last.scroll_into_view_if_needed()
+    widths = pictures.evaluate_all(
+        "async (all) => { for (const i of all) await i.decode(); return all.map(i => i.naturalWidth); }"
+    )
+    assert len(widths) >= 2, "a photo and the plot of the path"
+    assert min(widths) >= 600
+    shot(page, "thread")
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    shot(page, "thread-phone")
+    page.emulate_media(color_scheme="dark")
+    shot(page, "thread-phone-dark")
     assert not wrong
+
+
+def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_robot(
+    visitor: BrowserContext, demo: RunningDemo
+) -> None:
+    page = visitor.new_page()
+    wrong = listen_for_errors(page)
+    write_post(page, demo.url, "Turn and be stopped", "@quadruped turn right 360 degrees")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("running", re.IGNORECASE), timeout=MOTION_MS)
+    thread = page.url
+    page.goto(f"{demo.url}/robots/quadruped")
+    picture = page.locator(".camera img")
+    expect(picture).to_be_visible(timeout=10_000)
+    page.wait_for_function("document.querySelector('.camera img').naturalWidth >= 320", timeout=15_000)
+    shot(page, "robot")
+    page.get_by_role("button", name=re.compile("Stop")).first.click()
+    page.goto(thread)
+    expect(page.locator(".status .chip")).to_have_text(re.compile("stopped", re.IGNORECASE), timeout=15_000)
+    expect(page.locator("article.by-robot").last).to_contain_text("ms")
+    shot(page, "thread-stopped")
+    assert not wrong
+
+
+def test_a_question_is_asked_back_in_chinese(visitor: BrowserContext, demo: RunningDemo) -> None:
+    page = visitor.new_page()
+    write_post(page, demo.url, "向前走", "@quadruped 向前走")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("ask", re.IGNORECASE), timeout=MOTION_MS)
+    expect(page.locator("article.by-robot").last).to_contain_text(re.compile("[\u4e00-\u9fff]"))
+    shot(page, "thread-chinese")
