@@ -249,8 +249,7 @@ def test_only_operators_reset_the_room(world: World) -> None:
 
 
 def test_a_suspended_account_cannot_stop(world: World) -> None:
-    mallory = admin.create_account(world.settings, "mallory")
-    world.accounts["mallory"] = mallory
+    mallory = world.board.add("mallory")
     surfer = world.browser("mallory")
     csrf = surfer.csrf("/robots/quadruped")
     admin.change_account(world.settings, mallory, suspended=True)

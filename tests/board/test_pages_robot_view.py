@@ -1,0 +1,90 @@
+"""Whatever a robot's agent sends as its card, the page holds and shows no markup of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pages_world import CARD, World, running_world
+
+from agentrob.board.robot_view import robot_view
+from agentrob.board.templating import excerpt, own_path, status_card
+
+json = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=10), inner, max_size=4),
+    max_leaves=12,
+)
+fields = st.sampled_from([*CARD, "robot", "step", "steps", "doing", "place", "trace_id", "queue", "<b>"])
+cards = st.dictionaries(fields, json, max_size=10)
+
+
+@given(cards)
+def test_any_card_of_a_robot_has_a_view(card: dict[str, Any]) -> None:
+    view = robot_view("quadruped", card, None)
+    assert not view.live
+    assert view.battery is None or 0 <= view.battery <= 100
+    assert all(isinstance(word, str) for word in (view.state, view.model, *view.ops))
+    assert all(isinstance(value, str) for line in view.facts + view.limits for value in line)
+
+
+@given(cards)
+def test_any_card_of_a_command_has_a_view(card: dict[str, Any]) -> None:
+    view = status_card(card)
+    assert view.state.replace("_", "").isalpha() or view.state.strip("_") == ""
+    assert view.step >= 0
+    assert view.steps >= 0
+    assert "/" not in view.robot
+
+
+@given(st.text())
+def test_any_text_has_an_excerpt_of_one_line(raw: str) -> None:
+    assert "\n" not in excerpt(raw)
+    assert 0 < len(excerpt(raw)) <= 141
+
+
+@given(st.text())
+def test_any_address_to_go_back_to_is_on_this_forum(path: str) -> None:
+    own = own_path(path)
+    assert own.startswith("/")
+    assert not own.startswith(("//", "/\\"))
+    assert own.isascii()
+    assert own.isprintable()
+
+
+def test_a_robot_is_live_while_its_agent_tells() -> None:
+    now = datetime.now(UTC)
+    assert robot_view("quadruped", CARD, now).live
+    assert not robot_view("quadruped", CARD, now - timedelta(seconds=20)).live
+
+
+def test_limits_of_one_command_are_one_line() -> None:
+    view = robot_view("quadruped", CARD, None)
+    assert view.limits == (("Speed", "0.5 m/s"), ("One command", "10 m, 60 s"))
+    assert view.ops == ("move", "turn", "wave", "take a photo")
+    assert ("Model", "go2") in view.facts
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with running_world(tmp_path_factory.mktemp("board")) as world:
+        yield world
+
+
+def test_markup_in_cards_is_shown_as_text(world: World) -> None:
+    nasty = "<img src=x onerror=alert(1)>\"'"
+    robot = world.api("quadruped")
+    card = {"model": nasty, "state": nasty, "ops": [nasty], "limits": {nasty: nasty}, nasty: [nasty], "board": nasty}
+    robot.put("/robots/quadruped", json={"card": card}).raise_for_status()
+    surfer = world.browser("bob")
+    status = {"robot": nasty, "state": nasty[:32], "doing": nasty, "trace_id": nasty}
+    topic = robot.post("/topics", json={"board": "robots", "title": nasty, "body": "x"}).json()["topic"]["id"]
+    robot.post(f"/topics/{topic}/posts", json={"body": nasty, "card": status}).raise_for_status()
+    for path in ("/", "/b/robots", f"/t/{topic}", "/robots", "/robots/quadruped", "/robots/quadruped/fragment"):
+        page = surfer.get(path)
+        assert page.status_code == 200
+        assert "<img src=x" not in page.text
