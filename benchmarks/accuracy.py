@@ -1,4 +1,4 @@
-"""How exactly a Go2 moves and turns, against the simulator's true pose: the driver's own control loop in simulated time.
+"""How exactly a Go2 moves and turns against the simulator's true pose, by the driver's own loop in simulated time.
 
     python benchmarks/accuracy.py [--runs 10] [--seed 0] [--lag 0.04]
 
@@ -14,6 +14,7 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
+
 from agentrob.model import ActionResult, Direction, Op, Pose, Primitive, RobotState
 from agentrob.robots.go2 import GAIT
 from agentrob.robots.motion import RATE_HZ, Velocity, wrap

@@ -74,9 +74,12 @@ class Driver:
         log.info("step %s %s: %s %s", primitive.op, primitive.asked(), result.outcome, result.message)
         return result
 
-    def stop(self, by: str) -> StopResult:
-        """Ends the running step and the lease: what its holder was about to do is over too."""
-        asked_s = time.monotonic()
+    def stop(self, by: str, asked_s: float | None = None) -> StopResult:
+        """Ends the running step and the lease: what its holder was about to do is over too.
+
+        `asked_s` is when it was asked for, by the monotonic clock; the latency counts from there.
+        """
+        asked_s = time.monotonic() if asked_s is None else asked_s
         self.leases.end("stop")
         late_ms = 1000 * (time.monotonic() - asked_s)
         result = self.guard.stop()

@@ -16,7 +16,7 @@ from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import unitree
-from agentrob.robots.motion import RATE_HZ, Gait, Rest, Velocity
+from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Gait, Rest, Velocity
 from agentrob.robots.robot import Watch, limits_of
 from agentrob.robots.walk import REST_LIMIT_S, walk
 
@@ -42,6 +42,9 @@ MODES_BY_MODE = {
 }  # fmt: skip
 #: Cosine of the tilt below which it lies rather than stands (60 degrees).
 UPRIGHT = 0.5
+
+#: A standing Go2 sways a little; faster than this it moves.
+MOVING_MPS = 0.12
 
 STOP_MOVE = 1003
 CAPABILITIES = Capabilities(
@@ -109,7 +112,7 @@ class Go2:
         if primitive.op is Op.GET_FRONT_IMAGE:
             return self._image(primitive)
         if self._gesture is not None and self._gesture.is_alive():
-            return _failed(primitive, "busy", "The robot has not finished its last gesture yet.", time.monotonic())
+            return _refused(primitive, "busy", "The robot has not finished its last gesture yet.")
         if primitive.op in (Op.MOVE, Op.TURN):
             return self._walk(primitive, attentive)
         return self._do_gesture(primitive, attentive)
@@ -121,7 +124,7 @@ class Go2:
         before = self.state()
         sent = self._send_stop()
         latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
-        rest = Rest()
+        rest = Rest(STOPPED_WINDOW_S)
         while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
             state = self.state()
             if state.pose is not None and state.age_s < 0.5 and rest.see(now_s, state.pose):
@@ -130,7 +133,7 @@ class Go2:
             if now_s < asked_s + 0.5:
                 self._send_stop()  # a Move that was on its way meanwhile, or a lost sample
         moved_m = rest.distance_m(before.pose)
-        was_moving = _speed(before) > 0.05 or (moved_m or 0.0) > 0.03
+        was_moving = _speed(before) > MOVING_MPS or (moved_m or 0.0) > 0.05
         if rest.reached:
             return StopResult(latency_ms, True, was_moving, moved_m)
         why = "its state is too old" if self.state().age_s >= 0.5 else f"it still moved after {REST_LIMIT_S:g} s"
@@ -161,8 +164,10 @@ class Go2:
         return 0 in codes
 
     def _walk(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        gait = self._gait
-        if self.state().mode in ("locked", "damping", "unknown"):
+        gait, mode = self._gait, self.state().mode
+        if mode in ("sitting", "lying"):
+            return _refused(primitive, "posture", f"The robot is {mode}; it must stand up first.")
+        if mode in ("locked", "damping", "unknown"):
             if code := self._actions.BalanceStand():
                 return _failed(primitive, *_why(code, "It could not stand ready to walk"), time.monotonic())
             gait = replace(gait, start_s=START_AFTER_STANDING_S)
@@ -235,6 +240,11 @@ def _speed(state: RobotState) -> float:
 def _why(code: int, what: str) -> tuple[str, str]:
     word = "unsupported" if code in unitree.UNSUPPORTED else "no_answer" if code in unitree.NO_ANSWER else "robot_error"
     return word, f"{what}: {unitree.explain(code)}."
+
+
+def _refused(primitive: Primitive, word: str, message: str) -> ActionResult:
+    now_s = time.monotonic()
+    return ActionResult(primitive, Outcome.REFUSED, {}, word, message, now_s, now_s)
 
 
 def _failed(primitive: Primitive, word: str, message: str, started_s: float) -> ActionResult:

@@ -106,8 +106,7 @@ class Guard:
 
     def halt(self, by: str, why: str = "on request") -> StopResult:
         """Stop, and refuse all motion until `release`, also after a restart."""
-        sentence = self._halt.set(by, why)
-        log.warning("%s", sentence)
+        log.warning("%s", self._halt.set(by, why))
         kept: list[bool] = []
         writer = threading.Thread(target=lambda: kept.append(self._halt.keep()), daemon=True)
         writer.start()  # the disk must not delay the stop
@@ -258,11 +257,11 @@ class Guard:
             walking = running is not None and running.op in (Op.MOVE, Op.TURN)
             foreign = self._hands.see(now_s, state, walking=walking, gesturing=running is not None and not walking)
         if foreign and self._halt.why is None:
+            self._halt.set("the guard", foreign + ".")  # at once; the thread below stops and writes it down
             threading.Thread(target=self.halt, args=("the guard", foreign + "."), daemon=True).start()
-            self._halt.set("the guard", foreign + ".")
-        if self._homes_itself and self._fence is None and running is None and self._odometry.still(now_s):
-            if state.pose is not None and state.age_s < STATE_AGE_S and state.upright:
-                self.home("the simulation")
+        fit = state.pose is not None and state.age_s < STATE_AGE_S and state.upright
+        if self._homes_itself and self._fence is None and running is None and fit and self._odometry.still(now_s):
+            self.home("the simulation")
 
 
 def _age(state: RobotState) -> str:

@@ -21,6 +21,8 @@ from agentrob.model import Pose
 RATE_HZ = 20.0
 #: Odometry is averaged over this long at rest, against its noise.
 REST_WINDOW_S = 0.3
+#: After a stop the body must keep its place for this long before rest is believed.
+STOPPED_WINDOW_S = 0.5
 #: A body that strays less than this meanwhile is at rest; more than the noise of odometry (2 mm, 0.2°).
 REST_M, REST_RAD = 0.012, math.radians(1.2)
 #: No more than this is believed of what coming to rest does to the place and the heading.
@@ -95,17 +97,18 @@ def _clip(value: float, bound: float) -> float:
 
 
 class Rest:
-    """Says when a body has come to rest, from odometry: it kept its place over the rest window."""
+    """Says when a body has come to rest, from odometry: it kept its place for `window_s`."""
 
-    def __init__(self) -> None:
+    def __init__(self, window_s: float = REST_WINDOW_S) -> None:
+        self._window_s = window_s
         self._seen: deque[tuple[float, Pose]] = deque()
         self.reached = False
 
     def see(self, now_s: float, pose: Pose) -> bool:
         self._seen.append((now_s, pose))
-        while self._seen[0][0] < now_s - REST_WINDOW_S:
+        while self._seen[0][0] < now_s - self._window_s:
             self._seen.popleft()
-        self.reached = now_s - self._seen[0][0] >= 0.8 * REST_WINDOW_S and all(
+        self.reached = now_s - self._seen[0][0] >= 0.8 * self._window_s and all(
             math.hypot(p.x_m - pose.x_m, p.y_m - pose.y_m) < REST_M and abs(wrap(p.yaw_rad - pose.yaw_rad)) < REST_RAD
             for _, p in self._seen
         )
@@ -231,7 +234,9 @@ class Motion:
         turn = self.turn_rad - here.turned_rad - self._drift[2] * ahead_turning
         forward_m, left_m = rotate(ex, ey, -self._yaw)
         if coasting:
-            forward_m, left_m, turn = (e - shift for e, shift in zip((forward_m, left_m, turn), self._shift, strict=True))
+            forward_m, left_m, turn = (
+                e - shift for e, shift in zip((forward_m, left_m, turn), self._shift, strict=True)
+            )
         return _Error(forward_m, left_m, turn)
 
     def _begin_settling(self, now_s: float, expected: _Error) -> Velocity:
@@ -272,7 +277,9 @@ class Motion:
         g = self.gait
         if self.turn_rad:
             hold = g.gain_hold if error.distance_m > g.accept_m else 0.0
-            return self._bounded(hold * error.forward_m, hold * error.left_m, self._turning(error.turn_rad, g.turn_min_rps))
+            return self._bounded(
+                hold * error.forward_m, hold * error.left_m, self._turning(error.turn_rad, g.turn_min_rps)
+            )
         way_m, left_m = math.hypot(self.forward_m, self.left_m), self._along(error)
         ux, uy = self.forward_m / way_m, self.left_m / way_m
         speed = max(g.gain_speed * left_m, g.speed_min_mps)

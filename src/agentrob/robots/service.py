@@ -7,6 +7,7 @@ import logging
 import math
 import socket
 import threading
+import time
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -102,8 +103,9 @@ def app(driver: Driver) -> Starlette:
         return JSONResponse(encode(await in_thread(lambda: driver.step(lease, primitive, deadline_s))))
 
     async def stop(request: Request) -> JSONResponse:
+        asked_s = time.monotonic()
         by = _text(await _body(request), "by")
-        return JSONResponse(encode(await in_thread(lambda: driver.stop(by))))
+        return JSONResponse(encode(await in_thread(lambda: driver.stop(by, asked_s))))
 
     async def halt(request: Request) -> JSONResponse:
         by = _text(await _body(request), "by")
@@ -155,7 +157,7 @@ class Service:
 
     def __init__(self, driver: Driver, listener: socket.socket) -> None:
         config = uvicorn.Config(
-            app(driver), log_config=None, access_log=False, lifespan="off", ws="none", timeout_graceful_shutdown=0
+            app(driver), log_config=None, access_log=False, lifespan="off", ws="none", timeout_graceful_shutdown=None
         )
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._server.run, args=([listener],), name="service", daemon=True)

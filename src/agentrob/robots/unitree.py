@@ -1,4 +1,4 @@
-"""The Unitree SDK behind one door: one DDS domain per process, clients for each purpose, and the newest state with its age.
+"""The Unitree SDK behind one door: one DDS domain per process, a client per purpose, the newest state and its age.
 
 Traps that this module takes care of (seen with unitree-sdk2py 1.0.3 and cyclonedds 11):
 - `agentrob.dds` must be imported before any type of the SDK, or robots on cyclonedds 0.10 do not understand us;
@@ -116,7 +116,7 @@ class Topic:
 
 
 class Polled:
-    """A topic that is sent much more often than we need: one message is read every `every_s`, the others not decoded."""
+    """A topic sent much more often than we need: one message is read every `every_s`, the others are not decoded."""
 
     def __init__(self, name: str, kind: Any, every_s: float) -> None:
         from unitree_sdk2py.core.channel import ChannelSubscriber

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
-from agentrob.robots.motion import RATE_HZ, REST_WINDOW_S, Gait, Motion, Rest, Velocity, rotate, wrap
+from agentrob.robots.motion import RATE_HZ, REST_WINDOW_S, STOPPED_WINDOW_S, Gait, Motion, Rest, Velocity, rotate, wrap
 from agentrob.robots.robot import BODY_RADIUS_M, Watch
 
 #: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %).
@@ -119,13 +119,15 @@ def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionRe
     if reason and track.points:
         _come_to_rest(body, track)
     if not track.points:
-        message = "The robot gives no position, so it was not moved."
-        return ActionResult(
-            primitive, Outcome.FAILED, {}, reason or "stale_state", message, started_s, time.monotonic()
-        )
+        return _not_begun(primitive, reason, started_s)
     measured = track.measured(primitive)
     outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
     return ActionResult(primitive, outcome, measured, word, message, started_s, time.monotonic(), track.path())
+
+
+def _not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
+    message = f"Stopped before it began ({reason.replace('_', ' ')})."
+    return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
 
 
 def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
@@ -149,7 +151,7 @@ def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
 
 def _come_to_rest(body: Body, track: _Track) -> None:
     """Record how the body coasts; not the watch's matter any more, since it is stopping already."""
-    rest, end_s = Rest(), body.now_s() + REST_LIMIT_S
+    rest, end_s = Rest(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
     while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)
         if (pose := body.state().pose) is None:

@@ -1,0 +1,166 @@
+"""The contract that every robot passes, a stranger's too: subclass it in a test file and give it a `robot` fixture.
+
+    class TestMyRobot(RobotContract):
+        @pytest.fixture
+        def robot(self):
+            robot = MyRobot(RobotConfig(model="mine", simulated=True))
+            yield robot
+            robot.close()
+
+The robot must stand upright with two metres free around it. Operations that it does not have are not asked for.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import threading
+import time
+
+from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.robots.robot import Robot
+
+FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
+FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
+LEFT = Primitive(Op.TURN, Direction.LEFT, degrees=45)
+RIGHT = Primitive(Op.TURN, Direction.RIGHT, degrees=45)
+STATE_LIMIT_S = 3.0
+
+
+def go_on(_: RobotState) -> str | None:
+    """A watch that never objects."""
+    return None
+
+
+def complete(result: ActionResult, primitive: Primitive) -> None:
+    """What holds of every result, however it ended."""
+    assert result.primitive == primitive
+    assert 0 < result.started_s <= result.ended_s <= time.monotonic()
+    assert (result.outcome is Outcome.DONE) or (result.reason and result.message)
+    assert all(math.isfinite(value) for value in result.measured.values())
+    seconds = [point[0] for point in result.path]
+    assert seconds == sorted(seconds)
+    assert all(math.isfinite(value) for point in result.path for value in point)
+
+
+class RobotContract:
+    """See the module's text. Each method is one promise of `agentrob.robots.robot.Robot`."""
+
+    def test_it_says_what_it_can_do(self, robot: Robot) -> None:
+        capabilities = robot.capabilities
+        assert capabilities.model
+        assert capabilities.ops
+        assert Op.MOVE not in capabilities.ops or capabilities.move_directions
+        assert min(capabilities.limits.speed_mps, capabilities.limits.turn_dps, capabilities.limits.step_m) > 0
+
+    def test_its_state_is_fresh_and_asking_never_blocks(self, robot: Robot) -> None:
+        state = fresh(robot)
+        assert state.pose is not None
+        assert state.upright is True
+        began_s = time.monotonic()
+        for _ in range(20):
+            robot.state()
+        assert time.monotonic() - began_s < 1.0
+
+    def test_a_move_is_done_and_measured(self, robot: Robot) -> None:
+        fresh(robot)
+        result = robot.step(FORWARD, go_on)
+        complete(result, FORWARD)
+        assert result.outcome is Outcome.DONE, result.message
+        assert abs(result.measured["distance_m"] - 0.4) <= 0.06
+        assert {"sideways_m", "heading_deg"} <= set(result.measured)
+        (first_s, x, y, _), (last_s, x_end, y_end, _) = result.path[0], result.path[-1]
+        assert first_s == 0.0
+        assert len(result.path) >= 8 * (last_s - first_s)
+        assert abs(math.hypot(x_end - x, y_end - y) - 0.4) < 0.1
+
+    def test_a_turn_is_done_and_measured_either_way(self, robot: Robot) -> None:
+        fresh(robot)
+        for primitive in (LEFT, RIGHT):
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
+            assert result.outcome is Outcome.DONE, result.message
+            assert abs(result.measured["degrees"] - 45) <= 4.5
+            assert "drift_m" in result.measured
+
+    def test_the_watch_is_asked_before_anything_moves(self, robot: Robot) -> None:
+        before = fresh(robot)
+        for primitive in (FORWARD, LEFT):
+            result = robot.step(primitive, lambda _: "not_now")
+            complete(result, primitive)
+            assert (result.outcome, result.reason) == (Outcome.STOPPED, "not_now")
+        assert apart_m(before, fresh(robot)) < 0.03
+
+    def test_the_watch_is_asked_all_the_time_and_ends_the_step(self, robot: Robot) -> None:
+        start, asked = fresh(robot), list[float]()
+
+        def half_way(state: RobotState) -> str | None:
+            asked.append(time.monotonic())
+            return "enough" if apart_m(start, state) > 0.4 else None
+
+        result = robot.step(FAR, half_way)
+        complete(result, FAR)
+        assert (result.outcome, result.reason) == (Outcome.STOPPED, "enough")
+        assert 0.35 < result.measured["distance_m"] < 0.9
+        assert max(b - a for a, b in itertools.pairwise(asked)) < 0.25
+
+    def test_a_stop_from_another_thread_ends_the_step(self, robot: Robot) -> None:
+        start, moving, results = fresh(robot), threading.Event(), list[ActionResult]()
+
+        def notice(state: RobotState) -> str | None:
+            if apart_m(start, state) > 0.15:
+                moving.set()
+            return None
+
+        step = threading.Thread(target=lambda: results.append(robot.step(FAR, notice)))
+        step.start()
+        assert moving.wait(10)
+        stopped = robot.stop()
+        step.join(10)
+        (result,) = results
+        complete(result, FAR)
+        assert (result.outcome, result.reason) == (Outcome.STOPPED, "stop")
+        assert result.measured["distance_m"] < 1.2
+        assert stopped.latency_ms < 50
+        assert stopped.was_moving
+        assert stopped.confirmed, stopped.message
+        assert stopped.coasted_m is not None
+        assert stopped.coasted_m < 0.5
+
+    def test_a_stop_at_rest_is_confirmed_and_harmless(self, robot: Robot) -> None:
+        fresh(robot)
+        stopped = robot.stop()
+        assert stopped.confirmed, stopped.message
+        assert not stopped.was_moving
+        assert robot.step(RIGHT, go_on).outcome is Outcome.DONE
+
+    def test_a_gesture_ends_and_says_how(self, robot: Robot) -> None:
+        fresh(robot)
+        if Op.HELLO in robot.capabilities.ops:
+            primitive = Primitive(Op.HELLO)
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
+            assert result.outcome is Outcome.DONE, result.message
+
+    def test_a_picture_is_a_jpeg(self, robot: Robot) -> None:
+        if Op.GET_FRONT_IMAGE in robot.capabilities.ops:
+            primitive = Primitive(Op.GET_FRONT_IMAGE)
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
+            assert result.outcome is Outcome.DONE, result.message
+            assert result.image is not None
+            assert result.image.startswith(b"\xff\xd8")
+
+
+def fresh(robot: Robot) -> RobotState:
+    """A state that is not old; waits a moment for the first one."""
+    end_s = time.monotonic() + STATE_LIMIT_S
+    while (state := robot.state()).age_s > 0.5:
+        assert time.monotonic() < end_s, f"no state came within {STATE_LIMIT_S} s"
+        time.sleep(0.02)
+    return state
+
+
+def apart_m(a: RobotState, b: RobotState) -> float:
+    """Metres between two states; 0 when one gives no position."""
+    return math.hypot(a.pose.x_m - b.pose.x_m, a.pose.y_m - b.pose.y_m) if a.pose and b.pose else 0.0
