@@ -54,9 +54,12 @@ RULES = (
     _rule(
         "harm.collide",
         "refuse.collide",
-        rf"{_GO}\b[^.!?\n]{{0,30}}?\b(?:into|against|through|over|onto|at) (?:{_SOMEBODY}|{_THING})",
-        rf"\b(?:crash|ram|smash|slam|bump|collide|hit|drive|run)(?:es|s|ing)?\b (?:\w+ ){{0,2}}(?:{_SOMEBODY}|{_THING})",
-        r"\b(?:run|drive|knock|mow|walk) (?:\w+ ){0,3}(?:over|down)\b(?! there| here| to)",
+        rf"{_GO}\b[^.!?\n]{{0,30}}?\b(?:into|against|over|onto) (?:{_SOMEBODY}|{_THING})",
+        rf"{_GO}\b[^.!?\n]{{0,30}}?\bthrough (?:the |a |that )(?:\w+ )?"
+        r"(?:walls?|windows?|glass|mirrors?|fence|crowd|fire)\b",
+        r"\b(?:crash|ram|smash|slam|bump|collide|hit|drive|run)(?:es|s|ing)?\b "
+        rf"(?:\w+ ){{0,2}}(?:{_SOMEBODY}|{_THING})",
+        rf"\b(?:run|drive|knock|mow) {_SOMEBODY} (?:over|down)\b|\brun over (?!to\b|there\b|here\b)",
         r"撞(?!到了|了|见)|碾|轧过|压过去|冲向" + _ZH_SOMEBODY + r"|往墙上走|走进火|冲进火",
     ),
     _rule(
@@ -74,8 +77,8 @@ RULES = (
         "refuse.fall",
         r"\b(?:jump|leap|dive|throw yourself|hurl yourself|fall|roll|walk|run|drive|go|step|climb|move) (?:\w+ ){0,2}"
         r"(?:off|over the edge|out of the window|down the (?:stairs?|steps|stairway|staircase|slope|cliff|hole))\b",
-        r"\b(?:throw|hurl) yourself\b|\bover the edge\b|\bdown the stairs\b|\boff the (?:\w+ )?(?:table|roof|edge|ledge|balcony"
-        r"|stage|cliff|stairs?|desk|bridge|platform|pier)\b",
+        r"\b(?:throw|hurl) yourself\b|\bover the edge\b|\bdown the stairs\b|\boff the (?:\w+ )?(?:table|roof|edge|ledge"
+        r"|balcony|stage|cliff|stairs?|desk|bridge|platform|pier)\b",
         r"跳下|跳楼|跳崖|跳出窗|跳进|摔下|滚下|冲下|掉下去|从(?:桌子|楼上|楼梯|台阶|屋顶|阳台|窗户|舞台|平台)上?(?:跳|摔|滚|冲)",
     ),
     _rule(
@@ -89,18 +92,22 @@ RULES = (
     _rule(
         "safety.disable",
         "refuse.safety",
-        r"\b(?:disable|ignore|bypass|override|deactivate|disregard|circumvent|unlock|remove|suspend|(?:turn|switch|shut)(?:ing)? "
+        r"\b(?:disable|ignore|bypass|override|deactivate|disregard|circumvent|unlock|remove|suspend"
+        r"|(?:turn|switch|shut)(?:ing)? "
         rf"(?:off|down))(?:s|ing)?\b[^.!?\n]{{0,25}}?\b{_PROTECTION}",
         rf"\b(?:turn|switch|shut)\b[^.!?\n]{{0,25}}?\b{_PROTECTION}[^.!?\n]{{0,20}}?\boff\b",
         rf"\bwithout (?:any |your |the |all )?(?:\w+ )?{_PROTECTION}|\bregardless of {_PROTECTION}|\bno {_PROTECTION}",
-        rf"\b(?:don't|do not|never) (?:stop|slow down|brake) (?:for|at|before|when|if|even)\b|\bleave the {_PROTECTION}",
-        rf"(?:关闭|关掉|关了|禁用|忽略|无视|绕过|解除|取消|不管|跳过|突破|不用管|不要管|拆掉|超出|超过)[^，。！？\n]{{0,6}}{_ZH_PROTECTION}",
+        r"\b(?:don't|do not|never) (?:stop|slow down|brake) (?:for|at|before|when|if|even)\b",
+        rf"\bleave the {_PROTECTION}",
+        r"(?:关闭|关掉|关了|禁用|忽略|无视|绕过|解除|取消|不管|跳过|突破|不用管|不要管|拆掉|超出|超过)"
+        rf"[^，。！？\n]{{0,6}}{_ZH_PROTECTION}",
         r"(?:有人|有障碍|碰到人)也?(?:不要|别|不用)停",
         unless_denied=False,
     ),
 )
 _DENIED = re.compile(
-    r"(?:\b(?:don't|dont|do not|not|never|without|avoid|careful|no)\b|不要|别|小心|避免|不许|不能|不会|注意)[^,.;!?，。；！？\n]{0,30}$"
+    r"(?:\b(?:don't|dont|do not|not|never|without|avoid|careful|no)\b|不要|别|小心|避免|不许|不能|不会|注意)"
+    r"[^,.;!?，。；！？\n]{0,30}$"
 )
 
 

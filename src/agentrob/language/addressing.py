@@ -17,8 +17,8 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
     """The words for the robot called `names`, without mentions of robots.
 
     They are the text after its own mention up to another robot's mention; mentions side by side ("@a and @b wave")
-    share what follows. Text before the first mention counts only when no other robot is mentioned. A post that mentions no
-    robot at all is taken whole: whoever calls has decided that it is for this one.
+    share what follows. Text before the first mention counts only when no other robot is mentioned. A post that mentions
+    no robot at all is taken whole: whoever calls has decided that it is for this one.
     """
     mine = {n.lower() for n in names}
     known = mine | {n.lower() for n in others}

@@ -73,6 +73,7 @@ def _examples(ops: frozenset[Op], language: Language) -> str:
     """Two sentences that would work with this robot."""
     walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
     turn = Primitive(Op.TURN, Direction.LEFT, degrees=90.0)
-    chains = [[walk, turn], [turn, Primitive(Op.GET_FRONT_IMAGE)], [walk], [turn], *([Primitive(op)] for op in Op)]
+    gestures = [[Primitive(op)] for op in Op if op not in (Op.MOVE, Op.TURN)]
+    chains = [[walk, turn], [turn, Primitive(Op.GET_FRONT_IMAGE)], [walk], [turn], *gestures]
     possible = [c for c in chains if all(step.op in ops for step in c)][:2]
     return " · ".join(f"`{sentence(chain, language)}`" for chain in possible)

@@ -47,7 +47,8 @@ PHRASES = {
     "note.turn_speed": "A speed was said for a turn: I turn at my own speed.",
     # ---------------------------------------------------------------- help
     "help.intro": (
-        "I am **@{name}**, a {model} robot. Mention me at the start of a post and say what to do, in English or Chinese."
+        "I am **@{name}**, a {model} robot. "
+        "Mention me at the start of a post and say what to do, in English or Chinese."
     ),
     "help.do": "What I can do:",
     "help.example": "- `@{name} {sentence}`",

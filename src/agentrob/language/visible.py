@@ -153,7 +153,7 @@ def _plain(text: str) -> str:
     # NFKC would make 11⁄2 of 1½ and 22 of 2²: such digits stay apart from their neighbours.
     text = "".join(f" {c} " if not c.isascii() and _is_compound_digit(c) else c for c in text)
     shown = "".join(filter(None, map(_shown, unicodedata.normalize("NFKC", text))))
-    return unicodedata.normalize("NFKC", shown)
+    return re.sub(" {2,}", " ", unicodedata.normalize("NFKC", shown))
 
 
 def _is_compound_digit(char: str) -> bool:

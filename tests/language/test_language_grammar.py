@@ -1,0 +1,291 @@
+"""What people say becomes the plan they mean, in English and Chinese; what is not wholly understood moves nothing."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agentrob.language.en import LEXICON as EN
+from agentrob.language.grammar import MAX_CHARS, parse
+from agentrob.language.render import sentence
+from agentrob.language.visible import visible_text
+from agentrob.language.zh import LEXICON as ZH
+from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
+
+OPS = frozenset(Op)
+
+
+def read(text: str) -> Understanding:
+    return parse(visible_text(text), ["quadruped"], ["dog2"], OPS)
+
+
+def short(plan: Plan) -> str:
+    """ "f1 l90 hello": direction and amount of walks (upper case) and turns, or the operation."""
+    return " ".join(_short(step) for step in plan.steps)
+
+
+def _short(step: Primitive) -> str:
+    letter = str(step.direction or "?")[0]
+    if step.op is Op.MOVE:
+        return f"{letter.upper()}{step.distance_m:g}" + (f"@{step.speed_mps:g}" if step.speed_mps else "")
+    return f"{letter}{step.degrees:g}" if step.op is Op.TURN else {"get_front_image": "photo"}.get(step.op, step.op)
+
+
+COMMANDS = [
+    ("@quadruped walk forward 1 metre, turn left, wave and take a photo", "F1 l90 hello photo"),
+    ("Walk forward 1.5m. Then turn right by 45°!", "F1.5 r45"),
+    ("- walk forward 1 m\n- turn left 30 degrees", "F1 l30"),
+    ("could you please go back half a metre?", "B0.5"),
+    ("back up two and a half feet", "B0.762"),
+    ("walk a metre and a half", "F1.5"),
+    ("walk 1½ m", "F1.5"),
+    ("walk 5 feet 6 inches", "F1.6764"),
+    ("move forty-five degrees to your left", "l45"),
+    ("turn one eighty to the right", "r180"),
+    ("turn around", "l180"),
+    ("quarter turn left", "l90"),
+    ("make a full turn to the right", "r360"),
+    ("strafe left 30 cm", "L0.3"),
+    ("to your left turn thirty degrees", "l30"),
+    ("ninety degrees to the right", "r90"),
+    ("turn right and take a photo, ninety degrees", "r90 photo"),
+    ("move forward, move forward three feet", None),
+    ("move uh move forward three feet", "F0.9144"),
+    ("slowly walk forward 1 m", "F1@0.2"),
+    ("walk forward 1 m at 0.3 m/s", "F1@0.3"),
+    ("wave twice", "hello hello"),
+    ("take three pictures", "photo photo photo"),
+    ("take a picture, take a picture", "photo"),
+    ("walk 1 m, turn left 90 degrees and take a picture after each", "F1 photo l90 photo"),
+    ("sit down, stand up, stretch, make a heart, do a backflip", "sit stand stretch heart backflip"),
+    ("don't turn, just go back one metre", "B1"),
+    ("walk forward 2 m and stop", "F2"),
+    ("take a photo of the wall to your left", "photo"),
+    ("show me what you see", "photo"),
+    ("I'm bored. Walk forward 1 m.", "F1"),
+    ("I want you to walk forward 1 m", "F1"),
+    ("向前走两米", "F2"),
+    ("往前走一米五，然后左转九十度", "F1.5 l90"),
+    ("后退半米", "B0.5"),
+    ("向前走两百厘米再拍照", "F2 photo"),
+    ("左转直角", "l90"),
+    ("往右平移30厘米", "R0.3"),
+    ("掉头", "l180"),
+    ("左转一圈", "l360"),
+    ("一百八十度转身", "l180"),
+    ("打招呼两次", "hello hello"),
+    ("拍两张照片", "photo photo"),
+    ("慢慢地往前走八十公分", "F0.8@0.2"),
+    ("以0.3米每秒的速度前进一米", "F1@0.3"),
+    ("别往前走，后退一米就行", "B1"),
+    ("向前走两米左右，谢谢！", "F2"),
+    ("请你能往前走一米吗？", "F1"),
+    ("比个心，坐下，站起来，伸个懒腰，来个后空翻", "heart sit stand stretch backflip"),
+    ("给我看看你前面有什么", "photo"),
+]
+
+
+@pytest.mark.parametrize(("text", "plan"), COMMANDS)
+def test_a_command_becomes_the_plan_that_is_meant(text: str, plan: str | None) -> None:
+    understood = read(text)
+    assert understood.intent is (Intent.COMMAND if plan else Intent.ASK_BACK), understood.question
+    assert short(understood.plan) == (plan or "")
+
+
+def test_a_bare_turn_is_ninety_degrees_and_says_so() -> None:
+    assert read("turn left").plan.notes == ("`turn left` had no angle: taken as 90°.",)
+    assert read("右转").plan.notes == ("`右转`没有说角度：按90°处理。",)
+    assert read("turn left 45 degrees").plan.notes == ()
+
+
+ASK_BACK = """
+walk forward|turn|walk 2|turn 90|walk 2 steps|walk a bit|walk forward for 2 seconds|go to the kitchen|walk to the door
+walk into the wall|turn left into the hall|walk 1,5 m|walk 1,500 m|walk -2 m|walk 2-3 m|walk 200 m|walk 0 m|turn left 9999 degrees
+walk forward 1 m if you see a cat|walk 1 m or 2 m|turn left or right|walk until you see a door|walk forward 2 m?|turn left?
+turn left and then right|walk forward and turn left|open the door and walk forward 1 m|walk forward 1 m and jump over it
+don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m|walk forward 1 m, no wait, 2 m
+walk forward 1 parsec|turn slightly left|wave 1000 times|walk 1 m, wait 5 seconds, turn left|2 metres|walk forward 2 c m
+walk 1 m at 0 m/s|turn 2 metres|turn left 90 degrees right|walking forward 2 m is dangerous|forward left|walk 2² m
+向前走|走两步|往前走一点|去厨房|走过去|前进一公里|如果看到猫就前进一米|左转或者右转|转90度|跟我来|向前走三|不要左转和前进一米
+往前走一米五十|向前走一米然后开门
+"""
+
+
+@pytest.mark.parametrize("text", [t for line in ASK_BACK.strip().splitlines() for t in line.split("|")])
+def test_what_is_not_wholly_understood_asks_back_and_moves_nothing(text: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.ASK_BACK
+    assert understood.plan == Plan()
+    assert understood.language == ("zh" if any("\u4e00" <= c <= "\u9fff" for c in text) else "en")
+    assert "`" in understood.question
+
+
+NOTHING = """
+hello|thanks, good job!|did you walk forward 2 m?|yesterday you walked forward 2 m|I walk forward 2 m every day
+he said walk forward 2 m|don't turn left|never walk forward 1 m|what do you see|is there a door|if I told you to walk 2 m would you
+you turned left|what if you walk 2 m|the robot moved 2 m|
+谢谢，辛苦了！|你叫什么名字？|昨天它往前走了三米，撞到了桌子|如果我让你前进两米，你会撞墙吗？|不要左转|你会往前走吗？|走了两米|万一
+"""
+
+
+@pytest.mark.parametrize("text", [t for line in NOTHING.strip().splitlines() for t in line.split("|")])
+def test_talk_questions_reports_and_denials_are_no_commands(text: str) -> None:
+    assert read(text).intent is Intent.NOTHING
+
+
+@pytest.mark.parametrize(
+    ("text", "intent"),
+    [
+        ("help", Intent.HELP),
+        ("@quadruped help!", Intent.HELP),
+        ("what can you do?", Intent.HELP),
+        ("你会什么？", Intent.HELP),
+        ("status", Intent.STATUS),
+        ("where are you?", Intent.STATUS),
+        ("电量多少", Intent.STATUS),
+        ("stop", Intent.STOP),
+        ("停", Intent.STOP),
+        ("halt", Intent.HALT),
+        ("help, walk forward 1 m", Intent.COMMAND),
+    ],
+)
+def test_other_intents(text: str, intent: Intent) -> None:
+    assert read(text).intent is intent
+
+
+@pytest.mark.parametrize(
+    ("text", "plan"),
+    [
+        ("@quadruped turn left 10 degrees @dog2 turn right 20 degrees", "l10"),
+        ("@dog2 turn right 20 degrees @quadruped turn left 10 degrees", "l10"),
+        ("turn left 10 degrees @quadruped", "l10"),
+        ("please @quadruped turn left 10 degrees", "l10"),
+        ("turn left 10 degrees @quadruped and @dog2", ""),
+        ("@quadruped and @dog2 wave", "hello"),
+        ("@dog2 @quadruped wave", "hello"),
+        ("@dog2 wave", ""),
+        ("@quadruped wave @bob take a photo", None),
+        ("@quadruped walk 1 m @dog2 turn left @quadruped wave", "F1 hello"),
+        ("@quadruped向前走一米@dog2左转", "F1"),
+    ],
+)
+def test_only_the_part_for_this_robot_counts(text: str, plan: str | None) -> None:
+    understood = read(text)
+    assert short(understood.plan) == (plan or "")
+    assert understood.intent is {None: Intent.ASK_BACK, "": Intent.NOTHING}.get(plan, Intent.COMMAND)
+
+
+def test_the_question_says_what_was_understood_and_what_was_not() -> None:
+    question = read("turn left 30 degrees and then walk @bob `x`").question
+    assert "turn left 30 degrees" in question
+    assert "@" not in question
+    assert question.count("`") % 2 == 0
+
+
+def test_words_are_repeated_shortly_and_disarmed() -> None:
+    question = read("walk " + "@everyone <b>" * 60).question
+    assert "@" not in question
+    assert len(question) < 500
+
+
+def test_examples_in_questions_suit_the_robot() -> None:
+    understood = parse("walk forward", ["quadruped"], [], frozenset({Op.MOVE, Op.HELLO}))
+    assert "turn" not in understood.question
+    assert "wave" in understood.question
+
+
+# ------------------------------------------------------------------ properties
+def _steps() -> st.SearchStrategy[Primitive]:
+    amounts = st.integers(1, 99_999)
+    speeds = st.none() | st.integers(1, 150).map(lambda n: n / 100)
+    move = st.builds(
+        lambda d, n, v: Primitive(Op.MOVE, d, distance_m=n / 1000, speed_mps=v),
+        st.sampled_from(Direction),
+        amounts,
+        speeds,
+    )
+    turn = st.builds(
+        lambda d, n: Primitive(Op.TURN, d, degrees=n / 100),
+        st.sampled_from([Direction.LEFT, Direction.RIGHT]),
+        amounts,
+    )
+    return move | turn | st.sampled_from([Primitive(op) for op in Op if op not in (Op.MOVE, Op.TURN)])
+
+
+@given(st.lists(_steps(), min_size=1, max_size=10), st.sampled_from(["en", "zh"]))
+def test_any_plan_said_as_a_sentence_is_read_as_itself(steps: list[Primitive], language: Language) -> None:
+    plan = Plan(tuple(steps))
+    said = sentence(plan, language)
+    assert read(said).plan == plan, said
+
+
+WORDS = sorted({" ".join(key) for key in [*EN.phrases, *ZH.phrases]})
+MIXED = st.lists(
+    st.sampled_from(WORDS)
+    | st.sampled_from(["one", "两", "2", "1.5", "999999999999", "@dog2", "\n", "?", "zzz", "1/3"]),
+    max_size=25,
+).map(" ".join)
+
+
+@given(st.text(max_size=200) | MIXED)
+@settings(max_examples=400)
+def test_any_text_is_read_and_only_commands_carry_plans(text: str) -> None:
+    understood = read(text)
+    assert bool(understood.plan.steps) == (understood.intent is Intent.COMMAND)
+    assert bool(understood.question) == (understood.intent is Intent.ASK_BACK)
+    for step in understood.plan.steps:
+        assert 0 < (step.distance_m or 1) <= 100
+        assert 0 < (step.degrees or 1) <= 3600
+
+
+@given(
+    st.lists(_steps(), min_size=1, max_size=4),
+    st.sampled_from(["don't {}", "please do not {}", "never {}", "不要{}", "别{}"]),
+)
+def test_a_denied_plan_never_moves(steps: list[Primitive], denial: str) -> None:
+    said = sentence(steps[:1], "en" if denial.isascii() else "zh")
+    assert read(denial.format(said)).intent is not Intent.COMMAND
+
+
+UNITS = [
+    "walk 1 m ",
+    "turn left ",
+    "1 ",
+    "a ",
+    "don't ",
+    "向前走一米",
+    "一",
+    "点",
+    "take a ",
+    "and ",
+    "1,",
+    "--",
+    "if ",
+    "zz ",
+]
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_long_inputs_stay_quick(unit: str) -> None:
+    text = (unit * MAX_CHARS)[:MAX_CHARS]
+    read(text)
+    start = time.process_time()
+    read(text)
+    assert time.process_time() - start < 0.1
+
+
+def test_sentences_are_read_within_milliseconds() -> None:
+    texts = [text for text, _ in COMMANDS] * 4
+    spent = []
+    for text in texts:
+        start = time.process_time()
+        read(text)
+        spent.append(time.process_time() - start)
+    assert sorted(spent)[int(len(spent) * 0.99)] < 0.005
+
+
+def test_longer_texts_than_anybody_needs_are_not_read() -> None:
+    assert read("walk forward 1 m " * 200).intent is Intent.ASK_BACK

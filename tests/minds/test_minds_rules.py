@@ -1,0 +1,30 @@
+"""The rules mind: found by its entry point, thin over the grammar, the same answer every time."""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+
+from agentrob.minds.mind import Listener, Mind
+from agentrob.minds.rules import RulesMind
+from agentrob.model import Capabilities, Direction, Intent, Op, Primitive
+
+LISTENER = Listener(("quadruped",), ("dog2",), Capabilities("go2", frozenset(Op)))
+
+
+def test_the_mind_is_found_by_its_entry_point() -> None:
+    (found,) = entry_points(group="agentrob.minds", name="rules")
+    mind: Mind = found.load()()
+    assert isinstance(mind, RulesMind)
+    assert mind.name == "rules"
+
+
+async def test_it_reads_the_part_for_its_listener() -> None:
+    understood = await RulesMind().understand("@dog2 wave @quadruped walk forward 1 m", LISTENER)
+    assert understood.intent is Intent.COMMAND
+    assert understood.plan.steps == (Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),)
+
+
+async def test_it_asks_back_in_the_language_of_the_post() -> None:
+    understood = await RulesMind().understand("@quadruped 向前走", LISTENER)
+    assert understood.intent is Intent.ASK_BACK
+    assert understood.language == "zh"
