@@ -1,0 +1,242 @@
+"""The forum in real Chromium: live threads that do not jump, stop with and without scripts, the robot's camera."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import pytest
+from pages_windows import RUNNING, Windows, jpeg, new_topic, open_windows, robot_edits, robot_posts, running_chromium
+from pages_world import CARD, World, running_world
+from playwright.sync_api import Browser, Page, expect
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with running_world(tmp_path_factory.mktemp("board"), sign_up=True) as world:
+        world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
+        yield world
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with running_chromium() as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def windows(world: World, chromium: Browser) -> Iterator[Windows]:
+    with open_windows(world, chromium) as windows:
+        yield windows
+
+
+def wait_live(page: Page) -> None:
+    """Until the event stream is open."""
+    page.wait_for_selector("html[data-live=on]", state="attached")
+
+
+def top_of(page: Page, selector: str) -> float:
+    return float(page.eval_on_selector(selector, "e => e.getBoundingClientRect().top"))
+
+
+# -------------------------------------------------------------------- the live thread
+def test_a_person_posts_and_sees_the_robot_answer_without_reloading(world: World, windows: Windows) -> None:
+    page = windows.open("alice")
+    page.get_by_role("link", name="Robots", exact=True).last.click()
+    page.goto("/b/robots")
+    page.get_by_role("link", name="New topic").click()
+    page.get_by_label("Title").fill("First steps")
+    page.get_by_label("Post", exact=True).fill("@quadruped walk forward 1 metre")
+    page.get_by_role("button", name="Post", exact=True).click()
+    expect(page.get_by_role("heading", name="First steps")).to_be_visible()
+    topic = page.url.rsplit("/", 1)[1]
+    wait_live(page)
+    page.evaluate("window.sameDocument = true")
+
+    post = robot_posts(world, topic, "Seen.", RUNNING | {"state": "seen", "step": 0})
+    article = page.locator(f"#post-{post}")
+    expect(article.locator(".chip")).to_have_text("seen")
+    expect(article.locator(".badge")).to_have_text("robot")
+    robot_edits(world, post, "Queued.", RUNNING | {"state": "queued", "place": 1})
+    expect(article.locator(".status")).to_contain_text("place 1 in the queue")
+    robot_edits(world, post, "Step 2.", RUNNING)
+    expect(article.locator(".status")).to_contain_text("step 2 of 4: turning")
+    expect(article.get_by_role("button", name="Stop @quadruped")).to_be_visible()
+    robot_edits(world, post, "**Asked 1.00 m, measured 1.02 m.**", RUNNING | {"state": "done", "step": 4})
+    expect(article.locator(".chip")).to_have_text("done")
+    expect(article.locator("strong")).to_have_text("Asked 1.00 m, measured 1.02 m.")
+    expect(article.get_by_role("button")).to_have_count(0)
+    expect(page.locator("article")).to_have_count(2)
+    assert page.evaluate("window.sameDocument")
+
+
+def test_many_edits_in_a_row_end_with_the_last_one(world: World, windows: Windows) -> None:
+    topic = new_topic(world)
+    page = windows.open("bob")
+    page.goto(f"/t/{topic}")
+    wait_live(page)
+    post = robot_posts(world, topic, "edit 0")
+    for n in range(1, 15):
+        robot_edits(world, post, f"edit {n}")
+    expect(page.locator(f"#post-{post} .body")).to_have_text("edit 14")
+    expect(page.locator(f"#post-{post}")).to_have_attribute("data-version", "15")
+
+
+def test_a_removed_post_disappears_from_open_pages(world: World, windows: Windows) -> None:
+    topic = new_topic(world)
+    post = robot_posts(world, topic, "soon gone")
+    page = windows.open("bob")
+    page.goto(f"/t/{topic}")
+    wait_live(page)
+    world.api("admin").delete(f"/posts/{post}").raise_for_status()
+    expect(page.locator(f"#post-{post}")).to_contain_text("This post was removed.")
+
+
+def test_what_the_reader_looks_at_stays_where_it_is(world: World, windows: Windows) -> None:
+    topic = new_topic(world)
+    first = robot_posts(world, topic, "short")
+    for n in range(20):
+        robot_posts(world, topic, f"number {n}\n\nand more")
+    page = windows.open("bob")
+    page.goto(f"/t/{topic}")
+    wait_live(page)
+    middle = f"#post-{int(first) + 10}"
+    page.eval_on_selector(middle, "e => window.scrollTo(0, window.scrollY + e.getBoundingClientRect().top)")
+    before = top_of(page, middle)
+    robot_edits(world, first, "\n\n".join(["a much longer text"] * 12))
+    expect(page.locator(f"#post-{first}")).to_have_attribute("data-version", "2")
+    late = robot_posts(world, topic, "at the end")
+    expect(page.locator(f"#post-{late}")).to_be_attached()
+    assert abs(top_of(page, middle) - before) <= 1
+    pill = page.get_by_role("link", name="New posts below")
+    expect(pill).to_be_visible()
+    pill.click()
+    expect(page.locator(f"#post-{late}")).to_be_in_viewport()
+    expect(pill).to_have_count(0)
+
+
+def test_who_is_writing_is_not_pushed_away_by_new_posts(world: World, windows: Windows) -> None:
+    topic = new_topic(world, replies=12)
+    page = windows.open("bob")
+    page.goto(f"/t/{topic}")
+    wait_live(page)
+    page.get_by_label("Reply").fill("half a sen")
+    page.get_by_label("Reply").focus()
+    before = top_of(page, "#reply")
+    for n in range(3):
+        post = robot_posts(world, topic, f"new {n}\n\nwith more lines\n\nand more")
+        expect(page.locator(f"#post-{post}")).to_be_attached()
+    assert abs(top_of(page, "#reply") - before) <= 1
+    expect(page.get_by_label("Reply")).to_be_focused()
+    expect(page.get_by_label("Reply")).to_have_value("half a sen")
+
+
+def test_a_page_that_is_not_the_last_offers_new_posts_instead_of_misplacing_them(
+    world: World, windows: Windows
+) -> None:
+    topic = new_topic(world, replies=55)
+    page = windows.open("bob")
+    page.goto(f"/t/{topic}")
+    wait_live(page)
+    post = robot_posts(world, topic, "far away")
+    page.get_by_role("link", name="New posts").click()
+    expect(page.locator(f"#post-{post}")).to_be_in_viewport()
+
+
+def test_a_board_says_that_there_is_something_new(world: World, windows: Windows) -> None:
+    page = windows.open("bob")
+    page.goto("/b/robots")
+    wait_live(page)
+    new_topic(world)
+    page.get_by_role("link", name="New posts: show them").click()
+    expect(page.get_by_role("link", name="A walk").first).to_be_visible()
+
+
+# -------------------------------------------------------------------- stop
+def stops(world: World, after: str) -> list[tuple[str, str]]:
+    items = world.api("quadruped").get("/changes", params={"after": after}).json()["items"]
+    return [(e["robot"], e["account"]["name"]) for e in items if e["kind"] == "robot.stop"]
+
+
+def now(world: World) -> str:
+    return str(world.api("quadruped").get("/changes").json()["now"]["id"])
+
+
+def test_stop_in_the_thread_with_scripts_stays_on_the_page(world: World, windows: Windows) -> None:
+    topic = new_topic(world)
+    post = robot_posts(world, topic, "Running.", RUNNING)
+    page = windows.open("bob")
+    page.goto(f"/t/{topic}")
+    before = now(world)
+    page.evaluate("window.sameDocument = true")
+    page.locator(f"#post-{post}").get_by_role("button", name="Stop @quadruped").click()
+    expect(page.locator("#live")).to_contain_text("Stop sent to @quadruped")
+    assert stops(world, before) == [("quadruped", "bob")]
+    assert page.evaluate("window.sameDocument")
+
+
+def test_everything_works_with_scripts_disabled(world: World, windows: Windows) -> None:
+    page = windows.open("bob", java_script_enabled=False)
+    topic = new_topic(world)
+    post = robot_posts(world, topic, "Running.", RUNNING)
+    page.goto(f"/t/{topic}")
+    page.get_by_label("Reply").fill("I watch")
+    page.get_by_role("button", name="Reply").click()
+    expect(page.locator("article").last).to_contain_text("I watch")
+    before = now(world)
+    page.locator(f"#post-{post}").get_by_role("button", name="Stop @quadruped").click()
+    expect(page.get_by_role("status").first).to_contain_text("Stop sent to @quadruped")
+    assert stops(world, before) == [("quadruped", "bob")]
+
+
+def test_stop_buttons_are_large_enough_for_a_thumb(world: World, windows: Windows) -> None:
+    topic = new_topic(world)
+    robot_posts(world, topic, "Running.", RUNNING)
+    page = windows.open("bob", viewport={"width": 390, "height": 844})
+    for path in (f"/t/{topic}", "/robots/quadruped"):
+        page.goto(path)
+        sizes = page.eval_on_selector_all(".stop", "all => all.map(e => [e.offsetWidth, e.offsetHeight])")
+        assert sizes
+        assert all(width >= 44 and height >= 44 for width, height in sizes)
+
+
+# -------------------------------------------------------------------- the robot's page
+def frame(world: World, shade: int = 100) -> int:
+    """The robot's agent shows a picture; how many look."""
+    answer = world.api("quadruped").put(
+        "/robots/quadruped/frame", content=jpeg(shade), headers={"Content-Type": "image/jpeg"}
+    )
+    return int(answer.json()["viewers"])
+
+
+def wait_viewers(world: World, number: int) -> None:
+    end = time.monotonic() + 10
+    while (seen := frame(world)) != number:
+        assert time.monotonic() < end, f"{seen} look, not {number}"
+
+
+def test_the_camera_runs_only_while_somebody_looks(world: World, windows: Windows) -> None:
+    wait_viewers(world, 0)
+    page = windows.open("bob")
+    page.goto("/robots/quadruped")
+    wait_viewers(world, 1)
+    page.wait_for_function("document.querySelector('.camera img')?.naturalWidth === 64")
+    page.set_viewport_size({"width": 390, "height": 300})
+    page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
+    wait_viewers(world, 0)
+    page.evaluate("window.scrollTo(0, 0)")
+    wait_viewers(world, 1)
+    page.goto("/robots")
+    wait_viewers(world, 0)
+
+
+def test_the_robots_state_is_renewed(world: World, windows: Windows) -> None:
+    page = windows.open("bob")
+    page.goto("/robots/quadruped")
+    expect(page.locator(".facts-state")).to_contain_text("idle")
+    world.api("quadruped").put("/robots/quadruped", json={"card": CARD | {"state": "walking", "battery_percent": 12}})
+    expect(page.locator(".facts-state")).to_contain_text("walking")
+    expect(page.locator(".battery")).to_contain_text("12 %")
+    world.api("quadruped").put("/robots/quadruped", json={"card": CARD})
