@@ -156,7 +156,7 @@ def test_a_reply_names_a_post_of_its_topic(board: RunningBoard) -> None:
     good = op.post(path, json={"body": "x", "reply_to": here["post"]["id"]})
     assert good.json()["post"]["reply_to"] == here["post"]["id"]
     for wrong in (there["post"]["id"], "999999", "x"):
-        assert op.post(path, json={"body": "x", "reply_to": wrong}).json()["code"] == "bad_reply_to"
+        assert op.post(path, json={"body": "x", "reply_to": wrong}).json()["code"] == "no_such_post"
 
 
 def test_cards_come_from_robot_agents_only(board: RunningBoard) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Annotated, Any, Generic, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from agentrob.board import records
 from agentrob.model import Account, AccountKind, Role
@@ -19,7 +19,7 @@ Time = Annotated[str, Field(json_schema_extra={"format": "date-time"})]
 Body = Annotated[
     str,
     StringConstraints(pattern=r"^[^\x00]*[^\x00\s][^\x00]*$"),
-    Field(description="Markdown, at most 64 KiB in UTF-8 (413 beyond)", json_schema_extra={"maxLength": POST_BYTES}),
+    Field(description="Markdown, at most 64 KiB in UTF-8 (413 beyond)"),
 ]
 #: One line: no control characters.
 _SHOWN = r"[^\x00-\x1f\x7f-\x9f]*"
@@ -27,6 +27,14 @@ Title = Annotated[
     str, StringConstraints(pattern=rf"^{_SHOWN}[^\x00-\x1f\x7f-\x9f\s]{_SHOWN}$", min_length=1, max_length=200)
 ]
 Ids = Annotated[list[str], Field(max_length=32, description="ids from POST /images")]
+
+
+def _whole(value: object) -> object:
+    """JSON knows one kind of number: 2.0 is 2."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+Count = Annotated[int, Field(ge=0, le=1000), BeforeValidator(_whole)]
 
 
 class _In(BaseModel):
@@ -43,10 +51,10 @@ class CardIn(_In):
 
     robot: str = Field(max_length=64)
     state: str = Field(max_length=32)
-    step: int = Field(0, ge=0, le=1000)
-    steps: int = Field(0, ge=0, le=1000)
+    step: Count = 0
+    steps: Count = 0
     doing: str = Field("", max_length=500)
-    place: int | None = Field(None, ge=0, le=100_000)
+    place: Count | None = None
     trace_id: str = Field("", max_length=64)
 
 

@@ -66,7 +66,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
         app.include_router(router)
     _add_pages(app)
     _add_errors(app)
-    _describe(app)
+    _describe(app, settings)
     return app
 
 
@@ -117,7 +117,7 @@ def _add_errors(app: FastAPI) -> None:
     app.add_exception_handler(Exception, unexpected)
 
 
-def _describe(app: FastAPI) -> None:
+def _describe(app: FastAPI, settings: BoardSettings) -> None:
     """OpenAPI with problem details and both ways to sign in, which the framework does not know of."""
 
     def openapi() -> dict[str, Any]:
@@ -126,8 +126,10 @@ def _describe(app: FastAPI) -> None:
             document["paths"] = {k: v for k, v in document["paths"].items() if k.startswith("/api/")}
             components = document.setdefault("components", {})
             components.setdefault("schemas", {})["Problem"] = Problem.model_json_schema()
-            components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}}
-            document["security"] = [{"bearer": []}]
+            cookie = {"type": "apiKey", "in": "cookie", "name": f"agentrob_{settings.port}"}
+            cookie["description"] = "a browser's session; writes besides need the header X-CSRF-Token"
+            components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}, "cookie": cookie}
+            document["security"] = [{"bearer": []}, {"cookie": []}]
             app.openapi_schema = document
         return app.openapi_schema
 

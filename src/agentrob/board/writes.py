@@ -175,12 +175,10 @@ def _text(connection: Connection, body: str) -> dict[str, Any]:
 
 
 def _same_topic(reader: Reader, post_id: str, topic_id: int) -> int:
-    try:
-        post = reader.post(post_id)
-    except BoardError as e:
-        raise BoardError(422, "bad_reply_to", str(e), "the id of a post of this topic") from None
+    post = reader.post(post_id)
     if int(post.topic_id) != topic_id:
-        raise BoardError(422, "bad_reply_to", f"post {post_id} is in another topic", "the id of a post of this topic")
+        hint = "the id of a post of this topic"
+        raise BoardError(404, "no_such_post", f"post {post_id} is in another topic", hint)
     return int(post.id)
 
 
@@ -189,16 +187,13 @@ def _attach(connection: Connection, post_id: int, by: Account, images: Sequence[
         raise BoardError(422, "too_many_images", f"a post shows at most {MAX_IMAGES} images", "fewer images")
     if not images:
         return
-    try:
-        wanted = [row_id(image, "image") for image in images]
-    except BoardError as e:
-        raise BoardError(422, "bad_image", str(e), "ids from POST /images") from None
+    wanted = [row_id(image, "image") for image in images]
     columns = db.images.c
     mine = select(columns.id).where(columns.id.in_(wanted), columns.account_id == int(by.id))
     missing = set(wanted) - set(connection.execute(mine).scalars())
     if missing:
         which = ", ".join(map(str, sorted(missing)))
-        raise BoardError(422, "bad_image", f"you uploaded no image {which}", "ids from your own POST /images")
+        raise BoardError(404, "no_such_image", f"you uploaded no image {which}", "ids from your own POST /images")
     rows = [{"post_id": post_id, "position": first + n, "image_id": i} for n, i in enumerate(wanted)]
     connection.execute(insert(db.post_images), rows)
 

@@ -1,0 +1,214 @@
+"""Robots' pages as their agents feed them, buttons that anybody may press, and pictures."""
+
+from __future__ import annotations
+
+import io
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import httpx2
+import pytest
+from PIL import Image
+from running_board import LIMIT_S, RunningBoard
+
+from agentrob.board import images
+from agentrob.errors import BoardError
+
+
+def picture(width: int = 64, height: int = 48, kind: str = "JPEG", **options: object) -> bytes:
+    out = io.BytesIO()
+    Image.new("RGB", (width, height), (200, 100, 50)).save(out, format=kind, **options)
+    return out.getvalue()
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    pause, end = threading.Event(), time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        pause.wait(0.01)
+
+
+# -------------------------------------------------------------------- cards and buttons
+def test_a_robot_is_there_before_its_agent_told_anything(fresh_board: Callable[..., RunningBoard]) -> None:
+    robots = fresh_board().client("op").get("/robots").json()["items"]
+    assert robots == [{"name": "quadruped", "card": {}, "seen_at": None, "viewers": 0, "has_frame": False}]
+
+
+def test_a_card_is_shown_as_it_is(board: RunningBoard) -> None:
+    card = {"model": "go2", "ops": ["move"], "battery_percent": 81.5, "something_new": {"a": [1, None]}}
+    assert board.client("quadruped").put("/robots/quadruped", json={"card": card}).status_code == 200
+    seen = board.client("member").get("/robots/quadruped").json()
+    assert seen["card"] == card
+    assert seen["seen_at"] is not None
+
+
+@pytest.mark.parametrize(("who", "name"), [("op", "quadruped"), ("admin", "quadruped"), ("quadruped", "humanoid")])
+def test_only_the_robots_own_agent_tells_of_it(board: RunningBoard, who: str, name: str) -> None:
+    client = board.client(who)
+    assert client.put(f"/robots/{name}", json={"card": {}}).json()["code"] == "not_this_robot"
+    assert client.put(f"/robots/{name}/frame", content=picture()).json()["code"] == "not_this_robot"
+
+
+@pytest.mark.parametrize("who", ["member", "op", "admin", "quadruped"])
+def test_everybody_may_stop_as_often_as_they_like(board: RunningBoard, who: str) -> None:
+    client = board.client(who)
+    answers = [client.post("/robots/quadruped/stop").json() for _ in range(60)]
+    assert {(a["kind"], a["robot"], a["account"]["name"]) for a in answers} == {("robot.stop", "quadruped", who)}
+    assert len({a["id"] for a in answers}) == 60
+
+
+def test_a_stop_under_a_used_key_is_one_event(board: RunningBoard) -> None:
+    op, key = board.client("op"), {"Idempotency-Key": "stop-1"}
+    first, second = (op.post("/robots/quadruped/stop", headers=key).json() for _ in range(2))
+    assert first == second
+
+
+def test_a_stop_by_cookie_needs_the_csrf_token(board: RunningBoard) -> None:
+    answer = board.browser("op").post("/api/v1/robots/quadruped/stop")
+    assert (answer.status_code, answer.json()["code"]) == (403, "bad_csrf")
+
+
+def test_operators_reset_the_room_and_members_do_not(board: RunningBoard) -> None:
+    assert board.client("op").post("/robots/quadruped/reset").json()["kind"] == "robot.reset"
+    assert board.client("member").post("/robots/quadruped/reset").json()["code"] == "not_operator"
+
+
+def test_an_unknown_robot_names_the_known_ones(board: RunningBoard) -> None:
+    answer = board.client("op").post("/robots/rover/stop").json()
+    assert (answer["status"], answer["hint"]) == (404, "there are: quadruped")
+
+
+# -------------------------------------------------------------------- the live picture
+def test_the_last_picture_is_kept_in_memory(board: RunningBoard) -> None:
+    robot, op = board.client("quadruped"), board.client("op")
+    jpeg = picture()
+    assert robot.put("/robots/quadruped/frame", content=jpeg).json() == {"viewers": 0}
+    got = op.get("/robots/quadruped/frame.jpg")
+    assert (got.content, got.headers["content-type"], got.headers["cache-control"]) == (jpeg, "image/jpeg", "no-store")
+    assert op.get("/robots/quadruped").json()["has_frame"] is True
+
+
+@pytest.mark.parametrize("frame", [b"", b"GIF89a", b"\xff\xd8\xff\xe0 not really", picture(kind="PNG")])
+def test_what_is_no_jpeg_is_not_shown(board: RunningBoard, frame: bytes) -> None:
+    answer = board.client("quadruped").put("/robots/quadruped/frame", content=frame)
+    assert (answer.status_code, answer.json()["code"]) == (415, "bad_frame")
+
+
+def pictures(response: httpx2.Response) -> Iterator[bytes]:
+    """The parts of a multipart stream, by their lengths."""
+    data = b""
+    for chunk in response.iter_raw():
+        data += chunk
+        while (at := data.find(b"\r\n\r\n")) >= 0:
+            length = int(data[:at].lower().split(b"content-length: ")[1].split(b"\r\n")[0])
+            if len(data) < at + 4 + length:
+                break
+            yield data[at + 4 : at + 4 + length]
+            data = data[at + 4 + length :]
+
+
+def test_viewers_are_counted_and_see_each_new_picture(fresh_board: Callable[..., RunningBoard]) -> None:
+    board = fresh_board()
+    robot, op = board.client("quadruped"), board.client("op")
+    first, second = picture(64, 48), picture(32, 24)
+    path = "/robots/quadruped/frame"
+    with op.stream("GET", "/robots/quadruped/camera.mjpg") as one:
+        assert one.headers["content-type"].startswith("multipart/x-mixed-replace; boundary=")
+        assert robot.put(path, content=first).json() == {"viewers": 1}
+        with board.client("member").stream("GET", "/robots/quadruped/camera.mjpg") as two:
+            shown, other = pictures(one), pictures(two)
+            assert (next(shown), next(other)) == (first, first)
+            assert robot.put(path, content=second).json() == {"viewers": 2}
+            assert (next(shown), next(other)) == (second, second)
+    stage = board.services.stage
+    wait_for(lambda: stage.robot("quadruped").viewers == 0)
+    events = op.get("/changes", params={"after": "0"}).json()["items"]
+    assert [(e["kind"], e["robot"], e["account"]) for e in events] == [("robot.watch", "quadruped", None)]
+
+
+# -------------------------------------------------------------------- images in posts
+def upload(client: httpx2.Client, data: bytes, **headers: str) -> httpx2.Response:
+    return client.post("/images", files={"file": ("any name.jpg", data)}, headers=headers)
+
+
+@pytest.mark.parametrize(("kind", "media_type"), [("JPEG", "image/jpeg"), ("PNG", "image/png")])
+def test_a_picture_goes_into_a_post(board: RunningBoard, kind: str, media_type: str) -> None:
+    robot = board.client("quadruped")
+    data = picture(kind=kind)
+    image = upload(robot, data).json()
+    assert (image["width"], image["height"]) == (64, 48)
+    body = {"board": "talk", "title": "t", "body": "look", "images": [image["id"]]}
+    post = robot.post("/topics", json=body).json()["post"]
+    assert post["images"] == [image]
+    got = board.client("member").get(image["url"])
+    assert (got.content, got.headers["content-type"]) == (data, media_type)
+    assert board.client().get(image["url"]).status_code in (303, 401)
+    more = upload(robot, picture(10, 10)).json()
+    edited = robot.patch(f"/posts/{post['id']}", json={"body": "look", "images": [more["id"]]}).json()
+    assert edited["images"] == [image, more]
+
+
+def test_a_picture_of_a_removed_post_is_gone(board: RunningBoard) -> None:
+    op = board.client("op")
+    image = upload(op, picture()).json()
+    assert board.client("member").get(image["url"]).status_code == 404, "nobody's business before it is posted"
+    post = op.post("/topics", json={"board": "talk", "title": "t", "body": "x", "images": [image["id"]]}).json()["post"]
+    assert board.client("member").get(image["url"]).status_code == 200
+    op.delete(f"/posts/{post['id']}")
+    assert board.client("member").get(image["url"]).status_code == 404
+
+
+def test_a_picture_is_used_by_its_owner_only(board: RunningBoard) -> None:
+    image = upload(board.client("quadruped"), picture()).json()
+    body = {"board": "talk", "title": "t", "body": "x", "images": [image["id"]]}
+    assert board.client("op").post("/topics", json=body).json()["code"] == "no_such_image"
+    assert board.client("quadruped").post("/topics", json=body | {"images": ["x"]}).json()["code"] == "no_such_image"
+
+
+def test_an_upload_under_a_used_key_is_one_image(board: RunningBoard) -> None:
+    op = board.client("op")
+    first, second = (upload(op, picture(n, n), **{"Idempotency-Key": "img"}) for n in (5, 6))
+    assert (first.status_code, second.status_code) == (201, 200)
+    assert first.json() == second.json()
+
+
+def test_members_do_not_upload(board: RunningBoard) -> None:
+    answer = upload(board.client("member"), picture())
+    assert (answer.status_code, answer.json()["code"]) == (403, "no_uploads")
+
+
+@pytest.mark.parametrize("data", [b"", b"<svg onload=alert(1)>", picture()[:200], b"GIF89a" + b"0" * 100])
+def test_what_is_no_picture_is_refused(board: RunningBoard, data: bytes) -> None:
+    answer = upload(board.client("op"), data)
+    assert (answer.status_code, answer.json()["code"]) == (415, "bad_image")
+
+
+def test_pictures_have_a_limit_of_bytes_and_of_pixels(board: RunningBoard) -> None:
+    too_big = upload(board.client("op"), b"\xff\xd8" + b"0" * images.MAX_BYTES)
+    assert too_big.status_code == 413
+    bomb = io.BytesIO()
+    Image.new("1", (6000, 6000)).save(bomb, format="PNG")
+    answer = upload(board.client("op"), bomb.getvalue())
+    assert (answer.status_code, answer.json()["code"]) == (413, "image_too_large")
+
+
+def test_what_a_camera_wrote_about_place_and_owner_is_taken_out() -> None:
+    exif = Image.Exif()
+    exif[0x013B] = "Jane Doe"
+    exif[0x0112] = 6  # lies on its side
+    image, data = images.check(picture(64, 48, exif=exif))
+    assert b"Jane" not in data
+    assert (image.width, image.height) == (48, 64)
+    with Image.open(io.BytesIO(data)) as upright:
+        assert upright.size == (48, 64)
+
+
+def test_a_folder_that_cannot_be_written_is_503(tmp_path: object) -> None:
+    from pathlib import Path
+
+    blocked = Path(str(tmp_path)) / "file"
+    blocked.write_text("in the way")
+    with pytest.raises(BoardError) as caught:
+        images.keep(blocked, b"x")
+    assert caught.value.status == 503
