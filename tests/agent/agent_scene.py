@@ -136,5 +136,3 @@ def make_scene(driver: Driver, folder: Path, world: MemoryWorld | None = None, *
     scene.person("alice")
     scene.person("bob", Role.MEMBER)
     return scene
-
-

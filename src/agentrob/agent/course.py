@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from functools import partial
@@ -50,7 +50,7 @@ class Course:
     """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins."""
 
     name: str
-    names: frozenset[str]
+    names: Collection[str]
     settings: RobotConfig
     forum: Forum
     driver: DriverClient

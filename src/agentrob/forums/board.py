@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, fields
 from datetime import UTC, datetime
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 from urllib.parse import quote
 
 import httpx2
@@ -20,6 +21,7 @@ from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 USER_AGENT = "AgentRob/0.1"
 _KINDS = frozenset(EventKind)
 _JSON = dict[str, Any]
+T = TypeVar("T")
 
 
 class BoardForum:
@@ -44,29 +46,39 @@ class BoardForum:
 
     # ---------------------------------------------------------------- Reader
     async def boards(self) -> Sequence[Board]:
-        found = await self._call("GET", "/boards")
-        return tuple(Board(b["id"], b["name"], b.get("description") or "") for b in found["items"])
+        return await self._call("GET", "/boards", _boards)
 
     async def topic(self, topic_id: str) -> Topic:
-        return _topic(await self._call("GET", f"/topics/{quote(topic_id, safe='')}"))
+        return await self._call("GET", f"/topics/{quote(topic_id, safe='')}", _topic)
 
     async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
-        found = await self._call("GET", f"/boards/{quote(board_id, safe='')}/topics", params=_paging(cursor, limit))
-        return Page(tuple(_topic(t) for t in found["items"]), found.get("next"))
+        path = f"/boards/{quote(board_id, safe='')}/topics"
+        return await self._call("GET", path, partial(_page, _topic), params=_paging(cursor, limit))
 
     async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
-        found = await self._call("GET", f"/topics/{quote(topic_id, safe='')}/posts", params=_paging(cursor, limit))
-        return Page(tuple(_post(p) for p in found["items"]), found.get("next"))
+        path = f"/topics/{quote(topic_id, safe='')}/posts"
+        return await self._call("GET", path, partial(_page, _post), params=_paging(cursor, limit))
 
     async def post(self, post_id: str) -> Post:
-        return _post(await self._call("GET", f"/posts/{quote(post_id, safe='')}"))
+        return await self._call("GET", f"/posts/{quote(post_id, safe='')}", _post)
+
+    async def download(self, url: str) -> bytes:
+        """From this board only: the token goes nowhere else."""
+        home = self._http.base_url
+        address = home.join(url)
+        if (address.scheme, address.host, address.port) != (home.scheme, home.host, home.port):
+            raise ForumError(f"{url} is not a picture of this board")
+        with _translated():
+            response = await self._http.get(address)
+            await _raise_for(response)
+            return response.content
 
     # ---------------------------------------------------------------- Writer
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
     ) -> Written:
         content = {"board": board_id, "title": title, "body": body, **await self._upload(images)}
-        return _written(await self._call("POST", "/topics", content, key=key))
+        return await self._call("POST", "/topics", _written, content, key=key)
 
     async def reply(
         self,
@@ -81,45 +93,43 @@ class BoardForum:
         content: _JSON = {"body": body, **await self._upload(images), **_card(card)}
         if reply_to is not None:
             content["reply_to"] = reply_to
-        return _written(await self._call("POST", f"/topics/{quote(topic_id, safe='')}/posts", content, key=key))
+        return await self._call("POST", f"/topics/{quote(topic_id, safe='')}/posts", _written, content, key=key)
 
     async def edit(
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
         content = {"body": body, **await self._upload(images), **_card(card)}
-        return _post(await self._call("PATCH", f"/posts/{quote(post_id, safe='')}", content))
+        return await self._call("PATCH", f"/posts/{quote(post_id, safe='')}", _post, content)
 
     async def find(self, key: str) -> Post | None:
-        found = await self._call("GET", "/posts", params={"key": key})
-        return _post(found["items"][0]) if found["items"] else None
+        found = (await self._call("GET", "/posts", partial(_page, _post), params={"key": key})).items
+        return found[0] if found else None
 
     async def _upload(self, images: Sequence[bytes]) -> _JSON:
         """Send pictures first; the text then names them. Uploaded twice after a lost answer is harmless."""
         ids = []
         for number, image in enumerate(images, 1):
             kind = "png" if image.startswith(b"\x89PNG") else "jpeg"
-            sent = await self._call("POST", "/images", files={"file": (f"{number}.{kind}", image, f"image/{kind}")})
-            ids.append(sent["id"])
+            file = (f"{number}.{kind}", image, f"image/{kind}")
+            ids.append(await self._call("POST", "/images", lambda sent: str(sent["id"]), files={"file": file}))
         return {"images": ids} if ids else {}
 
     # ---------------------------------------------------------------- Accounts
     async def me(self) -> Account:
-        return _account(await self._call("GET", "/me"))
+        return await self._call("GET", "/me", _account)
 
     async def account(self, name: str) -> Account | None:
         try:
-            return _account(await self._call("GET", f"/accounts/{quote(name, safe='')}"))
+            return await self._call("GET", f"/accounts/{quote(name, safe='')}", _account)
         except ForumNotFound:
             return None
 
     # ---------------------------------------------------------------- Events
     async def now(self) -> tuple[str, datetime]:
-        now = (await self._call("GET", "/changes"))["now"]
-        return str(now["id"]), _time(now["at"])
+        return await self._call("GET", "/changes", lambda c: (str(c["now"]["id"]), _time(c["now"]["at"])))
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
-        found = await self._call("GET", "/changes", params={"after": after, "limit": limit})
-        return tuple(_event(e) for e in found["items"] if e["kind"] in _KINDS)
+        return await self._call("GET", "/changes", _events, params={"after": after, "limit": limit})
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         params: dict[str, str | float] = {"after": after, "heartbeat": heartbeat_s}
@@ -140,34 +150,40 @@ class BoardForum:
 
     # ---------------------------------------------------------------- Stage
     async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
-        await self._call("PUT", f"/robots/{quote(robot, safe='')}", {"card": card})
+        await self._call("PUT", f"/robots/{quote(robot, safe='')}", _nothing, {"card": card})
 
     async def publish_frame(self, robot: str, jpeg: bytes) -> int:
-        answer = await self._call(
-            "PUT", f"/robots/{quote(robot, safe='')}/frame", content=jpeg, headers={"Content-Type": "image/jpeg"}
-        )
-        return int(answer["viewers"])
+        path, headers = f"/robots/{quote(robot, safe='')}/frame", {"Content-Type": "image/jpeg"}
+        return await self._call("PUT", path, lambda answer: int(answer["viewers"]), content=jpeg, headers=headers)
 
     # ---------------------------------------------------------------- buttons
     async def press_stop(self, robot: str) -> None:
         """The stop button of a robot's page."""
-        await self._call("POST", f"/robots/{quote(robot, safe='')}/stop")
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/stop", _nothing)
 
     async def press_reset(self, robot: str) -> None:
         """The button that resets a simulated room; operators only."""
-        await self._call("POST", f"/robots/{quote(robot, safe='')}/reset")
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/reset", _nothing)
 
     # ---------------------------------------------------------------- inside
     async def _call(
-        self, method: str, path: str, body: Mapping[str, Any] | None = None, *, key: str | None = None, **more: Any
-    ) -> Any:
+        self,
+        method: str,
+        path: str,
+        read: Callable[[Any], T],
+        body: Mapping[str, Any] | None = None,
+        *,
+        key: str | None = None,
+        **more: Any,
+    ) -> T:
+        """Ask, and `read` the JSON of the answer; whatever goes wrong is one of our errors."""
         headers = dict(more.pop("headers", {}))
         if key is not None:
             headers["Idempotency-Key"] = key
         with _translated():
             response = await self._http.request(method, path, json=body, headers=headers, **more)
             await _raise_for(response)
-            return response.json() if response.content else None
+            return read(response.json() if response.content else None)
 
 
 @contextmanager
@@ -265,6 +281,23 @@ def _post(p: _JSON) -> Post:
         images=tuple(i["url"] for i in p.get("images") or ()),
         card=StatusCard(**{k: v for k, v in card.items() if k in _CARD_FIELDS}) if card else None,
     )
+
+
+def _page(read: Callable[[Any], T], found: _JSON) -> Page[T]:
+    return Page(tuple(read(item) for item in found["items"]), found.get("next"))
+
+
+def _boards(found: _JSON) -> tuple[Board, ...]:
+    return tuple(Board(b["id"], b["name"], b.get("description") or "") for b in found["items"])
+
+
+def _events(found: _JSON) -> tuple[Event, ...]:
+    """Kinds that a newer board may have are passed over."""
+    return tuple(_event(e) for e in found["items"] if e["kind"] in _KINDS)
+
+
+def _nothing(_: Any) -> None:
+    """The answer carries nothing that is needed."""
 
 
 def _written(answer: _JSON) -> Written:

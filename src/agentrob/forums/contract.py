@@ -147,6 +147,7 @@ class ForumContract:
         assert edited.card == done
         assert len(edited.images) == 1
         assert (await alice.post(post.id)).images == edited.images
+        assert (await alice.download(edited.images[0])).startswith(b"\x89PNG")
 
     async def test_what_is_not_there_is_said_so(self, world: World) -> None:
         alice = await world.sign_in("alice")
@@ -156,7 +157,7 @@ class ForumContract:
         with pytest.raises(ForumNotFound):
             await alice.reply("999999", "hello?", key="1")
         assert await alice.account("nobody") is None
-        assert await alice.find("never used") is None
+        assert await alice.find("never-used") is None
 
     async def test_accounts_are_shown_as_they_are_now(self, world: World) -> None:
         alice = await world.sign_in("alice", role=Role.OPERATOR)

@@ -97,6 +97,10 @@ class Reader(Protocol):
         """The post as it is now; `removed` when hidden or deleted. `ForumNotFound` when it never was."""
         ...
 
+    async def download(self, url: str) -> bytes:
+        """A picture of a post, by its address as in `Post.images`."""
+        ...
+
 
 class Writer(Protocol):
     """Write as the signed-in account. `key` makes a write idempotent: the same key twice is one post.

@@ -206,6 +206,12 @@ class MemoryForum:
         self._up()
         return self._seen(post_id)
 
+    async def download(self, url: str) -> bytes:
+        pictures = self._up().pictures
+        if url not in pictures:
+            raise ForumNotFound(f"there is no picture {url}")
+        return pictures[url]
+
     # ---------------------------------------------------------------- Writer
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
