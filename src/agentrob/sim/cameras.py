@@ -20,6 +20,7 @@ from PIL import Image
 
 from agentrob.sim import gl_probe, room
 from agentrob.sim.legged import Array
+from agentrob.sim.world import ROBOT_GROUP
 
 Picture = NDArray[np.uint8]  # (height, width, 3)
 Deliver = Callable[[bytes | None], None]
@@ -45,7 +46,7 @@ def front_view(model: Any, robot: str) -> View:
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
     camera.fixedcamid = model.camera(f"{robot}/front").id
-    return View(640, 480, (room.ROOM_GROUP, room.NEAR_WALL_GROUP, 2), camera)
+    return View(640, 480, (room.ROOM_GROUP, room.NEAR_WALL_GROUP, ROBOT_GROUP), camera)
 
 
 def overview(model: Any) -> View:
@@ -53,7 +54,7 @@ def overview(model: Any) -> View:
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
     camera.fixedcamid = model.camera("overview").id
-    return View(800, 450, (room.ROOM_GROUP, 2), camera)
+    return View(800, 450, (room.ROOM_GROUP, ROBOT_GROUP), camera)
 
 
 class Renderer(Protocol):

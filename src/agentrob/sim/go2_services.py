@@ -5,42 +5,59 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
-from agentrob.sim.services import BAD_PARAMETER, INTERNAL, NOT_IMPLEMENTED, OK, Call, Node, Service
+
+from agentrob.sim.services import INTERNAL, NOT_IMPLEMENTED, OK, Call, Node, Service  # patches DDS: before IDL types
+
+# isort: split
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__LowState_, unitree_go_msg_dds__SportModeState_
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 
 from agentrob.sim import sensors
 from agentrob.sim.cameras import Cameras
 from agentrob.sim.go2 import Go2
+from agentrob.sim.ledger import Ledger
 from agentrob.sim.legged import Array
 from agentrob.sim.policy import PERIOD_S
-from agentrob.sim.sport import Sport
+from agentrob.sim.sport import WALKING, Sport
+from agentrob.sim.world import World
 
+AMBIENT_C, WARMING_C_PER_NM, WARMING_S = 30.0, 1.2, 120.0  # of a motor
 LOW_EVERY = 5  # ticks: lowstate at 10 Hz, sportmodestate at every tick (50 Hz)
 FEET = ("FR", "FL", "RR", "RL")
 GET_IMAGE_SAMPLE, CHECK_MODE = 1001, 1001
 MODE_NAME = {"form": "0", "name": "mcf"}  # what a Go2 with the present motion service answers
 
-Later = Callable[[Callable[[], None]], None]
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """What the world's process lends to the services of one robot. `later(work)` runs work in the world's thread."""
+
+    node: Node
+    world: World
+    cameras: Cameras
+    ledger: Ledger
+    later: Callable[[Callable[[], None]], None]
+    rng: np.random.Generator
+    noisy: bool
 
 
 class Go2Services:
-    """Serves one Go2. `later(work)` runs work in the world's thread; `publish()` is called there once per tick."""
+    """Serves one Go2. `before_tick`, `after_tick` and `reset` are called in the world's thread."""
 
-    def __init__(self, node: Node, body: Go2, sport: Sport, cameras: Cameras, later: Later, rng: np.random.Generator,
-                 noisy: bool) -> None:  # fmt: skip
-        self._body, self._sport, self._cameras, self._later = body, sport, cameras, later
+    def __init__(self, body: Go2, station: Station) -> None:
+        self._body, self._station = body, station
+        self._sport = Sport(body, lambda: station.world.time_s, station.ledger)
+        rng, noisy, node = station.rng, station.noisy, station.node
         self._odometry = sensors.Odometry(body, rng, noisy)
         self._ranges = sensors.Ranges(body, rng, noisy)
         self._inertia = sensors.Inertia(body, rng, noisy)
         self._battery = sensors.Battery()
-        self._noise_mps = sensors.VELOCITY_NOISE_MPS if noisy else 0.0
-        self._rng = rng
-        self._node = node  # the participant lives as long as this does
+        self._velocity_noise = sensors.VELOCITY_NOISE_MPS if noisy else 0.0
+        self._warmth = np.full(len(body.build.joints), AMBIENT_C)
         self._ticks = 0
-        self._warmth = np.full(12, 30.0)
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = unitree_go_msg_dds__LowState_()
         self._state_out = node.writer("rt/sportmodestate", SportModeState_)
@@ -53,7 +70,7 @@ class Go2Services:
 
     # ------------------------------------------------------------------ services (DDS threads)
     def _on_sport(self, call: Call) -> None:
-        self._later(lambda: self._sport.call(call.api_id, call.parameter, call.answer))
+        self._station.later(lambda: self._sport.call(call.api_id, call.parameter, call.answer))
 
     def _on_video(self, call: Call) -> None:
         if call.api_id != GET_IMAGE_SAMPLE:
@@ -61,9 +78,12 @@ class Go2Services:
             return
 
         def deliver(jpeg: bytes | None) -> None:
-            call.answer(OK, "", jpeg) if jpeg else call.answer(INTERNAL)
+            if jpeg:
+                call.answer(OK, "", jpeg)
+            else:
+                call.answer(INTERNAL)
 
-        self._cameras.request(f"{self._body.name}/front", deliver)
+        self._station.cameras.request(f"{self._body.name}/front", deliver)
 
     def _on_mode(self, call: Call) -> None:
         if call.api_id == CHECK_MODE:
@@ -72,17 +92,22 @@ class Go2Services:
             call.answer(NOT_IMPLEMENTED)
 
     # ------------------------------------------------------------------ topics (world's thread)
+    def before_tick(self) -> None:
+        """Once per tick, before the physics: holds, actions."""
+        self._sport.tick()
+
     def reset(self) -> None:
         """The world was put back: odometry starts again at zero, as after a restart of the robot."""
+        self._sport.reset()
         self._odometry.reset()
 
-    def publish(self) -> None:
-        """Once per tick, after the physics."""
+    def after_tick(self) -> None:
+        """Once per tick, after the physics: sense and publish."""
         self._odometry.update()
         torque = np.asarray(self._body.data.qfrc_applied[self._body.v])
         speeds = self._body.joint_speeds_rps
         self._battery.drain(float(np.abs(torque * speeds).sum()), PERIOD_S)
-        self._warmth += (30.0 + 1.2 * np.abs(torque) - self._warmth) * (PERIOD_S / 120.0)
+        self._warmth += (AMBIENT_C + WARMING_C_PER_NM * np.abs(torque) - self._warmth) * (PERIOD_S / WARMING_S)
         self._fill_state()
         self._state_out.write(self._state)
         if self._ticks % LOW_EVERY == 0:
@@ -93,11 +118,11 @@ class Go2Services:
     def _fill_state(self) -> None:
         state, body = self._state, self._body
         x, y, yaw = self._odometry.read()
-        velocity = body.heading_velocity() + self._rng.normal(0, 1, 3) * self._noise_mps
+        velocity = body.heading_velocity() + self._station.rng.normal(0, 1, 3) * self._velocity_noise
         state.error_code, state.mode = self._sport.codes
         state.progress = self._sport.progress
-        state.gait_type = 1 if self._sport.codes[0] == 1015 else 0
-        state.stamp.sec, state.stamp.nanosec = _stamp(body.data.time)
+        state.gait_type = 1 if self._sport.codes == WALKING else 0
+        state.stamp.sec, state.stamp.nanosec = _stamp(self._station.world.time_s)
         state.position = [x, y, body.z_m]
         state.body_height = body.z_m
         state.velocity = [float(velocity[0]), float(velocity[1]), 0.0]
@@ -141,6 +166,3 @@ def _quaternion(roll: float, pitch: float, yaw: float) -> list[float]:
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
     ]
-
-
-__all__ = ["BAD_PARAMETER", "Go2Services"]

@@ -147,7 +147,9 @@ def _poster(at_x: float, y: float) -> tuple[Thing, ...]:
 def _shades(things: tuple[Thing, ...]) -> tuple[Thing, ...]:
     """A dark, see-through disc on the floor under what stands on it: real shadows cost three times as much."""
     return tuple(
-        Thing(f"shade_{t.name}", "cylinder", (t.at_m[0] + 0.03, t.at_m[1] + 0.03, 0.004), (r, 0.002), SHADE, solid=False)
+        Thing(
+            f"shade_{t.name}", "cylinder", (t.at_m[0] + 0.03, t.at_m[1] + 0.03, 0.004), (r, 0.002), SHADE, solid=False
+        )
         for t, r in zip(things, (0.15, 0.36, 0.22, 0.15), strict=False)
     )
 
@@ -237,7 +239,12 @@ def _floor(spec: Any) -> None:
         height=384,
     )
     spec.add_texture(
-        name="floor", type=texture.mjTEXTURE_2D, width=PLANKS_PX, height=PLANKS_PX, nchannel=3, data=_planks().ravel().tolist()
+        name="floor",
+        type=texture.mjTEXTURE_2D,
+        width=PLANKS_PX,
+        height=PLANKS_PX,
+        nchannel=3,
+        data=_planks().ravel().tolist(),
     )
     material = spec.add_material(name="floor", texrepeat=[0.5, 0.5], texuniform=True)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
@@ -254,7 +261,7 @@ def _planks() -> NDArray[np.uint8]:
     rng = np.random.default_rng(3)
     n, rows = PLANKS_PX, 10
     picture = np.empty((n, n, 3))
-    for row, strip in enumerate(np.array_split(np.arange(n), rows)):
+    for strip in np.array_split(np.arange(n), rows):
         shift = int(rng.integers(n))
         for half in range(2):
             columns = (np.arange(n // 2) + half * n // 2 + shift) % n

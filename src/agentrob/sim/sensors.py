@@ -14,7 +14,7 @@ import numpy as np
 
 from agentrob.sim import room
 from agentrob.sim.legged import Array, Legged
-from agentrob.sim.world import FIRST_ROBOT_GROUP, MOST_ROBOTS, PERIOD_S
+from agentrob.sim.world import FIRST_ROBOT_GROUP, MOST_ROBOTS
 
 POSITION_NOISE_M, YAW_NOISE_RAD = 0.002, math.radians(0.2)
 SCALE_ERROR = 0.003
@@ -125,7 +125,8 @@ class Inertia:
 
     def acceleration_mps2(self) -> Array:
         body = self._body
-        felt = np.array(body.data.qacc[body.root_v : body.root_v + 3]) + [0.0, 0.0, GRAVITY_MPS2]
+        felt = np.array(body.data.qacc[body.root_v : body.root_v + 3])
+        felt[2] += GRAVITY_MPS2
         return np.asarray(body.rotation.T @ felt + self._noisy * self._rng.normal(0, ACCELERATION_NOISE_MPS2, 3))
 
     def tilt_rad(self) -> tuple[float, float]:
@@ -165,6 +166,3 @@ def foot_forces_n(body: Legged, feet: tuple[str, ...]) -> list[int]:
                 mujoco.mj_contactForce(body.model, body.data, c, force)
                 total[ids[int(geom)]] += float(force[0])
     return [round(f) for f in total]
-
-
-__all__ = ["PERIOD_S", "Battery", "Inertia", "Odometry", "Ranges", "foot_forces_n", "wrap"]

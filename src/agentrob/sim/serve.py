@@ -9,8 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import queue
 import signal
+import socket
 import sys
 import threading
 import time
@@ -18,15 +18,20 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from agentrob.errors import AgentRobError, SimError
 from agentrob.hostlock import HostLock
 
-LATE_S = 0.5  # further behind than this, the world gives up catching up; the real-time factor tells
-RESET_LIMIT_S = 5.0
+if TYPE_CHECKING:
+    from agentrob.sim.go2_services import Go2Services
+    from agentrob.sim.legged import Legged
+
+ANSWER_LIMIT_S = 5.0
+CAMERA_LIMIT_S = 20.0
+LAST_DOMAIN = 230
+ROBOTS = ("go2",)
+WORLDS = ("room",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,157 +47,146 @@ class WorldSettings:
     ledger: Path | None = None
 
 
-class Clockwork:
-    """Runs a world in real time and does others' work between ticks."""
-
-    def __init__(self, tick: Callable[[], None], period_s: float) -> None:
-        self._tick, self._period_s = tick, period_s
-        self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
-        self._recent: list[tuple[float, float]] = []
-        self.tick_ms = 0.0
-
-    def later(self, work: Callable[[], None]) -> None:
-        """Have work done in the world's thread, at once between two ticks."""
-        self._work.put(work)
-
-    def stop(self) -> None:
-        self._work.put(None)
-
-    @property
-    def real_time_factor(self) -> float:
-        """Simulated per real time over the last seconds; 1.0 when the machine is fast enough."""
-        recent = list(self._recent)
-        if len(recent) < 2 or recent[-1][0] == recent[0][0]:
-            return 1.0
-        return (recent[-1][1] - recent[0][1]) / (recent[-1][0] - recent[0][0])
-
-    def run(self) -> None:
-        """Until stopped."""
-        due = time.monotonic()
-        simulated = 0.0
-        while self._wait(due):
-            began = time.monotonic()
-            self._tick()
-            ended = time.monotonic()
-            simulated += self._period_s
-            self.tick_ms += 0.02 * ((ended - began) * 1000 - self.tick_ms)
-            if not self._recent or ended - self._recent[-1][0] > 0.5:
-                self._recent = [*self._recent[-10:], (ended, simulated)]
-            due += self._period_s
-            if ended - due > LATE_S:
-                due = ended
-
-    def _wait(self, due: float) -> bool:
-        """Do work until the next tick is due; False when stopped."""
-        while True:
-            left = due - time.monotonic()
-            try:
-                work = self._work.get(timeout=left) if left > 0 else self._work.get_nowait()
-            except queue.Empty:
-                return True
-            if work is None:
-                return False
-            work()
-
-
 def serve(settings: WorldSettings) -> None:
     """Serve until SIGTERM or SIGINT. Prints one JSON line on stdout when the robots stand.
 
     Raises `RobotBusy` when another world serves one of the domains, `SimError` for settings that cannot be.
     """
-    for robot in settings.domains:
-        if robot != "go2":
-            raise SimError(f"no simulated robot named {robot!r}; there is: go2")
-    if settings.world != "room":
-        raise SimError(f"no world named {settings.world!r}; there is: room")
+    _check(settings)
     with ExitStack() as stack:
-        for domain in sorted(set(settings.domains.values())):
+        for domain in sorted(settings.domains.values()):
             name = f"world/{settings.interface}/{domain}"
             stack.enter_context(HostLock(name, f"the simulated world on DDS domain {domain} ({settings.interface})"))
-        _serve(settings, stack)
+        _Process(settings, stack).run()
 
 
-def _serve(settings: WorldSettings, stack: ExitStack) -> None:
-    from agentrob.sim.cameras import Cameras, front_view, overview
-    from agentrob.sim.go2 import Go2
-    from agentrob.sim.go2_services import Go2Services
-    from agentrob.sim.ledger import Ledger
-    from agentrob.sim.room_http import Room, RoomServer
-    from agentrob.sim.services import Node
-    from agentrob.sim.sport import Sport
-    from agentrob.sim.world import PERIOD_S, World
+def _check(settings: WorldSettings) -> None:
+    unknown = set(settings.domains) - set(ROBOTS)
+    if unknown or not settings.domains:
+        found = ", ".join(sorted(unknown)) or "none"
+        raise SimError(f"simulated robots wanted: {found}; there are: {', '.join(ROBOTS)}")
+    if len(set(settings.domains.values())) < len(settings.domains):
+        raise SimError("each simulated robot needs a DDS domain of its own: their services have the same names")
+    for domain in settings.domains.values():
+        if not 0 <= domain <= LAST_DOMAIN:
+            raise SimError(f"DDS domain {domain} is out of range; valid: 0 to {LAST_DOMAIN}")
+    interfaces = [name for _, name in socket.if_nameindex()]
+    if settings.interface not in interfaces:
+        raise SimError(f"no network interface {settings.interface!r} on this host; there are: {', '.join(interfaces)}")
+    if settings.world not in WORLDS:
+        raise SimError(f"no world named {settings.world!r}; there are: {', '.join(WORLDS)}")
 
-    began = time.monotonic()
-    ledger = Ledger(settings.ledger)
-    stack.callback(ledger.close)
-    bodies = {name: Go2(name) for name in settings.domains}
-    world = World(list(bodies.values()))
-    views = {f"{name}/front": front_view(world.model, name) for name in bodies}
-    cameras = Cameras(world.model, {**views, "overview": overview(world.model)}, lambda: world.pose)
-    stack.callback(cameras.close)
-    rng = np.random.default_rng(settings.seed)
-    sports = {name: Sport(body, lambda: world.time_s, ledger) for name, body in bodies.items()}
 
-    def tick() -> None:
-        for sport in sports.values():
-            sport.tick()
-        world.tick()
-        for service in services:
-            service.publish()
+class _Process:
+    """Everything that runs while the world is served; what must be ended is on `stack`."""
 
-    clock = Clockwork(tick, PERIOD_S)
-    services = [
-        Go2Services(Node(domain, settings.interface), bodies[name], sports[name], cameras, clock.later, rng, settings.noise)
-        for name, domain in settings.domains.items()
-    ]
+    def __init__(self, settings: WorldSettings, stack: ExitStack) -> None:
+        import numpy as np
 
-    def reset() -> bool:
-        done = threading.Event()
+        from agentrob.sim.cameras import Cameras, front_view, overview
+        from agentrob.sim.clockwork import Clockwork
+        from agentrob.sim.go2 import Go2
+        from agentrob.sim.go2_services import Go2Services, Station
+        from agentrob.sim.ledger import Ledger
+        from agentrob.sim.services import Node
+        from agentrob.sim.world import PERIOD_S, World
+
+        self.began_s = time.monotonic()
+        self.settings, self.stack = settings, stack
+        self.clock = Clockwork(PERIOD_S)
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGTERM, signal.SIGINT):
+                signal.signal(number, lambda *_: self.clock.stop())
+        self.ledger = Ledger(settings.ledger)
+        stack.callback(self.ledger.close)
+        self.bodies: dict[str, Legged] = {}
+        go2s = {name: Go2(name) for name in settings.domains}
+        self.bodies.update(go2s)
+        self.world = World(list(go2s.values()))
+        views = {f"{name}/front": front_view(self.world.model, name) for name in self.bodies}
+        views["overview"] = overview(self.world.model)
+        self.cameras = Cameras(self.world.model, views, lambda: self.world.pose)
+        stack.callback(self.cameras.close)
+        rng = np.random.default_rng(settings.seed)
+
+        def station(domain: int) -> Station:
+            node = Node(domain, settings.interface)
+            later = self.clock.later
+            return Station(node, self.world, self.cameras, self.ledger, later, rng, settings.noise)
+
+        self.served: list[Go2Services] = [
+            Go2Services(body, station(settings.domains[name])) for name, body in go2s.items()
+        ]
+
+    def run(self) -> None:
+        from agentrob.sim.room_http import Room, RoomServer
+
+        room = Room(lambda: self.cameras.jpeg("overview"), self.reset, self.truth, self.health)
+        server = RoomServer(room, self.settings.http_port)
+        self.stack.callback(server.close)
+        self.cameras.ready.wait(CAMERA_LIMIT_S)
+        ready = {
+            "ready": True,
+            "http": server.url,
+            "domains": dict(self.settings.domains),
+            "interface": self.settings.interface,
+            "camera": self.cameras.backend,
+            "seconds": round(time.monotonic() - self.began_s, 2),
+        }
+        sys.stdout.write(json.dumps(ready) + "\n")
+        sys.stdout.flush()
+        self.clock.run(self.tick)
+
+    def tick(self) -> None:
+        for services in self.served:
+            services.before_tick()
+        self.world.tick()
+        for services in self.served:
+            services.after_tick()
+
+    # ------------------------------------------------------------------ for the room's HTTP server (its threads)
+    def reset(self) -> bool:
+        def work() -> None:
+            self.world.reset()
+            for services in self.served:
+                services.reset()
+
+        return self._in_world(work)
+
+    def truth(self) -> Mapping[str, Any]:
+        found: dict[str, Any] = {}
 
         def work() -> None:
-            world.reset()
-            for sport in sports.values():
-                sport.reset()
-            for service in services:
-                service.reset()
-            done.set()
+            found["time_s"] = round(self.world.time_s, 3)
+            found["robots"] = {name: _truth(body) for name, body in self.bodies.items()}
 
-        clock.later(work)
-        return done.wait(RESET_LIMIT_S)
+        return found if self._in_world(work) else {"error": "the world did not answer"}
 
-    def truth() -> Mapping[str, Any]:
-        return {"time_s": round(world.time_s, 3), "robots": {n: _truth(b) for n, b in bodies.items()}}
-
-    def health() -> Mapping[str, Any]:
+    def health(self) -> Mapping[str, Any]:
+        cameras = self.cameras
         return {
-            "real_time_factor": round(clock.real_time_factor, 3),
-            "tick_ms": round(clock.tick_ms, 2),
-            "time_s": round(world.time_s, 2),
+            "real_time_factor": round(self.clock.real_time_factor, 3),
+            "tick_ms": round(self.clock.tick_ms, 2),
+            "time_s": round(self.world.time_s, 2),
             "camera": cameras.backend,
             "frames_rendered": cameras.drawn,
             "frame_ms": round(1000 * cameras.seconds / max(1, cameras.drawn), 1),
-            "trouble": [t for t in (cameras.trouble, ledger.trouble) if t],
+            "trouble": [t for t in (cameras.trouble, self.ledger.trouble) if t],
         }
 
-    server = RoomServer(Room(lambda: cameras.jpeg("overview"), reset, truth, health), settings.http_port)
-    stack.callback(server.close)
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: clock.stop())
-    cameras.ready.wait(30)
-    ready = {
-        "ready": True,
-        "http": server.url,
-        "domains": dict(settings.domains),
-        "interface": settings.interface,
-        "camera": cameras.backend,
-        "seconds": round(time.monotonic() - began, 2),
-    }
-    sys.stdout.write(json.dumps(ready) + "\n")
-    sys.stdout.flush()
-    clock.run()
+    def _in_world(self, work: Callable[[], None]) -> bool:
+        """Have work done by the world's thread, since only it may look at the physics; False when it hangs."""
+        done = threading.Event()
+
+        def both() -> None:
+            work()
+            done.set()
+
+        self.clock.later(both)
+        return done.wait(ANSWER_LIMIT_S)
 
 
-def _truth(body: Any) -> Mapping[str, Any]:
+def _truth(body: Legged) -> Mapping[str, Any]:
     x, y = body.xy_m
     return {
         "x_m": float(x),

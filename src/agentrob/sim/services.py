@@ -6,13 +6,16 @@ is only decoded in the listener and handed over; whoever did the work answers la
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from agentrob import dds  # must come before any IDL type
-from cyclonedds.core import Listener
+from agentrob import dds  # before any IDL type is built
+
+# isort: split
+from cyclonedds.core import DDSException, Listener
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.internal import InvalidSample
 from cyclonedds.pub import DataWriter
@@ -21,6 +24,8 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_, ResponseHeader_, ResponseStatus_
+
+from agentrob.errors import SimError
 
 OK, INTERNAL, NOT_IMPLEMENTED, BAD_PARAMETER = 0, 3202, 3203, 3204
 API_VERSION = 1  # every service answers this one with its version
@@ -35,8 +40,12 @@ class Node:
     """A participant in one domain on one interface."""
 
     def __init__(self, domain: int, interface: str) -> None:
-        self._domain = Domain(domain, dds.config(interface))
-        self._participant = DomainParticipant(domain)
+        """Raises `SimError` when DDS cannot use the interface."""
+        try:
+            self._domain = Domain(domain, dds.config(interface))
+            self._participant = DomainParticipant(domain)
+        except DDSException as e:
+            raise SimError(f"DDS cannot use domain {domain} on the interface {interface!r}: {e.msg.strip()}") from None
 
     def writer(self, topic: str, kind: type, qos: Qos = STATE) -> Any:
         return DataWriter(self._participant, Topic(self._participant, topic, kind), qos=qos)
@@ -76,7 +85,9 @@ class Service:
 
         def answer(code: int, data: str = "", binary: bytes = b"") -> None:
             if not quiet:
-                self._out.write(Response_(ResponseHeader_(identity, ResponseStatus_(code)), data, binary))
+                header = ResponseHeader_(identity, ResponseStatus_(code))
+                with contextlib.suppress(DDSException):  # whoever asked is gone or does not read: his loss alone
+                    self._out.write(Response_(header, data, binary))
 
         if identity.api_id == API_VERSION:
             answer(OK, self._version)

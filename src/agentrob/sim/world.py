@@ -20,6 +20,7 @@ PERIOD_S = 0.02
 TIME_STEP_S = 0.0025
 SUB_STEPS = round(PERIOD_S / TIME_STEP_S)
 SETTLE_S = 1.2  # from being placed to standing still
+ROBOT_GROUP = 2  # what robots look like
 FIRST_ROBOT_GROUP = 3  # collision shapes of robot k are in group 3 + k, so that its own rays can leave them out
 MOST_ROBOTS = 3  # MuJoCo has six groups
 

@@ -1,0 +1,66 @@
+"""Runs a world in real time; between ticks it does, at once, what other threads hand to it."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections import deque
+from collections.abc import Callable
+
+LATE_S = 0.5  # further behind than this it gives up catching up; the real-time factor tells
+WINDOW = 10  # half seconds over which the real-time factor is taken
+
+
+class Clockwork:
+    """Owned by the world's thread; `later` and `stop` may be called from any thread and from signal handlers."""
+
+    def __init__(self, period_s: float) -> None:
+        self._period_s = period_s
+        self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self._marks: deque[tuple[float, float]] = deque(maxlen=WINDOW)
+        self._simulated_s = 0.0
+        self.tick_ms = 0.0
+
+    def later(self, work: Callable[[], None]) -> None:
+        """Have work done in the world's thread, between two ticks."""
+        self._work.put(work)
+
+    def stop(self) -> None:
+        self._work.put(None)
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated per real second, over five seconds: 1.0 when the machine is fast enough, 0 when it hangs."""
+        marks = list(self._marks)
+        if not marks:
+            return 0.0
+        began, simulated = marks[0]
+        real = time.monotonic() - began
+        return (self._simulated_s - simulated) / real if real > self._period_s else 1.0
+
+    def run(self, tick: Callable[[], None]) -> None:
+        """Tick until stopped."""
+        due = time.monotonic()
+        while self._work_until(due):
+            began = time.monotonic()
+            if not self._marks or began - self._marks[-1][0] > 0.5:
+                self._marks.append((began, self._simulated_s))
+            tick()
+            ended = time.monotonic()
+            self._simulated_s += self._period_s
+            self.tick_ms += 0.02 * ((ended - began) * 1000 - self.tick_ms)
+            due += self._period_s
+            if ended - due > LATE_S:
+                due = ended
+
+    def _work_until(self, due: float) -> bool:
+        """Do work until the next tick is due; False when stopped."""
+        while True:
+            left = due - time.monotonic()
+            try:
+                work = self._work.get(timeout=left) if left > 0 else self._work.get_nowait()
+            except queue.Empty:
+                return True
+            if work is None:
+                return False
+            work()
