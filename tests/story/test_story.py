@@ -1,0 +1,175 @@
+"""Every story in this folder, told on the memory forum by a fake robot behind a real driver process.
+
+A story is Markdown: front matter with the accounts, then what happens, heading by heading. Text above the first heading
+and between a story's steps is for readers. Headings that are understood:
+
+    ## NAME posts KEY                       the text below is posted as a new topic
+    ## NAME posts KEY, 10 minutes ago       as if it had been posted then
+    ## NAME replies to KEY: KEY             the text below is posted in that thread
+    ## NAME edits KEY                       the post's text becomes the one below
+    ## NAME presses stop                    on the robot's page
+    ## KEY shows STATE                      wait until the status of that command is so
+    ## ROBOT answers KEY: STATE             the final answer; it contains each line of the list below (or does not:
+                                            "without: …")
+    ## ROBOT replies to KEY                 a reply that is no command's status, as to a stop
+    ## ROBOT replied to KEY N times
+    ## ROBOT says nothing to KEY
+    ## the robot walked 1.0 m               since the story began, as its driver measured, within 10 %
+    ## the robot stands where it stood
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+import tomllib
+from collections.abc import Awaitable, Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agentrob.forums.memory import MemoryForum
+from agentrob.model import AccountKind, Post, Role
+
+sys.path.append(str(Path(__file__).parents[1] / "agent"))
+from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+
+FOLDER = Path(__file__).parent
+STORIES = sorted(FOLDER.glob("*.md"))
+
+
+@dataclass(frozen=True)
+class Story:
+    """A parsed story: its front matter, and (heading, text below) in order."""
+
+    title: str
+    accounts: dict[str, str]
+    forum: dict[str, Any]
+    steps: tuple[tuple[str, str], ...]
+
+
+def read(path: Path) -> Story:
+    _, front, body = path.read_text(encoding="utf-8").split("+++\n", 2)
+    facts = tomllib.loads(front)
+    parts = re.split(r"^## (.+)\n", body, flags=re.MULTILINE)
+    steps = tuple((h.strip(), t.strip("\n")) for h, t in zip(parts[1::2], parts[2::2], strict=True))
+    forum = {key: facts[key] for key in ("max_edits", "live") if key in facts}
+    return Story(facts["title"], facts["accounts"], forum, steps)
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings())
+    yield made
+    made.end()
+
+
+@dataclass
+class Told:
+    """A story that is being told."""
+
+    scene: Scene
+    posts: dict[str, Post] = field(default_factory=dict)
+    start: tuple[float, float] = (0.0, 0.0)
+
+    async def posts_(self, name: str, key: str, minutes: str | None, text: str) -> None:
+        self.scene.world.clock_offset_s = -60.0 * float(minutes or 0)
+        self.posts[key] = await self.scene.post(name, text)
+        self.scene.world.clock_offset_s = 0.0
+
+    async def replies(self, name: str, to: str, key: str, text: str) -> None:
+        self.posts[key] = await self.scene.post(name, text, topic=self.posts[to].topic_id)
+
+    async def edits(self, name: str, key: str, text: str) -> None:
+        await self.scene.world.sign_in(name).edit(self.posts[key].id, text)
+
+    async def presses(self, name: str, _: str) -> None:
+        await self.scene.world.sign_in(name).press_stop(ROBOT)
+
+    async def shows(self, key: str, state: str, _: str) -> None:
+        await self.scene.state(self.posts[key], state)
+
+    async def answers(self, _: str, key: str, state: str, text: str) -> None:
+        reply = await self.scene.final(self.posts[key])
+        assert reply.card is not None
+        assert reply.card.state == state, reply.raw
+        _contains(reply, text)
+
+    async def robot_replies(self, _: str, key: str, text: str) -> None:
+        _contains(await self.scene.until(lambda: next(iter(self.scene.replies(self.posts[key])), None)), text)
+
+    async def replied(self, _: str, key: str, times: str, __: str) -> None:
+        await self.scene.until(lambda: len(self.scene.replies(self.posts[key])) == int(times))
+
+    async def nothing(self, _: str, key: str, __: str) -> None:
+        """Posts are handled in order: once a later one is answered, this one will not be."""
+        self.scene.person("barrier", Role.MEMBER)
+        await self.scene.final(await self.scene.post("barrier", f"@{ROBOT} help"))
+        assert self.scene.replies(self.posts[key]) == []
+
+    async def walked(self, metres: str, _: str) -> None:
+        x_m, y_m = await self.place()
+        assert math.hypot(x_m - self.start[0], y_m - self.start[1]) == pytest.approx(float(metres), rel=0.1)
+
+    async def stood(self, _: str) -> None:
+        assert await self.place() == pytest.approx(self.start, abs=0.001)
+
+    async def place(self) -> tuple[float, float]:
+        """Where the robot is, by its driver."""
+        async with self.scene.driver.client() as client:
+            pose = (await client.state()).pose
+        assert pose is not None
+        return pose.x_m, pose.y_m
+
+
+def _contains(reply: Post, text: str) -> None:
+    for line in text.splitlines():
+        wanted = line.removeprefix("- ").strip()
+        if wanted.startswith("without: "):
+            assert wanted.removeprefix("without: ") not in reply.raw
+        else:
+            assert wanted in reply.raw
+
+
+_STEPS: tuple[tuple[str, Callable[..., Awaitable[None]]], ...] = (
+    (r"(\w+) posts (\w+)(?:, (\d+) minutes ago)?", Told.posts_),
+    (rf"({ROBOT}) replies to (\w+)", Told.robot_replies),
+    (r"(\w+) replies to (\w+): (\w+)", Told.replies),
+    (r"(\w+) edits (\w+)", Told.edits),
+    (r"(\w+) presses stop", Told.presses),
+    (r"(\w+) shows (\w+)", Told.shows),
+    (r"(\w+) answers (\w+): (\w+)", Told.answers),
+    (r"(\w+) replied to (\w+) (\d+) times", Told.replied),
+    (r"(\w+) says nothing to (\w+)", Told.nothing),
+    (r"the robot walked ([\d.]+) m", Told.walked),
+    (r"the robot stands where it stood", Told.stood),
+)
+
+
+async def tell(told: Told, heading: str, text: str) -> None:
+    for pattern, step in _STEPS:
+        if match := re.fullmatch(pattern, heading):
+            await step(told, *match.groups(), text)
+            return
+    pytest.fail(f"no step of a story: {heading!r}")
+
+
+@pytest.mark.parametrize("path", STORIES, ids=[p.stem for p in STORIES])
+async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
+    story = read(path)
+    scene = make_scene(driver, tmp_path, MemoryForum.world(**story.forum), poll_s=0.5)
+    for name, what in story.accounts.items():
+        kind = AccountKind(what) if what in frozenset(AccountKind) else AccountKind.HUMAN
+        scene.person(name, Role(what) if what in frozenset(Role) else Role.MEMBER, kind)
+    told = Told(scene)
+    async with scene.agent():
+        told.start = await told.place()
+        for heading, text in story.steps:
+            await tell(told, heading, text)
+
+
+def test_there_are_stories() -> None:
+    assert len(STORIES) >= 10
