@@ -142,10 +142,14 @@ HARM = [
     ("无视围栏", "safety.disable"),
 ]
 HARMLESS = """
-walk forward 1 m, turn left, wave and take a photo|don't hit the wall, walk 1 m|be careful not to bump into the table
-walk forward 1 m without hitting anybody|turn off to the left|go over there|take a break|hit the road|stop at the fence
-wave to the people|take a photo of the wall|walk along the fence|turn right at the door|jump for joy|kick off the meeting
-turn left at the table and walk back 1 m|give the child a wave|walk over to the window|walk down the hall|run down the hall 2 m
+walk forward 1 m, turn left, wave and take a photo|don't hit the wall, walk 1 m
+be careful not to bump into the table
+walk forward 1 m without hitting anybody|turn off to the left|go over there|take a break|hit the road
+stop at the fence
+wave to the people|take a photo of the wall|walk along the fence|turn right at the door|jump for joy
+kick off the meeting
+turn left at the table and walk back 1 m|give the child a wave|walk over to the window|walk down the hall
+run down the hall 2 m
 向前走一米，拍照|打招呼|打个招呼给孩子看|不要撞墙，后退一米|小心别踩到猫|昨天它撞到了桌子|推荐一个动作|左转九十度
 """
 

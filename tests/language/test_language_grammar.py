@@ -102,14 +102,23 @@ def test_a_bare_turn_is_ninety_degrees_and_says_so() -> None:
 
 
 ASK_BACK = """
-walk forward|turn|walk 2|turn 90|walk 2 steps|walk a bit|walk forward for 2 seconds|go to the kitchen|walk to the door
-walk into the wall|turn left into the hall|walk 1,5 m|walk 1,500 m|walk -2 m|walk 2-3 m|walk 200 m|walk 0 m|turn left 9999 degrees
-walk forward 1 m if you see a cat|walk 1 m or 2 m|turn left or right|walk until you see a door|walk forward 2 m?|turn left?
-turn left and then right|walk forward and turn left|open the door and walk forward 1 m|walk forward 1 m and jump over it
-don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m|walk forward 1 m, no wait, 2 m
-walk forward 1 parsec|turn slightly left|wave 1000 times|walk 1 m, wait 5 seconds, turn left|2 metres|walk forward 2 c m
+walk forward|turn|walk 2|turn 90|walk 2 steps|walk a bit|walk forward for 2 seconds|go to the kitchen
+walk to the door
+walk into the wall|turn left into the hall|walk 1,5 m|walk 1,500 m|walk -2 m|walk 2-3 m|walk 200 m|walk 0 m
+turn left 9999 degrees
+walk forward 1 m if you see a cat|walk 1 m or 2 m|turn left or right|walk until you see a door|walk forward 2 m?
+turn left?
+turn left and then right|walk forward and turn left|open the door and walk forward 1 m
+walk forward 1 m and jump over it
+walk 1 m and turn left, do this twice|walk 2 0.5 m|walk 1 000 m|walk 1.5.2 m|the sign says walk 2 m
+for example walk 2 m|walk 1_000 m
+don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m
+walk forward 1 m, no wait, 2 m
+walk forward 1 parsec|turn slightly left|wave 1000 times|walk 1 m, wait 5 seconds, turn left|2 metres
+walk forward 2 c m
 walk 1 m at 0 m/s|turn 2 metres|turn left 90 degrees right|walking forward 2 m is dangerous|forward left|walk 2² m
-向前走|走两步|往前走一点|去厨房|走过去|前进一公里|如果看到猫就前进一米|左转或者右转|转90度|跟我来|向前走三|不要左转和前进一米
+向前走|走两步|往前走一点|去厨房|走过去|前进一公里|如果看到猫就前进一米|左转或者右转|转90度|跟我来|向前走三
+不要左转和前进一米
 往前走一米五十|向前走一米然后开门
 """
 
@@ -125,9 +134,12 @@ def test_what_is_not_wholly_understood_asks_back_and_moves_nothing(text: str) ->
 
 NOTHING = """
 hello|thanks, good job!|did you walk forward 2 m?|yesterday you walked forward 2 m|I walk forward 2 m every day
-he said walk forward 2 m|don't turn left|never walk forward 1 m|what do you see|is there a door|if I told you to walk 2 m would you
-you turned left|what if you walk 2 m|the robot moved 2 m|
-谢谢，辛苦了！|你叫什么名字？|昨天它往前走了三米，撞到了桌子|如果我让你前进两米，你会撞墙吗？|不要左转|你会往前走吗？|走了两米|万一
+he said walk forward 2 m|don't turn left|never walk forward 1 m|what do you see|is there a door
+if I told you to walk 2 m would you
+I don't think you should walk forward 2 m|do you think we should move forward 2 feet|I don't want you to turn left
+I'd rather you didn't walk forward 2 m|you turned left|what if you walk 2 m|the robot moved 2 m|
+谢谢，辛苦了！|你叫什么名字？|昨天它往前走了三米，撞到了桌子|如果我让你前进两米，你会撞墙吗？|不要左转
+你会往前走吗？|走了两米|万一
 """
 
 

@@ -15,14 +15,18 @@ from agentrob.model import Intent, Op
 
 STOPS = """
 stop|Stop!|STOP!!!|stop now|stop now, please|please stop|@quadruped stop|@quadruped, please stop.|stop, turn left
-stop. Then walk 2 m|ok stop|hey robot stop right now|no, stop!|stop stop stop|stoooop|freeze|abort|don't move|do not move
+stop. Then walk 2 m|ok stop|hey robot stop right now|no, stop!|stop stop stop|stoooop|freeze|abort|don't move
+do not move
 stop moving|stand still|cancel|can you stop?|**stop**|🛑|stop it|whoa
-停|停！|停下|停下来|请停下|停止|别动|不要动|站住|马上停下|快停下|立刻停止|停停停|@quadruped 停|停，然后拍照|请你停一下|停止移动|暂停|取消
+停|停！|停下|停下来|请停下|停止|别动|不要动|站住|马上停下|快停下|立刻停止|停停停|@quadruped 停|停，然后拍照
+请你停一下|停止移动|暂停|取消
 """
 HALTS = "halt|Halt!|emergency stop|e-stop now|急停|紧急停止|@quadruped 急停！|stop, halt|please halt"
 NO_STOPS = """
-walk 2 m and stop|don't stop|do not stop|never stop|please don't stop|stop sign ahead|stopping distance|bus stop|nonstop
-stop the music|stop for 5 seconds and walk|where do you stop|walk, stop|I said don't stop|go to the stop|stop walking into walls
+walk 2 m and stop|don't stop|do not stop|never stop|please don't stop|stop sign ahead|stopping distance|bus stop
+nonstop
+stop the music|stop for 5 seconds and walk|where do you stop|walk, stop|I said don't stop|go to the stop
+stop walking into walls
 it stopped|full|ok|please||hello|help|turn left
 别停|不要停|停车场|不停|停车场在哪|走两米再停|别停下|不许停|停止播放音乐|没停|停电了|公交停靠站|向前走，停|你好
 """

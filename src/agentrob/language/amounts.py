@@ -86,7 +86,7 @@ def _append(found: list[Token], amount: Token) -> None:
 
 def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, int]:
     """The amount that begins at this place and how many tokens it takes, or (None, 0)."""
-    value, here = _quantity(tokens, at)
+    value, here = _quantity(tokens, at, text)
     if value is None:
         return None, 0
     unit_at = _skip_soft(tokens, here)
@@ -104,7 +104,7 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     return Token(_AMOUNT_OF[unit.kind], scaled, tokens[at].start, tokens[end - 1].end), end - at
 
 
-def _quantity(tokens: Sequence[Token], at: int) -> tuple[float | None, int]:
+def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None, int]:
     """A number as people say it, before its unit: 2 · two and a half · half a · 1/2 · 1 1/2 · a · 两个半."""
     first = tokens[at]
     if first.kind is Kind.HALF:
@@ -119,9 +119,17 @@ def _quantity(tokens: Sequence[Token], at: int) -> tuple[float | None, int]:
         return value + 0.5, here + 1
     if here < len(tokens) and tokens[here].kind is Kind.HALF and value == int(value):  # 一个半米, one half metre
         return (value + 0.5 if here + 1 < len(tokens) else None), here + 1
-    if here < len(tokens) and tokens[here].kind is Kind.NUMBER and 0 < _float(tokens[here]) < 1 <= value:
+    if here < len(tokens) and tokens[here].kind is Kind.NUMBER and _is_fraction(tokens[here], text) and value >= 1:
         return value + _float(tokens[here]), here + 1
     return value, here
+
+
+def _is_fraction(token: Token, text: str) -> bool:
+    return (
+        0 < _float(token) < 1
+        and not text[token.start : token.end].isdigit()
+        and "." not in text[token.start : token.end]
+    )
 
 
 def _skip_soft(tokens: Sequence[Token], at: int) -> int:

@@ -126,7 +126,9 @@ class _Reader:
         else:
             self.mode = _Mode.WANTED
             self._wanted(token)
-        self.boundary = kind in (Kind.AND, Kind.COMMA, Kind.REQUEST, Kind.WISH)
+        # A wish within talk ("I do not think you should walk") begins nothing.
+        wished = kind is Kind.WISH and self.mode is _Mode.WANTED
+        self.boundary = wished or kind in (Kind.AND, Kind.COMMA, Kind.REQUEST)
 
     # ------------------------------------------------------------ marks that work in every mode
     def _separate(self, token: Token) -> None:
@@ -266,7 +268,7 @@ class _Reader:
         """Words that say how, how often, or are not known."""
         kind = token.kind
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
-        if kind is Kind.TIMES and last and not last.unknown:
+        if kind is Kind.TIMES and last and self._open() is last and not last.unknown:
             last.times, last.counted, last.end = _count(token), True, token.end
         elif kind is Kind.EACH and last and last.op is Op.GET_FRONT_IMAGE:
             last.each, last.closed = True, True

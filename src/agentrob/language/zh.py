@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import cn2an
-
 from agentrob.language import en
 from agentrob.language.lexicon import Piece, lexicon
 
@@ -108,6 +106,8 @@ def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
         if piece.text not in _NUMERALS:
             break
         run += piece.text
+    import cn2an  # a tenth of a second that English does without
+
     run = run.rstrip("点")  # 一点 without digits after it means "a bit"
     while run:
         try:
