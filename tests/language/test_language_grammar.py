@@ -197,6 +197,11 @@ def test_the_question_says_what_was_understood_and_what_was_not() -> None:
     assert question.count("`") % 2 == 0
 
 
+def test_places_are_recognised_as_what_needs_eyes() -> None:
+    assert "`go to the kitchen`: I find no places" in read("please go to the kitchen").question
+    assert "不认得地点" in read("去厨房").question
+
+
 def test_words_are_repeated_shortly_and_disarmed() -> None:
     question = read("walk " + "@everyone <b>" * 60).question
     assert "@" not in question

@@ -25,6 +25,7 @@ PHRASES = {
     "ask.frame": "{problem} I did not move. {understood}For example: {examples}",
     "ask.understood": "So far I understood: {steps}. ",
     "ask.words": "I did not understand {words}.",
+    "ask.place": "I do not know how to {words}: I find no places or things, I walk by distances and turn by angles.",
     "ask.distance": "How far? {words} has no distance, and I do not guess.",
     "ask.angle": "How far shall I turn? {words} does not say how many degrees.",
     "ask.turn": "Which way and how far shall I turn? {words} does not say.",

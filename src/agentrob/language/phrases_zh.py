@@ -25,6 +25,7 @@ PHRASES = {
     "ask.frame": "{problem}我没有动。{understood}可以这样说：{examples}",
     "ask.understood": "目前我听懂的是：{steps}。",
     "ask.words": "我没听懂{words}。",
+    "ask.place": "我不知道怎么{words}：我不认得地点和东西，只会按距离走、按角度转。",
     "ask.distance": "要走多远？{words}没有说距离，我不会去猜。",
     "ask.angle": "要转多少度？{words}没有说角度。",
     "ask.turn": "往哪边转、转多少度？{words}没有说。",

@@ -120,7 +120,10 @@ def _add(reading: Reading, draft: Draft, text: str, language: Language) -> None:
         # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
         known_part = draft.is_motion or draft.stop_word or not draft.unknown
         words = said if known_part else text[draft.unknown[0][0] : draft.unknown[-1][1]]
-        reading.problem = reading.problem or say("ask.words", language, words=quote(words))
+        # "Go to the kitchen", "face the door": a place instead of an amount.
+        place = draft.verb in (Kind.MOVE, Kind.TURN) and draft.amount is None and bool(draft.unknown)
+        key = "ask.place" if place else "ask.words"
+        reading.problem = reading.problem or say(key, language, words=quote(words))
         return
     step, problem = (_motion(draft, said, language, reading.notes)) if draft.op is None else (Primitive(draft.op), "")
     if draft.bare_picture:
