@@ -9,6 +9,7 @@ import pytest
 from pages_world import CARD, PASSWORD, World, running_world
 
 from agentrob.board import admin
+from agentrob.errors import BoardError
 
 
 @pytest.fixture(scope="module")
@@ -277,6 +278,28 @@ def test_what_is_not_there_is_a_page_that_says_what_to_do(world: World, path: st
 
 def test_a_broken_cursor_is_an_error_page(world: World, topic: str) -> None:
     assert world.browser("bob").get(f"/t/{topic}?after=zz").status_code == 422
+
+
+def test_errors_of_the_server_are_pages_too(world: World) -> None:
+    async def broken(kind: str) -> None:
+        if kind == "busy":
+            raise BoardError(503, "unavailable", "the disk is full")
+        raise BoardError(429, "too_fast", "too many posts", retry_after_s=7.2)
+
+    world.board.server.app.add_api_route("/broken/{kind}", broken)
+    surfer = world.browser("bob")
+    busy, fast = surfer.get("/broken/busy"), surfer.get("/broken/fast")
+    assert (busy.status_code, fast.status_code) == (503, 429)
+    assert "The disk is full." in busy.text
+    assert "Wait 8 seconds, then try again." in fast.text
+    assert fast.headers["retry-after"] == "8"
+
+
+def test_too_many_attempts_to_sign_in_say_how_long_to_wait(world: World) -> None:
+    surfer = world.browser()
+    tries = [surfer.send("/sign-in", name="nobody", password="wrong word") for _ in range(11)]
+    assert [t.status_code for t in tries] == [401] * 10 + [429]
+    assert re.search(r"Wait \d+ seconds", tries[-1].text)
 
 
 def test_static_files_are_kept_for_long_under_the_hash_of_their_content(world: World) -> None:

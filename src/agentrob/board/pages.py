@@ -173,7 +173,7 @@ async def robots(request: Request, viewer: Reading, part: str = "") -> Response:
 async def robot(request: Request, viewer: Reading, name: str) -> Response:
     known = services(request)
     account, view = robot_view.robot(known, name)
-    latest = _latest(known.store, account)
+    latest = _latest(known.store, account, once=True)
     data = {"robot": view, "account": account, "latest": latest}
     return show(request, viewer, "robot.html", data, here="robots")
 
@@ -325,9 +325,13 @@ def _topic(
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
 
 
-def _latest(store: Store, author: Account) -> list[tuple[Topic, Post]]:
-    """An account's latest posts, each with its topic."""
-    return [(store.topic(post.topic_id), post) for post in store.posts_by(author, _LATEST)]
+def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[Topic, Post]]:
+    """An account's latest posts, each with its topic; with `once` only the latest one of each topic."""
+    posts = store.posts_by(author, 5 * _LATEST if once else _LATEST)
+    newest: dict[str, Post] = {}
+    for post in posts:
+        newest.setdefault(post.topic_id if once else post.id, post)
+    return [(store.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
 
 
 def _path(store: Store, post: Post, done: str = "") -> str:

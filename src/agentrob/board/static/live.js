@@ -126,7 +126,7 @@ async function refresh(id) {
       const fresh = parsed.querySelector("article.post");
       if (fresh) place(document.adoptNode(fresh));
     }
-  } catch { say("Connection lost, trying again…"); }
+  } catch { setTimeout(refresh, 2000, id); } // the event came and will not come again
   const again = pending.get(id);
   pending.delete(id);
   if (again) refresh(id);
@@ -157,12 +157,15 @@ document.addEventListener("submit", async (event) => {
   if (!form) return;
   event.preventDefault();
   const button = form.querySelector("button");
+  const label = [...button.childNodes];
+  button.replaceChildren("Sending stop…");
   try {
-    const answer = await fetch(form.action, { method: "POST", body: new FormData(form), headers: { "X-Live": "1" }, keepalive: true });
+    const sent = { method: "POST", body: new FormData(form), headers: { "X-Live": "1" }, keepalive: true };
+    const answer = await fetch(form.action, { ...sent, signal: AbortSignal.timeout(3000) });
     if (!answer.ok) throw new Error(String(answer.status));
-    button.textContent = "Stop sent";
+    button.replaceChildren("Stop sent");
     say(`Stop sent to @${form.dataset.stop}. Its reply says how fast it stopped, or that it did not confirm.`);
-    setTimeout(() => { button.textContent = `Stop @${form.dataset.stop}`; }, 3000);
+    setTimeout(() => button.replaceChildren(...label), 3000);
   } catch {
     form.submit(); // the plain way, which also shows what is wrong
   }
