@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from agentrob.model import Direction, Op, Outcome, Pose, Primitive
 from agentrob.robots.motion import RATE_HZ, REST, Gait, Motion, Velocity, rotate, wrap
 from agentrob.robots.walk import gait_for, judge
-from hypothesis import given
-from hypothesis import strategies as st
 
 GAIT = Gait()
 
@@ -105,7 +106,13 @@ STRAIGHT = {"sideways_m": 0.0, "heading_deg": 0.0}
 
 @pytest.mark.parametrize(
     ("distance_m", "outcome"),
-    [(2.0, Outcome.DONE), (1.95, Outcome.DONE), (1.9, Outcome.INACCURATE), (1.3, Outcome.FAILED), (0.4, Outcome.FAILED)],
+    [
+        (2.0, Outcome.DONE),
+        (1.95, Outcome.DONE),
+        (1.9, Outcome.INACCURATE),
+        (1.3, Outcome.FAILED),
+        (0.4, Outcome.FAILED),
+    ],
 )
 def test_the_outcome_is_decided_by_what_was_measured(distance_m: float, outcome: Outcome) -> None:
     found, _, message = judge(MOVE, {"distance_m": distance_m, **STRAIGHT}, "arrived", stopped=False)

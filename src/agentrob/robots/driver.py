@@ -35,6 +35,8 @@ log = logging.getLogger(__name__)
 
 #: At most so long is waited for rest before the process ends.
 LAST_STOP_S = 0.6
+#: A new holder waits so long for the end of the last one's step: a robot comes to rest within 3 s.
+TAKE_S = 4.0
 #: A line on the stop channel must come within this time.
 LINE_S = 2.0
 
@@ -55,7 +57,10 @@ class Driver:
         return self.guard.state()
 
     def take(self, holder: str) -> str:
-        """A lease; not while a step of the last holder is still coming to rest. Raises `RobotBusy`."""
+        """A lease, once the last holder's step has come to rest; waits for that. Raises `RobotBusy`."""
+        end_s = time.monotonic() + TAKE_S
+        while self.leases.holder is None and self.busy and time.monotonic() < end_s:
+            time.sleep(0.02)
         if self.leases.holder is None and self.busy:
             raise RobotBusy("the robot is still ending the step of its last holder; try again in a moment")
         lease = self.leases.take(holder)

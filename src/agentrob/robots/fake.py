@@ -15,7 +15,7 @@ import math
 import random
 import threading
 import time
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from agentrob.config import RobotConfig
@@ -88,9 +88,7 @@ class FakeRobot:
                 return state
             if self._frozen_state is None:
                 self._frozen_state, self._stale_since_s = state, self.now_s()
-            old = self._frozen_state
-            age_s = self.now_s() - self._stale_since_s
-            return RobotState(age_s, old.pose, old.velocity_mps, old.yaw_rate_rps, old.mode, ranges_m=old.ranges_m)
+            return replace(self._frozen_state, age_s=self.now_s() - self._stale_since_s)
 
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
         before = self._stops

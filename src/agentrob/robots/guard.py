@@ -193,7 +193,7 @@ class Guard:
         limits = self.capabilities.limits
         needed_s = (primitive.distance_m or 0.0) / (primitive.speed_mps or limits.speed_mps)
         needed_s += (primitive.degrees or 0.0) / limits.turn_dps
-        if needed_s >= deadline_s:
+        if not needed_s < deadline_s:
             return (
                 "deadline",
                 f"This step needs at least {needed_s:.1f} s, and only {max(deadline_s, 0):.1f} s are left.",

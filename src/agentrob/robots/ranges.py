@@ -7,19 +7,20 @@ verified; here they are taken as from the middle, which keeps the greater distan
 from __future__ import annotations
 
 import math
-from collections import deque
 
 from agentrob.model import Direction, Op, Primitive, RobotState
 from agentrob.robots.robot import BODY_RADIUS_M
 
 #: A reading must have changed within this time: a sensor that lives is never perfectly still.
 WINDOW_S = 1.0
-#: So many readings are needed before anything is believed.
-SAMPLES = 5
+#: So many readings are needed before anything is believed, and so many are kept.
+SAMPLES, MOST_SAMPLES = 5, 100
 #: From the middle of the body to its hull: front, left, back, right (Go2).
 HULL_M = (0.35, 0.16, 0.35, 0.16)
 #: Free space that stays between hull and obstacle when the robot has come to rest.
 MARGIN_M = 0.15
+#: Free space at the flanks of a moving body.
+FLANK_M = 0.05
 #: A body goes on for about this long after an obstacle showed (measured coasting 0.25 s, sensing and sending 0.1 s).
 STOPPING_S = 0.35
 
@@ -33,15 +34,14 @@ def needed_m(side: int, speed_mps: float) -> float:
 
 
 class Ranges:
-    """Remembers a second of readings."""
+    """Remembers a second of readings. One thread may ask while another tells: what is seen is replaced, not changed."""
 
     def __init__(self) -> None:
-        self._seen: deque[tuple[float, tuple[float | None, ...]]] = deque(maxlen=200)
+        self._seen: tuple[tuple[float, tuple[float | None, ...]], ...] = ()
 
     def see(self, now_s: float, state: RobotState) -> None:
-        self._seen.append((now_s, state.ranges_m))
-        while self._seen[0][0] < now_s - WINDOW_S:
-            self._seen.popleft()
+        kept = (s for s in self._seen[-MOST_SAMPLES:] if s[0] >= now_s - WINDOW_S)
+        self._seen = (*kept, (now_s, state.ranges_m))
 
     @property
     def enough(self) -> bool:
@@ -67,11 +67,19 @@ class Ranges:
     def obstacle(self, primitive: Primitive, speed_mps: float) -> str | None:
         """A sentence when something known is too near for this step at this speed."""
         known = self.known()
-        for side in sides(primitive):
-            limit_m = BODY_RADIUS_M if primitive.op is Op.TURN else needed_m(side, speed_mps)
+        for side, limit_m in clearances(primitive, speed_mps):
             if (distance_m := known[side]) is not None and distance_m < limit_m:
                 return f"Something is {distance_m:.2f} m {NAMES[side]}; this step needs {limit_m:.2f} m there."
         return None
+
+
+def clearances(primitive: Primitive, speed_mps: float) -> tuple[tuple[int, float], ...]:
+    """How far things must be: for a move in its direction and, less, at both flanks (a wall met at a flat angle)."""
+    if primitive.op is not Op.MOVE:
+        return tuple((side, BODY_RADIUS_M) for side in sides(primitive))
+    side = SIDES[primitive.direction or Direction.FORWARD]
+    flanks = ((side + 1) % 4, (side + 3) % 4)
+    return (side, needed_m(side, speed_mps)), *((flank, HULL_M[flank] + FLANK_M) for flank in flanks)
 
 
 def sides(primitive: Primitive) -> tuple[int, ...]:

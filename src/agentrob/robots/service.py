@@ -83,7 +83,8 @@ def app(driver: Driver) -> Starlette:
         return JSONResponse({**encode(driver.state()), "lease": lease, "busy": driver.busy})
 
     async def take(request: Request) -> JSONResponse:
-        lease = driver.take(_text(await _body(request), "holder"))
+        holder = _text(await _body(request), "holder")
+        lease = await in_thread(lambda: driver.take(holder))
         return JSONResponse({"lease": lease, "ttl_s": driver.leases.ttl_s})
 
     async def renew(request: Request) -> JSONResponse:

@@ -1,0 +1,403 @@
+"""Laws 11, 13 and 17 with real processes: one driver per robot, the lease, the stop channel, death and restart."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import pytest
+
+from agentrob import hostlock
+from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
+from agentrob.model import ActionResult, Direction, Op, Outcome, Plan, Primitive
+from agentrob.robots.client import DriverClient, run_plan
+from agentrob.robots.stop import stop_all, stop_driver
+
+FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0)
+NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
+
+DRIVER = """
+import json, sys
+from pathlib import Path
+from agentrob.config import RobotConfig
+from agentrob.errors import RobotError
+from agentrob.robots.driver import run_driver
+name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])
+settings = {"model": "fake", "simulated": True, "home_on_start": True, **settings}
+try:
+    run_driver(name, RobotConfig(**settings), folder / f"{name}.sock", folder)
+except RobotError as e:
+    sys.exit(str(e))
+"""
+
+HOLDER = """
+import asyncio, sys
+from pathlib import Path
+from agentrob.model import Direction, Op, Primitive
+from agentrob.robots.client import DriverClient
+
+async def main():
+    async with DriverClient(sys.argv[1], Path(sys.argv[2])) as robot, robot.lease("walker") as lease:
+        print("walking", flush=True)
+        await robot.step(lease, Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0), 60)
+
+asyncio.run(main())
+"""
+
+
+class Drivers:
+    """Starts driver processes of fake robots with names of their own and ends them all."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.processes = folder, list[subprocess.Popen[str]]()
+
+    def spawn(self, name: str, **settings: Any) -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", DRIVER, name, str(self.folder), json.dumps(settings)]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.processes.append(process)
+        return process
+
+    def spawn_holder(self, name: str) -> subprocess.Popen[str]:
+        """A client in a process of its own that takes the lease and walks."""
+        command = [sys.executable, "-c", HOLDER, name, str(self.folder / f"{name}.sock")]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.processes.append(process)
+        return process
+
+    def start(self, name: str = "", **settings: Any) -> tuple[str, subprocess.Popen[str]]:
+        name = name or f"r{uuid4().hex[:8]}"
+        process = self.spawn(name, **settings)
+        assert process.stdout is not None
+        ready = json.loads(process.stdout.readline())
+        assert ready["ready"] == "driver"
+        assert ready["lock"] == f"driver/fake/{name}"
+        return name, process
+
+    def client(self, name: str) -> DriverClient:
+        return DriverClient(name, self.folder / f"{name}.sock")
+
+    def close(self) -> None:
+        for process in self.processes:
+            process.kill()
+            process.communicate()
+
+
+@pytest.fixture
+def drivers(tmp_path: Path) -> Iterator[Drivers]:
+    started = Drivers(tmp_path)
+    yield started
+    started.close()
+
+
+async def moving(robot: DriverClient, limit_s: float = 5.0) -> None:
+    """Until the robot really moves."""
+    await until(robot, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.2, limit_s)
+
+
+async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float = 5.0) -> float:
+    """Seconds until a state is as wanted."""
+    began_s = time.monotonic()
+    while not true(await robot.state()):
+        assert time.monotonic() - began_s < limit_s, "it did not become true"
+        await asyncio.sleep(0.02)
+    return time.monotonic() - began_s
+
+
+def at_rest(state: Any) -> bool:
+    return abs(state.velocity_mps[0]) < 0.02
+
+
+# ------------------------------------------------------------------ the ordinary way
+async def test_a_plan_is_driven_and_told_step_by_step(drivers: Drivers) -> None:
+    name, _ = drivers.start(options={"time_scale": 20})
+    plan = Plan((NEAR, Primitive(Op.TURN, Direction.LEFT, degrees=90), Primitive(Op.GET_FRONT_IMAGE)))
+    heard: list[ActionResult] = []
+    socket_path = drivers.folder / f"{name}.sock"
+    results = await asyncio.to_thread(run_plan, name, plan, "script", socket=socket_path, on_result=heard.append)
+    assert [r.outcome for r in results] == [Outcome.DONE] * 3
+    assert tuple(heard) == results
+    assert results[2].image is not None
+    assert results[2].image.startswith(b"\xff\xd8")
+
+
+async def test_after_a_step_that_is_not_done_the_rest_is_skipped(drivers: Drivers) -> None:
+    name, _ = drivers.start(options={"time_scale": 20})
+    plan = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=50), NEAR))
+    results = await asyncio.to_thread(run_plan, name, plan, "script", socket=drivers.folder / f"{name}.sock")
+    assert [r.outcome for r in results] == [Outcome.REFUSED, Outcome.SKIPPED]
+    assert results[0].reason == "limit_step_m"
+
+
+async def test_capabilities_and_state_say_what_is(drivers: Drivers) -> None:
+    name, _ = drivers.start(limits={"speed_mps": 0.3})
+    async with drivers.client(name) as robot:
+        capabilities = await robot.capabilities()
+        assert (capabilities.model, capabilities.simulated, capabilities.limits.speed_mps) == ("fake", True, 0.3)
+        assert Op.MOVE in capabilities.ops
+        await until(robot, lambda state: state.homed)
+        state = await robot.state()
+        assert state.pose is not None
+        assert state.battery_percent == 87
+        assert not state.halted
+        assert await robot.holder() is None
+        async with robot.lease("somebody"):
+            assert await robot.holder() == "somebody"
+
+
+def test_the_socket_is_only_for_its_user(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    assert stat.S_IMODE((drivers.folder / f"{name}.sock").stat().st_mode) == 0o600
+
+
+@pytest.mark.parametrize(
+    ("path", "body"),
+    [
+        ("/lease", {}),
+        ("/lease", {"holder": ""}),
+        ("/step", {"lease": "x", "primitive": {"op": "dance"}, "deadline_s": 1}),
+        ("/step", {"lease": "x", "primitive": {"op": "move"}, "deadline_s": "soon"}),
+        ("/step", {"lease": "x", "primitive": None, "deadline_s": 1}),
+        ("/stop", {"by": 7}),
+    ],
+)
+async def test_what_cannot_be_read_is_refused_with_the_reason(drivers: Drivers, path: str, body: Any) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot:
+        with pytest.raises(RobotError, match=r"must be|Input should be"):
+            await robot._call("POST", path, body)
+
+
+# ------------------------------------------------------------------ law 11: one driver, one holder
+async def test_law_11_a_second_driver_is_refused_in_one_line(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    second = drivers.spawn(name)
+    out, err = second.communicate(timeout=10)
+    assert second.returncode == 1
+    assert out == ""
+    assert err.count("\n") == 1
+    assert "already held" in err
+    async with drivers.client(name) as robot:
+        assert (await robot.state()).pose is not None
+
+
+async def test_law_11_only_the_holder_moves_the_robot(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot, drivers.client(name) as other:
+        for lease in ("", "guessed"):
+            with pytest.raises(RobotError):
+                await other.step(lease, NEAR, 10)
+        async with robot.lease("first") as lease:
+            with pytest.raises(RobotBusy, match="first"):
+                async with other.lease("second"):
+                    pass
+            with pytest.raises(LeaseLost):
+                await other.step("guessed", NEAR, 10)
+        with pytest.raises(LeaseLost):
+            await robot.step(lease, NEAR, 10)
+        async with other.lease("second"):
+            pass
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+async def test_law_11_a_holder_that_dies_or_freezes_stops_the_robot(drivers: Drivers, how: signal.Signals) -> None:
+    name, _ = drivers.start()
+    holder = drivers.spawn_holder(name)
+    async with drivers.client(name) as robot:
+        await moving(robot)
+        os.kill(holder.pid, how)
+        assert await until(robot, at_rest) <= 1.5
+        assert await robot.holder() is None
+        async with robot.lease("the next"):
+            assert at_rest(await robot.state())
+
+
+async def test_law_11_a_step_whose_lease_is_given_back_ends(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot:
+        async with robot.lease("hasty") as lease:
+            step = asyncio.create_task(robot.step(lease, FAR, 60))
+            await moving(robot)
+        result = await step
+        assert (result.outcome, result.reason) == (Outcome.STOPPED, "lease_lapsed")
+
+
+async def test_law_11_one_step_at_a_time(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot, robot.lease("eager") as lease:
+        step = asyncio.create_task(robot.step(lease, FAR, 60))
+        await moving(robot)
+        with pytest.raises(RobotBusy):
+            await robot.step(lease, NEAR, 10)
+        await robot.stop("eager")
+        assert (await step).outcome is Outcome.STOPPED
+
+
+# ------------------------------------------------------------------ stop
+async def test_law_14_a_stop_ends_the_step_and_the_lease_and_is_measured(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot, drivers.client(name) as passer_by:
+        async with robot.lease("walker") as lease:
+            step = asyncio.create_task(robot.step(lease, FAR, 60))
+            await moving(robot)
+            stopped = await passer_by.stop("passer-by")
+            result = await step
+            assert (result.outcome, result.reason) == (Outcome.STOPPED, "stop")
+            assert "Asked 4 m, measured" in result.message
+            assert stopped.confirmed
+            assert stopped.was_moving
+            assert stopped.latency_ms < 20
+            assert stopped.coasted_m is not None
+            assert 0 < stopped.coasted_m < 0.3
+            with pytest.raises(LeaseLost, match="stop"):  # what was to come is over too
+                await robot.step(lease, NEAR, 10)
+        async with robot.lease("walker") as lease:
+            assert (await robot.step(lease, NEAR, 10)).ok
+
+
+async def test_law_13_the_stop_channel_needs_neither_socket_nor_lease(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot, robot.lease("walker") as lease:
+        step = asyncio.create_task(robot.step(lease, FAR, 60))
+        await moving(robot)
+        (drivers.folder / f"{name}.sock").unlink()
+        stopped = await asyncio.to_thread(stop_driver, f"driver/fake/{name}", "shell")
+        assert stopped.confirmed
+        assert stopped.was_moving
+        assert (await step).reason == "stop"
+
+
+async def test_law_13_stop_all_finds_every_driver(drivers: Drivers) -> None:
+    names = [drivers.start()[0] for _ in range(2)]
+    async with drivers.client(names[1]) as robot, robot.lease("walker") as lease:
+        step = asyncio.create_task(robot.step(lease, FAR, 60))
+        await moving(robot)
+        stopped = {k: v for k, v in (await asyncio.to_thread(stop_all, "shell")).items() if k[12:] in names}
+        assert len(stopped) == 2
+        assert all(not isinstance(v, RobotUnreachable) and v.confirmed for v in stopped.values())
+        assert (await step).reason == "stop"
+
+
+def test_law_15_silent_and_foul_callers_do_not_hold_up_a_stop(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    lock = f"driver/fake/{name}"
+    silent = [hostlock.connect(lock) for _ in range(10)]
+    with hostlock.connect(lock) as foul:
+        foul.sendall(b"\xff\xfe go \n")
+        assert "error" in json.loads(foul.makefile().readline())
+    began_s = time.monotonic()
+    assert stop_driver(lock, "shell").confirmed
+    assert time.monotonic() - began_s < 1.0
+    for s in silent:
+        s.close()
+
+
+def test_no_driver_is_told_plainly() -> None:
+    with pytest.raises(RobotUnreachable, match="no driver"):
+        stop_driver("driver/fake/nobody", "shell")
+
+
+async def test_no_driver_is_told_to_a_client(tmp_path: Path) -> None:
+    async with DriverClient("nobody", tmp_path / "nobody.sock") as robot:
+        with pytest.raises(RobotUnreachable, match="nobody"):
+            await robot.state()
+        with pytest.raises(RobotUnreachable):
+            async with robot.lease("me"):
+                pass
+
+
+# ------------------------------------------------------------------ halt, death, restart
+async def test_law_17_a_halt_survives_a_killed_driver(drivers: Drivers) -> None:
+    name, process = drivers.start()
+    async with drivers.client(name) as robot:
+        assert (await robot.halt("owner")).confirmed
+        process.kill()
+        process.communicate()
+        drivers.start(name)
+        assert (await robot.state()).halted
+        async with robot.lease("walker") as lease:
+            assert (await robot.step(lease, NEAR, 10)).reason == "halted"
+            await robot.release("owner")
+            assert (await robot.step(lease, NEAR, 10)).ok
+
+
+async def test_a_killed_driver_leaves_a_socket_that_the_next_one_replaces(drivers: Drivers) -> None:
+    name, process = drivers.start()
+    process.kill()
+    process.communicate()
+    assert (drivers.folder / f"{name}.sock").exists()
+    async with drivers.client(name) as robot:
+        with pytest.raises(RobotUnreachable):
+            await robot.state()
+        drivers.start(name)
+        async with robot.lease("walker") as lease:
+            assert (await robot.step(lease, NEAR, 10)).ok
+
+
+async def test_a_client_hears_of_a_driver_that_dies_under_its_step(drivers: Drivers) -> None:
+    name, process = drivers.start()
+    async with drivers.client(name) as robot, robot.lease("walker") as lease:
+        step = asyncio.create_task(robot.step(lease, FAR, 60))
+        await moving(robot)
+        process.kill()
+        with pytest.raises(RobotUnreachable):
+            await step
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT])
+async def test_a_driver_that_is_ended_stops_the_robot_and_leaves_nothing(drivers: Drivers, how: signal.Signals) -> None:
+    name, process = drivers.start()
+    async with drivers.client(name) as robot, robot.lease("walker") as lease:
+        step = asyncio.create_task(robot.step(lease, FAR, 60))
+        await moving(robot)
+        began_s = time.monotonic()
+        process.send_signal(how)
+        await asyncio.to_thread(process.wait, 5)
+        assert time.monotonic() - began_s < 1.2
+        assert process.returncode == 0
+        (told,) = await asyncio.gather(step, return_exceptions=True)
+        assert isinstance(told, RobotUnreachable) or told.outcome is Outcome.STOPPED
+    assert not (drivers.folder / f"{name}.sock").exists()
+    assert f"driver/fake/{name}" not in hostlock.held("driver/")
+    _, err = process.communicate()
+    assert "Traceback" not in err
+
+
+def test_a_socket_that_another_driver_serves_is_not_taken(drivers: Drivers) -> None:
+    name = f"r{uuid4().hex[:8]}"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as other:
+        other.bind(str(drivers.folder / f"{name}.sock"))
+        other.listen(1)
+        process = drivers.spawn(name)
+        _, err = process.communicate(timeout=10)
+    assert process.returncode == 1
+    assert "another driver serves" in err
+
+
+def test_an_unknown_model_or_option_says_what_would_be_valid(drivers: Drivers) -> None:
+    results = {}
+
+    def run(key: str, **settings: Any) -> None:
+        results[key] = drivers.spawn(f"r{uuid4().hex[:8]}", **settings).communicate(timeout=20)[1]
+
+    threads = [
+        threading.Thread(target=run, args=("model",), kwargs={"model": "unicorn"}),
+        threading.Thread(target=run, args=("option",), kwargs={"options": {"speed": 3}}),
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert "there are: fake, go2" in results["model"]
+    assert "valid: faults, obstacles, room, time_scale" in results["option"]
