@@ -197,6 +197,17 @@ def test_the_question_says_what_was_understood_and_what_was_not() -> None:
     assert question.count("`") % 2 == 0
 
 
+@pytest.mark.parametrize("hidden", ["`don't`", "<b>Don't</b>", "do<i>n't</i>", "<span>never", "`` ` ``"])
+def test_a_command_with_words_left_out_of_it_moves_nothing(hidden: str) -> None:
+    assert read(f"{hidden} walk forward 1 m").intent in (Intent.ASK_BACK, Intent.NOTHING)
+    assert read(f"walk forward {hidden} 1 m").intent in (Intent.ASK_BACK, Intent.NOTHING)
+
+
+def test_pictures_and_comments_beside_a_command_do_not_disturb_it() -> None:
+    assert short(read("walk forward 1 m ![a map](map.png)").plan) == "F1"
+    assert short(read("walk forward <!-- 9 --> 1 m").plan) == "F1"
+
+
 def test_places_are_recognised_as_what_needs_eyes() -> None:
     assert "`go to the kitchen`: I find no places" in read("please go to the kitchen").question
     assert "不认得地点" in read("去厨房").question

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from agentrob.language import phrases_en, phrases_zh
+from agentrob.language.visible import OMITTED
 from agentrob.model import Language
 
 BOOKS: Mapping[Language, Mapping[str, str]] = {"en": phrases_en.PHRASES, "zh": phrases_zh.PHRASES}
@@ -23,7 +24,7 @@ def say(key: str, language: Language, **values: object) -> str:
 
 def quote(words: str) -> str:
     """Somebody's words as inline code: one line, at most 100 characters, with mentions disarmed."""
-    plain = " ".join(words.replace("`", "'").replace("@", "(at)").split())
+    plain = " ".join(words.replace("`", "'").replace("@", "(at)").replace(OMITTED, "…").split())
     if len(plain) > QUOTE_CHARS:
         plain = plain[: QUOTE_CHARS - 1] + "…"
     return f"`{plain or ' '}`"

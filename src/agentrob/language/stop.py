@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from agentrob.language.visible import mention_spans
+from agentrob.language.visible import OMITTED, mention_spans
 from agentrob.model import Intent
 
 _STOP_EN = """
@@ -83,7 +83,8 @@ def _read_clause(clause: str) -> Intent | object | None:
 
 def _segments(clause: str) -> Iterator[str | None]:
     """Cut a clause into stop words and politeness, longest first; None as soon as something else turns up."""
-    words = [_LONG_RUN.sub(r"\1", word) for word in _WORD.findall(clause.casefold().replace("’", "'"))]
+    plain = clause.casefold().replace("’", "'").replace(OMITTED, " ")
+    words = [_LONG_RUN.sub(r"\1", word) for word in _WORD.findall(plain)]
     at = 0
     while at < len(words):
         if re.match(_HAN, words[at]):

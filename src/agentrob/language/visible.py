@@ -3,6 +3,8 @@
 Everything that can hide words is left out: headings, code, quotes, strikethrough, HTML and all text inside HTML
 elements, image descriptions, link targets, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether
 something is hidden (a tag or a quote never closed), the rest is left out too: a robot then does less, never more.
+Words left out of the middle of a line leave a mark (U+FFFC) that no grammar understands: "`don't` walk 1 m" is no
+command to walk.
 """
 
 from __future__ import annotations
@@ -17,6 +19,9 @@ from markdown_it.token import Token
 
 #: Longer posts have no visible text at all: nobody commands a robot with a book, and parsing stays quick.
 MAX_CHARS = 10_000
+
+#: Stands where inline code or HTML hid words within a visible line.
+OMITTED = "\ufffc"
 
 _MARKDOWN = MarkdownIt("commonmark", {"html": True}).enable(["strikethrough", "table"])
 _PARAGRAPHS = ("paragraph_open",)
@@ -97,7 +102,8 @@ class _Walker:
         autolink = False
         link_start = 0
         for token in children:
-            visible = not (hidden or struck or autolink or self._html.depth)
+            in_html = self._html.depth > 0
+            visible = not (hidden or struck or autolink or in_html)
             if token.type == "html_inline":
                 self._html.feed(token.content)
                 self.out.append(" " if visible else "")
@@ -111,10 +117,12 @@ class _Walker:
                 self._undisguise(link_start)
             elif visible and token.type == "text":
                 self.out.append(token.content)
+            elif (visible and token.type == "code_inline") or (in_html and token.type == "text" and not hidden):
+                self.out.append(OMITTED)
             elif visible and token.type in ("softbreak", "hardbreak"):
                 self.out.append("\n")
             elif visible and token.type not in ("em_open", "em_close", "strong_open", "strong_close"):
-                self.out.append(" ")  # code and images hide their words but still separate those around them
+                self.out.append(" ")  # pictures hide their words but still separate those around them
 
     def _undisguise(self, link_start: int) -> None:
         """A link reference named "quote" would swallow the brackets of a [quote]: put them back."""
