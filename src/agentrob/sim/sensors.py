@@ -25,7 +25,7 @@ RANGE_LIMIT_M = 5.0  # nothing nearer than this reads as this
 RANGE_NOISE_M = 0.004
 NOSE_M, SIDE_M = 0.34, 0.16  # from the body's middle to its outline; ranges count from the outline
 RAY_HEIGHTS_M = (0.12, 0.28)  # so that a ball is seen as well as a table's edge is not
-FAN_RAD: Array = np.radians([-24.0, -16.0, -8.0, 0.0, 8.0, 16.0, 24.0])
+FAN_RAD: Array = np.radians(np.linspace(-24.0, 24.0, 9))
 SIDES_RAD: Array = np.radians([0.0, 90.0, 180.0, 270.0])  # front, left, back, right
 
 

@@ -1,0 +1,65 @@
+"""Starts the simulated world as a process of its own, on a DDS domain that no other test holds."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+DOMAINS = range(150, 171)
+READY_LIMIT_S = 30.0
+
+
+@dataclass
+class Served:
+    """A world served by another process."""
+
+    process: subprocess.Popen[str]
+    domain: int
+    ready: Mapping[str, Any]
+    seconds: float
+    ledger: Path
+
+    @property
+    def url(self) -> str:
+        return str(self.ready["http"])
+
+    def end(self, number: int = signal.SIGTERM) -> float:
+        """Seconds from the signal to the end."""
+        began = time.monotonic()
+        self.process.send_signal(number)
+        self.process.wait(10)
+        return time.monotonic() - began
+
+
+def start_world(folder: Path, *options: str, environment: Mapping[str, str] | None = None) -> Served:
+    """Serve on the first free test domain."""
+    ledger = folder / "ledger.jsonl"
+    for domain in DOMAINS:
+        began = time.monotonic()
+        command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", str(domain), "--ledger", str(ledger)]
+        process = subprocess.Popen(
+            [*command, *options],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **(environment or {})},
+        )
+        assert process.stdout is not None
+        assert process.stderr is not None
+        readable, _, _ = select.select([process.stdout], [], [], READY_LIMIT_S)
+        line = process.stdout.readline() if readable else ""
+        if line:
+            return Served(process, domain, json.loads(line), time.monotonic() - began, ledger)
+        process.kill()
+        trouble = process.communicate()[1]
+        assert "already held" in trouble, trouble
+    raise AssertionError(f"every test domain {DOMAINS} is taken")
