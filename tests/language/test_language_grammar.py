@@ -208,6 +208,12 @@ def test_pictures_and_comments_beside_a_command_do_not_disturb_it() -> None:
     assert short(read("walk forward <!-- 9 --> 1 m").plan) == "F1"
 
 
+def test_a_robot_is_called_by_its_name_without_an_at_too() -> None:
+    assert short(read("Hello Quadruped, walk forward 1 m").plan) == "F1"
+    assert parse("rex, sit", ["rex"], [], OPS).plan.steps == (Primitive(Op.SIT),)
+    assert parse("don't turn left", ["don't"], [], OPS).intent is Intent.NOTHING
+
+
 def test_places_are_recognised_as_what_needs_eyes() -> None:
     assert "`go to the kitchen`: I find no places" in read("please go to the kitchen").question
     assert "不认得地点" in read("去厨房").question

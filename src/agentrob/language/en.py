@@ -122,7 +122,7 @@ TABLE = {
         |many thanks|thx|ty|cheers|great|good|nice|perfect|excellent|cool|awesome|good job|great job|good work
         |well done|nice work|good dog|good boy|good robot|doing a good job|doing great|you're doing great
         |you are doing great|there we go|here we go|hi|hello|hey|hi there|hello there|dear|good morning|good evening
-        |good afternoon|robot|dog|doggy|buddy|my friend|friend|quadruped|first|first up|firstly|second|secondly
+        |good afternoon|robot|dog|doggy|buddy|my friend|friend|first|first up|firstly|second|secondly
         |third|thirdly|to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly
         |precisely|more|additional|extra|further more|side|direction|way|hand side|straight away|immediately
         |directly|if you can|if possible|if you please|if you could|if you would|if you don't mind

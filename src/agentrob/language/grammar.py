@@ -9,6 +9,7 @@ and name it in `LEXICONS` and in `phrases.BOOKS`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 from agentrob.language import en, zh
@@ -40,7 +41,9 @@ def parse(visible: str, names: Sequence[str], others: Sequence[str], ops: frozen
         return Understanding(stop, language)
     if len(part) > MAX_CHARS:
         return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
-    tokens = with_pictures(with_amounts(tokens_of(part, LEXICONS[language]), part))
+    words = LEXICONS[language]
+    called = _without_names(part, names, words)
+    tokens = with_pictures(with_amounts(tokens_of(called, words), called))
     sentences = sentences_of(tokens)
     reading = read(sentences, part, language)
     if reading.problem:
@@ -48,6 +51,14 @@ def parse(visible: str, names: Sequence[str], others: Sequence[str], ops: frozen
     if reading.steps:
         return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), tuple(reading.notes)))
     return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
+    """The robot's own name as people call it by without an @ ("Rex, sit"), blanked; a name that is a word stays one."""
+    for name in names:
+        if (name.lower(),) not in words.phrases:
+            part = re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", " " * len(name), part, flags=re.IGNORECASE)
+    return part
 
 
 def _without_command(sentences: Sequence[Sentence], language: Language) -> Understanding | None:
