@@ -127,6 +127,8 @@ class Told:
 
 def _contains(reply: Post, text: str) -> None:
     for line in text.splitlines():
+        if not line.startswith("- "):
+            continue
         wanted = line.removeprefix("- ").strip()
         if wanted.startswith("without: "):
             assert wanted.removeprefix("without: ") not in reply.raw

@@ -167,7 +167,8 @@ class Course:
             return self._report(job, "expired", plan, message=say(why, language, **limits))
         stop = await job.stop if job.stop is not None and execution is not None else None
         status = execution.status if execution else "cancelled"
-        return self._report(job, status, plan, execution, message=self._because(job, why), stop=stop)
+        message = job.stopped_by if status == "stopped" else self._because(job, why)
+        return self._report(job, status, plan, execution, message=message, stop=stop)
 
     async def _obey(self, job: Job, thought: Thought) -> Report:
         """A command: judged, then in line, then moved."""

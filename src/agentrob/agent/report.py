@@ -10,6 +10,7 @@ import re
 from collections.abc import Sequence
 
 from agentrob.agent.sentences import known, say
+from agentrob.language.phrases import quote
 from agentrob.model import ActionResult, Language, Op, Outcome, Primitive, Report, RobotState, StopResult
 
 SENTENCE_CHARS = 600
@@ -48,7 +49,7 @@ def doing(step: Primitive, language: Language) -> str:
 
 # -------------------------------------------------------------------- the end
 def final(report: Report) -> str:
-    """The whole reply to a command."""
+    """The whole reply to a command. The message of a stopped one is the handle of who stopped it."""
     language = report.command.language
     parts = [_head(report), _why(report), _table(report)]
     if report.plan.notes and report.status not in ("asks_back", "refused"):
@@ -74,8 +75,10 @@ def _head(report: Report) -> str:
             at = next((n for n, r in enumerate(report.results, 1) if not r.ok), None)
             begun = at is not None and any(r.outcome is not Outcome.SKIPPED for r in report.results)
             return say("failed", language, step=at) if begun else say("failed.before", language)
-        case "expired" | "stale":
+        case "expired":
             return ""
+        case "stopped" if report.message:
+            return say("stopped.by", language, who=quote(report.message))
         case status:
             return say(status, language)
 
@@ -87,7 +90,7 @@ def _why(report: Report) -> str:
     verdict = report.verdict
     if report.status in ("refused", "cancelled") and verdict is not None and verdict.reason:
         said.append(disarmed(verdict.reason))
-    if report.message:
+    if report.message and report.status != "stopped":
         said.append(report.message if report.status == "answered" else disarmed(report.message))
     if (last := _decisive(report.results)) is not None and report.status not in ("done", "stopped"):
         said.append(_reason(last, language))
@@ -168,7 +171,7 @@ def stop_figures(stop: StopResult, language: Language) -> str:
     """What a stop did, in figures that were measured."""
     if not stop.confirmed:
         return say("stop.unconfirmed", language)
-    said = say("stop.post" if stop.was_moving else "stop.still", language, latency_ms=stop.latency_ms)
+    said = say("stop.moving" if stop.was_moving else "stop.still", language, latency_ms=stop.latency_ms)
     if stop.was_moving and stop.coasted_m is not None:
         return said + say("stop.coasted", language, coasted_m=stop.coasted_m)
     return said + say("stop.end", language)
@@ -176,7 +179,8 @@ def stop_figures(stop: StopResult, language: Language) -> str:
 
 def stop_reply(stop: StopResult | None, language: Language, ended: int, halted: bool, folded: int = 0) -> str:
     """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands."""
-    said = [stop_figures(stop, language) if stop else say("stop.unreachable", language)]
+    said = [say("stopped", language)] if stop is not None and stop.confirmed else []
+    said.append(stop_figures(stop, language) if stop else say("stop.unreachable", language))
     if halted and stop:
         said.append(say("stop.halted", language))
     if ended:

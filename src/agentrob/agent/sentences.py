@@ -15,7 +15,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "refused": ("**Refused.**", "**拒绝执行。**"),
     "asks_back": ("**I need to ask.**", "**需要确认。**"),
     "stopped": ("**Stopped.**", "**已停下。**"),
-    "stopped.by": ("**Stopped** by {who}.", "**已停下**，由 {who} 叫停。"),
+    "stopped.by": ("**Stopped** by {who}.", "**已停下**，叫停者：{who}。"),
     "interrupted": (
         "**Interrupted.** I was cut off during this command, stand still, and do not repeat it. "
         "Post it again if you still want it.",
@@ -133,11 +133,11 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "timing.done": ("done after {seconds:.1f} s", "{seconds:.1f} 秒后完成"),
     "trace": ("trace `{trace_id}`", "追踪号 `{trace_id}`"),
     # ------------------------------------------------------------ stop
-    "stop.post": (
-        "**Stopped.** Zero velocity was commanded {latency_ms:.0f} ms after your post",
-        "**已停下。** 发帖 {latency_ms:.0f} 毫秒后速度归零",
+    "stop.moving": (
+        "Zero velocity was commanded {latency_ms:.0f} ms after the stop",
+        "收到停止 {latency_ms:.0f} 毫秒后速度归零",
     ),
-    "stop.still": ("**I was standing still** and stay so", "**我本来就没有在动**，继续保持不动"),
+    "stop.still": ("I was standing still and stay so", "我本来就没有在动，继续保持不动"),
     "stop.coasted": ("; I came to rest {coasted_m:.2f} m further.", "，又滑行 {coasted_m:.2f} 米后停住。"),
     "stop.end": (".", "。"),
     "stop.unconfirmed": (
