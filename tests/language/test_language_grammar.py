@@ -110,7 +110,8 @@ walk forward 1 m if you see a cat|walk 1 m or 2 m|turn left or right|walk until 
 turn left?
 turn left and then right|walk forward and turn left|open the door and walk forward 1 m
 walk forward 1 m and jump over it
-walk 1 m and turn left, do this twice|walk 2 0.5 m|walk 1 000 m|walk 1.5.2 m|the sign says walk 2 m
+walk 1 m and turn left, do this twice|walk 2 0.5 m|Don't... walk forward 1 m|Unless I say so. Walk 1 m
+walk 1 000 m|walk 1.5.2 m|the sign says walk 2 m
 for example walk 2 m|walk 1_000 m
 don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m
 walk forward 1 m, no wait, 2 m

@@ -35,10 +35,11 @@ class Reading:
 def read(sentences: Sequence[Sentence], text: str, language: Language) -> Reading:
     """Turn the drafts of a whole post into steps."""
     reading = Reading([], [])
+    wants = any(sentence.drafts for sentence in sentences)
     for sentence in sentences:
         if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
             continue
-        reading.problem = reading.problem or _doubt(sentence, text, language)
+        reading.problem = reading.problem or _doubt(sentence, wants, text, language)
         for draft in _settle(sentence.drafts):
             _add(reading, draft, text, language)
     if len(reading.steps) > MAX_STEPS:
@@ -52,11 +53,14 @@ def _is_question(sentence: Sentence) -> bool:
     return sentence.talked or sentence.condition is not None or not any(d.verb for d in sentence.drafts)
 
 
-def _doubt(sentence: Sentence, text: str, language: Language) -> str:
-    """What makes a whole sentence doubtful: conditions, denials without an end, questions. Empty when nothing does."""
-    if sentence.drafts and sentence.condition is not None:
+def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> str:
+    """What makes a sentence doubtful: conditions, denials without an end, questions. Empty when nothing does.
+
+    A condition or denial that stands alone ("Don't … walk 1 m") may mean its neighbours when the post `wants` anything.
+    """
+    if wants and sentence.condition is not None:
         return say("ask.condition", language, words=quote(text[sentence.condition.start : sentence.condition.end]))
-    if sentence.denial_unclear is not None and (sentence.drafts or sentence.denial_joined):
+    if sentence.denial_unclear is not None and (wants or sentence.denial_joined):
         denial = sentence.denial_unclear
         return say("ask.denial", language, words=quote(text[denial.start : denial.end]))
     if sentence.drafts and sentence.asked and not sentence.requested:
