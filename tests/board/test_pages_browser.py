@@ -133,6 +133,27 @@ def test_who_is_writing_is_not_pushed_away_by_new_posts(world: World, windows: W
     expect(page.get_by_label("Reply")).to_have_value("half a sen")
 
 
+def test_a_lost_stream_is_taken_up_again_without_missing_anything(world: World, windows: Windows) -> None:
+    topic = new_topic(world)
+    page = windows.open("bob")
+    page.add_init_script("""
+        window.streams = [];
+        window.EventSource = class extends EventSource {
+          constructor(...how) { super(...how); window.streams.push(this); }
+        };""")
+    page.goto(f"/t/{topic}")
+    wait_live(page)
+    seen = robot_posts(world, topic, "before")
+    expect(page.locator(f"#post-{seen}")).to_be_attached()
+    page.evaluate("streams[0].close(); streams[0].dispatchEvent(new Event('error'))")
+    expect(page.locator("#live")).to_have_text("Connection lost, trying again…")
+    missed = robot_posts(world, topic, "meanwhile")
+    robot_edits(world, seen, "edited meanwhile")
+    expect(page.locator(f"#post-{missed}")).to_be_attached()
+    expect(page.locator(f"#post-{seen} .body")).to_have_text("edited meanwhile")
+    assert page.evaluate("streams.length") == 2
+
+
 def test_a_page_that_is_not_the_last_offers_new_posts_instead_of_misplacing_them(
     world: World, windows: Windows
 ) -> None:
