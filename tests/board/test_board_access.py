@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import httpx2
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -90,6 +91,15 @@ def test_another_site_cannot_write(board: RunningBoard, headers: dict[str, str])
     token = {"X-CSRF-Token": access.csrf_token(str(secret.value))}
     answer = browser.post("/api/v1/topics", json={}, headers=token | headers)
     assert (answer.status_code, answer.json()["code"]) == (403, "foreign_origin")
+
+
+def test_under_https_only_the_https_pages_write(fresh_board: Callable[..., RunningBoard]) -> None:
+    board = fresh_board(base_url="https://localhost")
+    path = f"http://127.0.0.1:{board.settings.port}/api/v1/topics"
+    headers = {"Host": "localhost", "Origin": "http://localhost"}
+    assert httpx2.post(path, headers=headers).json()["code"] == "foreign_origin"
+    assert httpx2.post(path, headers=headers | {"Origin": "https://localhost"}).status_code == 401
+    assert "Strict-Transport-Security" in httpx2.get(path, headers=headers).headers
 
 
 @pytest.mark.parametrize("host", ["evil.example", "", "127.0.0.1.evil.example", "[", "x:y"])

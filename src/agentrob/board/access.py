@@ -18,7 +18,6 @@ from fastapi import Request
 from starlette.responses import Response
 
 from agentrob.board import accounts
-from agentrob.board.reader import account_from
 from agentrob.board.services import Services, services
 from agentrob.errors import BoardError
 from agentrob.model import Account, Role
@@ -42,16 +41,15 @@ async def viewer(request: Request) -> Viewer:
     parts = services(request)
     if (header := request.headers.get("authorization")) is not None:
         scheme, _, token = header.partition(" ")
-        row = parts.store.reader.first(accounts.by_token(token)) if scheme.lower() == "bearer" else None
-        if row is None:
+        account = accounts.by_token(parts.store.reader, token) if scheme.lower() == "bearer" else None
+        if account is None:
             raise BoardError(401, "bad_token", "that token is not valid", "Authorization: Bearer <token>")
-        return Viewer(account_from(row), "", token, by_token=True)
+        return Viewer(account, "", token, by_token=True)
     secret = request.cookies.get(cookie_name(parts), "")
     if not _SECRET.fullmatch(secret):
         secret = accounts.new_secret()
         return Viewer(None, csrf_token(secret), secret)
-    row = parts.store.reader.first(accounts.by_session(secret))
-    return Viewer(account_from(row) if row else None, csrf_token(secret), secret)
+    return Viewer(accounts.by_session(parts.store.reader, secret), csrf_token(secret), secret)
 
 
 async def reader(request: Request) -> Viewer:

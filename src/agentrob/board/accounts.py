@@ -13,11 +13,11 @@ from typing import Any
 
 from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
-from sqlalchemy import Connection, Select, delete, insert, select, update
+from sqlalchemy import Connection, Select, bindparam, delete, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from agentrob.board import schema as db
-from agentrob.board.reader import ACCOUNT, account_from
+from agentrob.board.reader import ACCOUNT, Reader, account_from
 from agentrob.board.writes import now_us
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
@@ -30,6 +30,13 @@ LINK_MINUTES = 10
 _MINUTE_US = 60_000_000
 
 _hasher = PasswordHasher()
+# Built once, since every request asks.
+_BY_SESSION = ACCOUNT.join(db.sessions, db.sessions.c.account_id == db.accounts.c.id).where(
+    db.sessions.c.hash == bindparam("hash"), db.sessions.c.expires_us > bindparam("now")
+)
+_BY_TOKEN = ACCOUNT.join(db.tokens, db.tokens.c.account_id == db.accounts.c.id).where(
+    db.tokens.c.hash == bindparam("hash"), db.tokens.c.revoked_us.is_(None)
+)
 #: Verified when the name is unknown, so that the time of an answer does not tell which names exist.
 _NOBODY = _hasher.hash(secrets.token_hex())
 
@@ -124,11 +131,10 @@ def end_session(connection: Connection, secret: str) -> None:
     connection.execute(delete(db.sessions).where(db.sessions.c.hash == hash_of(secret)))
 
 
-def by_session(secret: str) -> Select[Any]:
-    """Selects the account that a session signs in."""
-    s = db.sessions.c
-    joined = ACCOUNT.join(db.sessions, s.account_id == db.accounts.c.id)
-    return joined.where(s.hash == hash_of(secret), s.expires_us > now_us())
+def by_session(reader: Reader, secret: str) -> Account | None:
+    """The account that a session signs in."""
+    row = reader.first(_BY_SESSION, hash=hash_of(secret), now=now_us())
+    return account_from(row) if row else None
 
 
 def new_token(connection: Connection, account: Account, label: str = "") -> str:
@@ -139,11 +145,10 @@ def new_token(connection: Connection, account: Account, label: str = "") -> str:
     return secret
 
 
-def by_token(secret: str) -> Select[Any]:
-    """Selects the account that a bearer token signs in."""
-    t = db.tokens.c
-    joined = ACCOUNT.join(db.tokens, t.account_id == db.accounts.c.id)
-    return joined.where(t.hash == hash_of(secret), t.revoked_us.is_(None))
+def by_token(reader: Reader, secret: str) -> Account | None:
+    """The account that a bearer token signs in."""
+    row = reader.first(_BY_TOKEN, hash=hash_of(secret))
+    return account_from(row) if row else None
 
 
 def new_link(connection: Connection, account: Account) -> str:

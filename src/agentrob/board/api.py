@@ -34,7 +34,7 @@ from agentrob.board.api_models import (
 )
 from agentrob.board.events import EventStream
 from agentrob.board.problem import documented
-from agentrob.board.reader import MAX_LIMIT, account_from, not_found
+from agentrob.board.reader import MAX_LIMIT, not_found
 from agentrob.board.records import Written
 from agentrob.board.services import Services, services
 from agentrob.errors import BoardError
@@ -227,7 +227,7 @@ def _still_allowed(parts: Services, who: Viewer) -> Callable[[], bool]:
 
     def allowed() -> bool:
         signed_in = accounts.by_token if who.by_token else accounts.by_session
-        row = parts.store.reader.first(signed_in(who.secret))
-        return row is not None and not account_from(row).suspended
+        account = signed_in(parts.store.reader, who.secret)
+        return account is not None and not account.suspended
 
     return allowed

@@ -38,7 +38,7 @@ class Gate:
     def __init__(self, app: ASGIApp, settings: BoardSettings) -> None:
         self.app = app
         parts = urlsplit(settings.base_url)
-        self.origin = settings.base_url
+        self.origin, self.secure = settings.base_url, settings.secure
         self.hosts = {parts.hostname or "", settings.host} | _LOOPBACK
         self.any_host = bool(self.hosts & {"0.0.0.0", "::"})
         self.headers = dict(_HEADERS)
@@ -78,9 +78,8 @@ class Gate:
             raise BoardError(413, "too_large", "the body is too large", f"at most {max_body(scope['path'])} bytes")
 
     def _check_origin(self, headers: Headers, host: str) -> None:
-        origin = headers.get("origin")
-        foreign = headers.get("sec-fetch-site") in ("cross-site", "same-site")
-        if (origin is not None and origin not in (self.origin, f"http://{host}")) or foreign:
+        ours = {None, self.origin} if self.secure else {None, self.origin, f"http://{host}"}
+        if headers.get("origin") not in ours or headers.get("sec-fetch-site") in ("cross-site", "same-site"):
             raise BoardError(403, "foreign_origin", "the request comes from another site", f"open {self.origin}")
 
 

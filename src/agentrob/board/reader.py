@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, and_, func, select
+from sqlalchemy import Connection, Integer, Row, Select, and_, bindparam, func, select
 from sqlalchemy.exc import DBAPIError
 
 from agentrob.board import schema as db
@@ -32,6 +32,21 @@ _POSTS = (
     select(db.posts, db.topics.c.board_id, *_AUTHOR)
     .join(db.topics, db.topics.c.id == db.posts.c.topic_id)
     .join(db.accounts, db.accounts.c.id == db.posts.c.author_id)
+)
+# Built once: these run for nearly every request, and building a statement costs more than running it.
+_POSTS_OF_TOPIC = (
+    _POSTS.where(db.posts.c.topic_id == bindparam("of"), db.posts.c.id > bindparam("after"))
+    .order_by(db.posts.c.id)
+    .limit(bindparam("most", type_=Integer))
+)
+_TOPIC = _TOPICS.where(db.topics.c.id == bindparam("id"))
+_POSTS_BY_ID = _POSTS.where(db.posts.c.id.in_(bindparam("ids", expanding=True)))
+_ACCOUNT_BY_NAME = ACCOUNT.where(db.accounts.c.name == bindparam("name"))
+_IMAGES_OF_POSTS = (
+    select(db.post_images.c.post_id, db.images.c.id, db.images.c.width, db.images.c.height, db.images.c.media_type)
+    .join(db.images, db.images.c.id == db.post_images.c.image_id)
+    .where(db.post_images.c.post_id.in_(bindparam("ids", expanding=True)))
+    .order_by(db.post_images.c.post_id, db.post_images.c.position)
 )
 _EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)
 
@@ -64,14 +79,14 @@ class Reader:
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
 
-    def rows(self, statement: Select[Any]) -> Sequence[Row[Any]]:
+    def rows(self, statement: Select[Any], **values: Any) -> Sequence[Row[Any]]:
         try:
-            return self.connection.execute(statement).all()
+            return self.connection.execute(statement, values).all()
         except DBAPIError as e:
             raise unavailable(e) from e
 
-    def first(self, statement: Select[Any]) -> Row[Any] | None:
-        found = self.rows(statement)
+    def first(self, statement: Select[Any], **values: Any) -> Row[Any] | None:
+        found = self.rows(statement, **values)
         return found[0] if found else None
 
     # ---------------------------------------------------------------- boards and topics
@@ -98,7 +113,7 @@ class Reader:
         return Page(tuple(map(_topic, rows[:limit])), _cursor([r.last_post_id for r in rows], limit))
 
     def topic(self, topic_id: str) -> Topic:
-        row = self.first(_TOPICS.where(db.topics.c.id == row_id(topic_id, "topic")))
+        row = self.first(_TOPIC, id=row_id(topic_id, "topic"))
         if row is None:
             raise not_found("topic", topic_id)
         return _topic(row)
@@ -106,10 +121,8 @@ class Reader:
     # ---------------------------------------------------------------- posts
     def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[Post]:
         topic = self.topic(topic_id)
-        p = db.posts.c
         after = from_cursor(cursor) if cursor else 0
-        chosen = and_(p.topic_id == int(topic.id), p.id > after)
-        rows = self.rows(_POSTS.where(chosen).order_by(p.id).limit(_limit(limit) + 1))
+        rows = self.rows(_POSTS_OF_TOPIC, of=int(topic.id), after=after, most=_limit(limit) + 1)
         return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
 
     def posts_by(self, author: Account, limit: int) -> tuple[Post, ...]:
@@ -139,7 +152,7 @@ class Reader:
         return found[0]
 
     def posts_by_id(self, ids: Sequence[int]) -> tuple[Post, ...]:
-        return self._posts(self.rows(_POSTS.where(db.posts.c.id.in_(ids))))
+        return self._posts(self.rows(_POSTS_BY_ID, ids=ids))
 
     def find(self, author: Account, key: str) -> Post | None:
         p = db.posts.c
@@ -152,19 +165,14 @@ class Reader:
         return tuple(Version(r.version, r.raw, from_us(r.until_us)) for r in sorted(rows, key=lambda r: r.version))
 
     def _posts(self, rows: Sequence[Row[Any]]) -> tuple[Post, ...]:
-        images = self._images(r.id for r in rows if not r.removed)
-        return tuple(_post(r, images.get(r.id, ())) for r in rows)
+        images = self._images([r.id for r in rows if not r.removed])
+        authors = {r.a_id: r for r in rows}  # few people write many posts
+        accounts = {a_id: account_from(r) for a_id, r in authors.items()}
+        return tuple(_post(r, accounts[r.a_id], images.get(r.id, ())) for r in rows)
 
-    def _images(self, post_ids: Iterable[int]) -> dict[int, tuple[Image, ...]]:
-        i, pi = db.images.c, db.post_images.c
-        statement = (
-            select(pi.post_id, i.id, i.width, i.height, i.media_type)
-            .join(db.images, i.id == pi.image_id)
-            .where(pi.post_id.in_(list(post_ids)))
-            .order_by(pi.post_id, pi.position)
-        )
+    def _images(self, post_ids: Sequence[int]) -> dict[int, tuple[Image, ...]]:
         found: dict[int, tuple[Image, ...]] = {}
-        for r in self.rows(statement):
+        for r in self.rows(_IMAGES_OF_POSTS, ids=post_ids):
             found[r.post_id] = (*found.get(r.post_id, ()), Image(str(r.id), r.width, r.height, r.media_type))
         return found
 
@@ -186,7 +194,7 @@ class Reader:
 
     # ---------------------------------------------------------------- accounts
     def account(self, name: str) -> Account | None:
-        row = self.first(ACCOUNT.where(db.accounts.c.name == name.lower()))
+        row = self.first(_ACCOUNT_BY_NAME, name=name.lower())
         return account_from(row) if row else None
 
     def robots(self) -> tuple[Account, ...]:
@@ -214,12 +222,12 @@ def _topic(r: Row[Any]) -> Topic:
     return Topic(str(r.id), r.board_id, r.title, account_from(r), created, last, r.posts)
 
 
-def _post(r: Row[Any], images: tuple[Image, ...]) -> Post:
+def _post(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:
     return Post(
         id=str(r.id),
         topic_id=str(r.topic_id),
         board_id=r.board_id,
-        author=account_from(r),
+        author=author,
         raw="" if r.removed else r.raw,
         html="" if r.removed else r.html,
         version=r.version,

@@ -151,6 +151,7 @@ class Server(uvicorn.Server):
             access_log=False,
             server_header=False,
             proxy_headers=settings.secure,
+            timeout_keep_alive=30,
             timeout_graceful_shutdown=1,
         )
         super().__init__(config)
