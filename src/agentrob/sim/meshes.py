@@ -21,16 +21,24 @@ KEEP_FACES = 2500  # meshes up to this size stay as they are
 
 def read_obj(path: Path) -> tuple[Vertices, Faces]:
     """Vertices and triangles of a Wavefront OBJ file; polygons become fans."""
-    vertices: list[list[str]] = []
-    faces: list[tuple[int, int, int]] = []
-    with path.open(encoding="utf-8", errors="replace") as lines:
-        for line in lines:
-            if line.startswith("v "):
-                vertices.append(line.split()[1:4])
-            elif line.startswith("f "):
-                corners = [int(c.split("/", 1)[0]) - 1 for c in line.split()[1:]]
-                faces += [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
-    return np.array(vertices, dtype=np.float64).reshape(-1, 3), np.array(faces, dtype=np.int64).reshape(-1, 3)
+    lines = path.read_bytes().splitlines()
+    positions = b" ".join(line[2:] for line in lines if line.startswith(b"v "))
+    vertices = np.fromstring(positions, dtype=np.float64, sep=" ").reshape(-1, 3)
+    corners = [line[2:] for line in lines if line.startswith(b"f ")]
+    return vertices, _triangles(corners) - 1
+
+
+def _triangles(corners: list[bytes]) -> Faces:
+    """Indices, counted from 1, of faces given as `a/b/c d/e/f …`, of which a, d, … are the vertices."""
+    numbers = np.fromstring(b" ".join(corners).replace(b"/", b" "), dtype=np.int64, sep=" ")
+    if len(numbers) == 9 * len(corners) and all(line.count(b"/") == 6 for line in corners):
+        # Triangles with texture and normal, as the packaged meshes are.
+        return np.ascontiguousarray(numbers.reshape(-1, 9)[:, ::3])
+    faces = []
+    for line in corners:
+        ring = [int(corner.split(b"/", 1)[0]) for corner in line.split()]
+        faces += [(ring[0], ring[k], ring[k + 1]) for k in range(1, len(ring) - 1)]
+    return np.array(faces, dtype=np.int64).reshape(-1, 3)
 
 
 def merge_vertices(vertices: Vertices, faces: Faces, cell_m: float = CELL_M) -> tuple[Vertices, Faces]:
