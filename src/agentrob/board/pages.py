@@ -71,7 +71,7 @@ async def create_topic(request: Request, viewer: Anybody, board_id: str) -> Resp
         checked = _checked_title(title), _checked_body(body)
         written = await services(request).store.create_topic(author, board_id, *checked, key=_key(form, *checked))
     except BoardError as e:
-        if viewer.account is None or e.code == "no_such_board":
+        if _may_not_look(viewer) or e.code == "no_such_board":
             return await error_page(request, e, draft=body)
         return _new_topic(request, viewer, board_id, draft=body, title=title, error=e)
     return go(written.topic.path)
@@ -92,7 +92,7 @@ async def reply(request: Request, viewer: Anybody, topic_id: str) -> Response:
         author, text = access.account_of(viewer), _checked_body(body)
         written = await store.reply(author, topic_id, text, key=_key(form, topic_id, text))
     except BoardError as e:
-        if viewer.account is None or e.code == "no_such_topic":
+        if _may_not_look(viewer) or e.code == "no_such_topic":
             return await error_page(request, e, draft=body)
         return _topic(request, viewer, topic_id, None, draft=body, error=e)
     return go(_path(store, written.post))
@@ -119,8 +119,9 @@ async def raw(request: Request, viewer: Reading, post_id: str) -> Response:
 @router.get("/p/{post_id}/history")
 async def history(request: Request, viewer: Reading, post_id: str) -> Response:
     store = services(request).store
-    data = {"post": store.post(post_id), "versions": store.versions(post_id)}
-    return show(request, viewer, "history.html", data)
+    found = store.post(post_id)
+    versions = () if found.removed else store.versions(post_id)
+    return show(request, viewer, "history.html", {"post": found, "versions": versions})
 
 
 @router.get("/p/{post_id}/edit")
@@ -141,7 +142,7 @@ async def edit(request: Request, viewer: Anybody, post_id: str) -> Response:
         author, text = access.account_of(viewer), _checked_body(body)
         changed = await store.edit(author, post_id, text, key=_key(form, post_id, text))
     except BoardError as e:
-        if viewer.account is None or e.status == 404:
+        if _may_not_look(viewer) or e.status == 404:
             return await error_page(request, e, draft=body)
         data = {"post": store.post(post_id), "draft": body, "key": _nonce(), "problem": _problem(e)}
         return show(request, viewer, "edit.html", data, status=e.status)
@@ -323,6 +324,11 @@ def _topic(
     data |= {"after": newest, "robots": robot_view.robots(known), "key": _nonce()}
     data |= {"draft": draft, "problem": _problem(error)}
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
+
+
+def _may_not_look(viewer: Viewer) -> bool:
+    """Then a form that failed cannot be shown again on its page; what was typed is given back on an error page."""
+    return viewer.account is None or viewer.account.suspended
 
 
 def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[Topic, Post]]:
