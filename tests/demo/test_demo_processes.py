@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import socket
@@ -29,19 +30,34 @@ def descendants(pid: int) -> set[int]:
     return found
 
 
+def true_ways(ledger: Path) -> list[tuple[float, float]]:
+    """Metres and degrees from each motion's begin to its StopMove, by the world's own record."""
+    ways, start = [], None
+    for event in map(json.loads, ledger.read_text().splitlines()):
+        if event["event"] == "move_begin" and start is None:
+            start = event["pose"]
+        elif event["event"] == "stop_move" and start is not None:
+            pose = event["pose"]
+            metres = math.hypot(pose["x_m"] - start["x_m"], pose["y_m"] - start["y_m"])
+            ways.append((metres, (pose["yaw_deg"] - start["yaw_deg"] + 180) % 360 - 180))
+            start = None
+    return ways
+
+
 def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(tmp_path: Path) -> None:
     before = set(hostlock.held())
     demo = start_demo(tmp_path / "data")
     children = descendants(demo.process.pid)
     assert len(children) >= 4
-    assert set(hostlock.held()) > before
+    locks = set(hostlock.held()) - before
+    assert {name.split("/")[0] for name in locks} >= {"world", "driver", "board"}
     port = urlsplit(demo.url).port
     began = time.monotonic()
     os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
     assert demo.process.wait(10) == 0
     assert time.monotonic() - began < 3.0
     assert not [c for c in children if Path(f"/proc/{c}").exists()]
-    assert set(hostlock.held()) <= before
+    assert not locks & set(hostlock.held())
     with socket.socket() as s:
         s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         s.bind(("127.0.0.1", port))
@@ -115,6 +131,9 @@ def test_one_post_is_done_and_told_as_json(tmp_path: Path) -> None:
     assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
     assert turn["asked"]["degrees"] == 90
     assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
+    ways = true_ways(tmp_path / "data/world.jsonl")
+    assert ways[0][0] == pytest.approx(1.0, abs=0.05), "by the simulator's truth, which nothing that drives may read"
+    assert ways[1][1] == pytest.approx(90, abs=4)
     assert {"seen", "first_motion", "done"} <= set(told["timings_ms"])
     assert 0 < told["timings_ms"]["seen"] < told["timings_ms"]["first_motion"] < told["timings_ms"]["done"]
     assert told["topic_url"].startswith("http://127.0.0.1:")
