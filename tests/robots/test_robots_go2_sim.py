@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from agentrob.config import RobotConfig
-from agentrob.robots.contract import RobotContract
+from agentrob.errors import RobotBusy
+from agentrob.model import Direction, Op, Outcome, Primitive, RobotState
+from agentrob.robots.client import DriverClient
+from agentrob.robots.contract import RobotContract, fresh, go_on
 from agentrob.robots.go2 import Go2
 from agentrob.robots.robot import Robot
 
@@ -22,13 +29,22 @@ SETTINGS = RobotConfig(model="go2", domain=DOMAIN, simulated=True, home_on_start
 pytestmark = pytest.mark.sim
 
 
-@pytest.fixture(scope="module")
-def world() -> Iterator[subprocess.Popen[str]]:
-    """The simulated world as a process of its own; ready when it says so."""
-    command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", str(DOMAIN)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+def start(*command: str) -> subprocess.Popen[str]:
+    """A process that says in one line of JSON that it is ready."""
+    process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert json.loads(process.stdout.readline())["ready"]
+    return process
+
+
+def start_world(domain: int) -> subprocess.Popen[str]:
+    return start("-m", "agentrob.sim.serve", "--domain", str(domain))
+
+
+@pytest.fixture(scope="module")
+def world() -> Iterator[subprocess.Popen[str]]:
+    """The simulated world as a process of its own."""
+    process = start_world(DOMAIN)
     yield process
     process.send_signal(signal.SIGTERM)
     process.wait(10)
@@ -46,3 +62,72 @@ class TestGo2OnTheSimulatedWorld(RobotContract):
     @pytest.fixture
     def robot(self, go2: Go2) -> Robot:
         return go2
+
+
+def test_one_process_speaks_for_one_robot(go2: Go2) -> None:
+    with pytest.raises(RobotBusy, match=str(DOMAIN)):
+        Go2(RobotConfig(model="go2", domain=DOMAIN + 30))
+
+
+def test_its_battery_and_ranges_come_over_the_wire(go2: Go2) -> None:
+    state = fresh(go2)
+    assert all(r is not None and r > 0 for r in state.ranges_m)
+    assert state.battery_percent is not None
+    assert 0 < state.battery_percent <= 100
+    assert state.mode in ("idle", "walking")
+
+
+def test_what_the_robot_does_not_offer_is_a_failure_with_its_code(go2: Go2) -> None:
+    fresh(go2)
+    result = go2.step(Primitive(Op.BACKFLIP), go_on)
+    if not result.ok:  # the simulation may learn it one day
+        assert (result.outcome, result.reason) == (Outcome.FAILED, "unsupported")
+        assert "3203" in result.message
+
+
+DRIVER = """
+import sys
+from pathlib import Path
+from agentrob.config import RobotConfig
+from agentrob.robots.driver import run_driver
+folder, domain = Path(sys.argv[1]), int(sys.argv[2])
+settings = RobotConfig(model="go2", domain=domain, simulated=True, home_on_start=True)
+run_driver("quadruped", settings, folder / "quadruped.sock", folder)
+"""
+
+
+async def test_law_8_a_world_that_dies_under_a_walk_ends_it_and_the_next_one_is_walked_again(tmp_path: Path) -> None:
+    domain = DOMAIN + 10
+    far, near = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (3.0, 0.3))
+    processes = [await asyncio.to_thread(start_world, domain)]
+    try:
+        processes.append(await asyncio.to_thread(start, "-c", DRIVER, str(tmp_path), str(domain)))
+        async with DriverClient("quadruped", tmp_path / "quadruped.sock") as robot:
+            async with robot.lease("walker") as lease:
+                step = asyncio.create_task(robot.step(lease, far, 30))
+                await until(robot, lambda state: math.hypot(*(state.velocity_mps or (0, 0))) > 0.25)
+                processes[0].kill()
+                killed_s = time.monotonic()
+                result = await step
+                assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+                stopped = await robot.stop("walker")
+                assert not stopped.confirmed
+                assert "old" in stopped.message
+                assert time.monotonic() - killed_s < 10
+            processes.append(await asyncio.to_thread(start_world, domain))
+            await until(robot, lambda state: state.age_s < 0.2 and state.homed)
+            async with robot.lease("walker") as lease:
+                result = await robot.step(lease, near, 30)
+                assert result.ok, result.message
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 15.0) -> None:
+    """Wait for a state that must come."""
+    end_s = time.monotonic() + limit_s
+    while not true(await robot.state()):
+        assert time.monotonic() < end_s, "it did not become true"
+        await asyncio.sleep(0.05)

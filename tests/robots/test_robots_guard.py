@@ -403,14 +403,14 @@ def test_whatever_is_asked_the_robot_stays_inside_its_fence_and_limits(make: Mak
 
 def test_whatever_is_asked_the_robot_keeps_off_the_walls(make: Make) -> None:
     guard = make({"room": [-2, 2, -1.5, 1.5]})
-    until(lambda: guard.state().homed)
     done = list[bool]()
+    moves = st.builds(move, st.floats(0.2, 4.0), st.sampled_from(list(Direction)))
 
-    @settings(max_examples=60, deadline=None, database=None)
-    @given(
-        st.lists(st.one_of(steps, st.builds(move, st.floats(0.2, 4.0), st.sampled_from(list(Direction)))), max_size=8)
-    )
-    def property_holds(plan: list[Primitive]) -> None:
+    @settings(max_examples=15, deadline=None, database=None)
+    @given(yaw_rad=st.floats(-3, 3), plan=st.lists(st.one_of(steps, moves), min_size=4, max_size=12))
+    def property_holds(yaw_rad: float, plan: list[Primitive]) -> None:
+        fake_of(guard).carry(Pose(0.0, 0.0, yaw_rad))
+        until(lambda: guard.state().homed and guard.step(turn(6), go_on).ok)
         for primitive in plan:
             result = guard.step(primitive, go_on)
             done.append(bool(result.path))

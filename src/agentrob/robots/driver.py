@@ -34,7 +34,7 @@ from agentrob.robots.wire import encode
 log = logging.getLogger(__name__)
 
 #: At most so long is waited for rest before the process ends.
-LAST_STOP_S = 0.6
+LAST_STOP_S = 0.4
 #: A new holder waits so long for the end of the last one's step: a robot comes to rest within 3 s.
 TAKE_S = 4.0
 #: A line on the stop channel must come within this time.

@@ -111,7 +111,7 @@ class Go2:
         attentive: Watch = lambda state: "stop" if self._stops != before else watch(state)  # noqa: E731
         if primitive.op is Op.GET_FRONT_IMAGE:
             return self._image(primitive)
-        if self._gesture is not None and self._gesture.is_alive():
+        if self._gesturing:
             return _refused(primitive, "busy", "The robot has not finished its last gesture yet.")
         if primitive.op in (Op.MOVE, Op.TURN):
             return self._walk(primitive, attentive)
@@ -124,21 +124,28 @@ class Go2:
         before = self.state()
         sent = self._send_stop()
         latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
-        rest = Rest(STOPPED_WINDOW_S)
+        rest, gesturing = Rest(STOPPED_WINDOW_S), self._gesturing
         while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
             state = self.state()
-            if state.pose is not None and state.age_s < 0.5 and rest.see(now_s, state.pose):
+            if state.pose is not None and state.age_s < 0.5 and rest.see(now_s, state.pose) and not self._gesturing:
                 break
             time.sleep(1 / RATE_HZ)
             if now_s < asked_s + 0.5:
                 self._send_stop()  # a Move that was on its way meanwhile, or a lost sample
         moved_m = rest.distance_m(before.pose)
-        was_moving = _speed(before) > MOVING_MPS or (moved_m or 0.0) > 0.05
-        if rest.reached:
-            return StopResult(latency_ms, True, was_moving, moved_m)
-        why = "its state is too old" if self.state().age_s >= 0.5 else f"it still moved after {REST_LIMIT_S:g} s"
-        how = "" if sent else " The stop could not be written to the robot's network."
-        return StopResult(latency_ms, False, was_moving, moved_m, f"The robot did not confirm: {why}.{how}")
+        was_moving = gesturing or _speed(before) > MOVING_MPS or (moved_m or 0.0) > 0.05
+        doubt = self._doubt(rest)
+        if doubt and not sent:
+            doubt += " The stop could not be written to the robot's network."
+        return StopResult(latency_ms, not doubt, was_moving, moved_m, doubt)
+
+    def _doubt(self, rest: Rest) -> str:
+        """Why the robot cannot be said to have come to rest; empty when it can."""
+        if (age_s := self.state().age_s) >= 0.5:
+            return f"The robot did not confirm: its state is {age_s:.1f} s old."
+        if not rest.reached:
+            return f"The robot did not confirm: it still moved after {REST_LIMIT_S:g} s."
+        return "The robot keeps its place, but has not ended its gesture yet." if self._gesturing else ""
 
     def close(self) -> None:
         self._send_stop()
@@ -159,6 +166,11 @@ class Go2:
         time.sleep(max(0.0, time_s - time.monotonic()))
 
     # ------------------------------------------------------------ steps
+    @property
+    def _gesturing(self) -> bool:
+        """Whether the robot has not answered its last gesture yet."""
+        return self._gesture is not None and self._gesture.is_alive()
+
     def _send_stop(self) -> bool:
         codes = [self._stopper._CallNoReply(STOP_MOVE, "{}"), self._stopper.Move(0.0, 0.0, 0.0)]
         return 0 in codes

@@ -152,6 +152,7 @@ class Guard:
         return beyond_limits(primitive, self.capabilities)
 
     def _unfit(self, primitive: Primitive) -> Refusal | None:
+        self._see()
         state = self._robot.state()
         if (why := self._halt.why) is not None:
             return "halted", f"{why} No motion until the owner releases it."
@@ -214,8 +215,7 @@ class Guard:
         return word
 
     def _danger(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
-        now_s = time.monotonic()
-        self._see(now_s, state)
+        self._see(state)
         if self._halt.why is not None:
             return "halted", self._halt.why
         if state.age_s >= STATE_AGE_S or state.pose is None:
@@ -224,7 +224,7 @@ class Guard:
             return "fallen", "The robot is not known to stand upright."
         if self._fence is None:
             return "odometry_jump", self._lost_home
-        if now_s >= until_s:
+        if time.monotonic() >= until_s:
             return "deadline", "The time for this step was over."
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
         x_m, y_m = ahead(state.pose, primitive, speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0)
@@ -241,13 +241,14 @@ class Guard:
     def _observe(self) -> None:
         while not self._closed.wait(1 / OBSERVE_HZ):
             try:
-                if self._running is None:
-                    self._see(time.monotonic(), self._robot.state())
+                self._see()
             except Exception:  # the observer must outlive whatever one look does
                 log.exception("the guard could not look at the robot")
 
-    def _see(self, now_s: float, state: RobotState) -> None:
+    def _see(self, state: RobotState | None = None) -> None:
+        """Take in a state (the newest when none is given), in order: one look at a time."""
         with self._looking:
+            state, now_s = state or self._robot.state(), time.monotonic()
             if state.age_s < STATE_AGE_S:
                 self._ranges.see(now_s, state)
             if (why := self._odometry.see(now_s, state)) and self._fence is not None:
