@@ -285,6 +285,8 @@ def test_errors_of_the_server_are_pages_too(world: World) -> None:
     async def broken(kind: str) -> None:
         if kind == "busy":
             raise BoardError(503, "unavailable", "the disk is full")
+        if kind == "wrong":
+            raise RuntimeError("a mistake of ours with a secret in it")
         raise BoardError(429, "too_fast", "too many posts", retry_after_s=7.2)
 
     world.board.server.app.add_api_route("/broken/{kind}", broken)
@@ -292,6 +294,10 @@ def test_errors_of_the_server_are_pages_too(world: World) -> None:
     busy, fast = surfer.get("/broken/busy"), surfer.get("/broken/fast")
     assert (busy.status_code, fast.status_code) == (503, 429)
     assert "The disk is full." in busy.text
+    wrong = surfer.get("/broken/wrong")
+    assert wrong.status_code == 500
+    assert "<h1>Something broke here</h1>" in wrong.text
+    assert "a secret" not in wrong.text
     assert "Wait 8 seconds, then try again." in fast.text
     assert fast.headers["retry-after"] == "8"
 

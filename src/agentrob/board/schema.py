@@ -131,6 +131,7 @@ posts = Table(
     Column("key", String(200)),
     Column("card", JSON(none_as_null=True)),
     Index(None, "topic_id", "id"),
+    Index(None, "author_id", "id"),
     UniqueConstraint("author_id", "key"),
     sqlite_autoincrement=True,
 )

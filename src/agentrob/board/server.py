@@ -109,7 +109,7 @@ def _add_errors(app: FastAPI) -> None:
 
     async def unexpected(request: Request, error: Exception) -> Response:
         log.exception("board.unexpected", path=request.url.path, exc_info=error)
-        return problem(BoardError(500, "internal", "something went wrong; it is in the server's log"))
+        return await answer(request, BoardError(500, "internal", "something went wrong; it is in the server's log"))
 
     app.add_exception_handler(BoardError, board_error)
     app.add_exception_handler(RequestValidationError, not_valid)

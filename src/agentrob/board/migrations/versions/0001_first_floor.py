@@ -115,6 +115,7 @@ def _threads() -> None:
         sa.UniqueConstraint("author_id", "key", name=op.f("uq_posts_author_id_key")),
         sqlite_autoincrement=True,
     )
+    op.create_index(op.f("ix_posts_author_id_id"), "posts", ["author_id", "id"], unique=False)
     op.create_index(op.f("ix_posts_topic_id_id"), "posts", ["topic_id", "id"], unique=False)
     op.create_table(
         "post_versions",
