@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 import signal
+import sys
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,6 +64,13 @@ def only_robot(config: Config, name: str | None) -> str:
     raise ConfigError(f"which robot? Name one of: {known}")
 
 
+def log_to_stderr() -> None:
+    """Standard output belongs to ready lines and results; people read the log."""
+    import structlog
+
+    structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
+
+
 # ---------------------------------------------------------------------- board
 def board_settings(config: Config) -> BoardSettings:
     from agentrob.board.settings import BoardSettings
@@ -74,6 +82,7 @@ def serve_board(config: Config) -> None:
     """Run the embedded forum until SIGTERM or Ctrl-C; prints the ready line with its address."""
     from agentrob.board.server import serve
 
+    log_to_stderr()
     serve(board_settings(config), ready=lambda settings: say_ready(url=settings.base_url))
 
 
@@ -127,6 +136,8 @@ def make_agent(config: Config, name: str) -> RobotAgent:
 
 def run_agent(config: Config, name: str, once: bool) -> None:
     """Run an agent as a service until SIGTERM or Ctrl-C, or one single scan."""
+
+    log_to_stderr()
 
     async def serve() -> None:
         agent = make_agent(config, name)

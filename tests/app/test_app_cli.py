@@ -1,0 +1,175 @@
+"""The command line, as a lab would use it without a simulated world: forum, fake robot, agent, each its own process."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx2
+import pytest
+
+from agentrob.child import Child, end_all
+
+AGENTROB = str(Path(sys.executable).with_name("agentrob"))
+LIMIT_S = 30.0
+CONFIG = """
+data = "{data}"
+[board]
+listen = "127.0.0.1:{port}"
+[forum]
+url = "http://127.0.0.1:{port}"
+[robots.rex]
+model = "fake"
+simulated = true
+home_on_start = true
+options = {{ time_scale = 50 }}
+"""
+
+
+def agentrob(folder: Path, *args: str, **env: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [AGENTROB, *args],
+        cwd=folder,
+        env={**os.environ, **env},
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+
+
+@dataclass
+class Lab:
+    """A folder with an `agentrob.toml`, a board and a driver that run, and clients of the board."""
+
+    folder: Path
+    url: str
+    runtime: str
+    robot_token: str
+    operator: httpx2.Client
+
+    def agent(self, mode: str) -> subprocess.CompletedProcess[str]:
+        return agentrob(self.folder, "agent", mode, AGENTROB_TOKEN=self.robot_token, AGENTROB_RUNTIME=self.runtime)
+
+    def post(self, text: str) -> str:
+        topic = self.operator.post("/topics", json={"board": "robots", "title": text[:60], "body": text})
+        assert topic.status_code == 201, topic.text
+        return str(topic.json()["topic"]["id"])
+
+    def answers(self, topic: str) -> list[dict[str, object]]:
+        posts = self.operator.get(f"/topics/{topic}/posts").json()["items"]
+        return [p for p in posts if p["author"]["name"] == "rex"]
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+    folder = tmp_path_factory.mktemp("lab")
+    runtime = tmp_path_factory.mktemp("r")
+    (folder / "agentrob.toml").write_text(CONFIG.format(data=folder / "data", port=0))
+    config = str(folder / "agentrob.toml")
+    board = Child("board", ["board", "serve", "--config", config], folder / "board.log")
+    url = board.wait_ready()["url"]
+    (folder / "agentrob.toml").write_text(CONFIG.format(data=folder / "data", port=url.rsplit(":", 1)[1]))
+    driver = Child("driver", ["driver", "--config", config], folder / "driver.log", {"AGENTROB_RUNTIME": str(runtime)})
+    driver.wait_ready()
+    robot = agentrob(folder, "board", "account", "add", "rex", "--kind", "robot_agent")
+    assert robot.returncode == 0, robot.stderr
+    person = agentrob(folder, "board", "account", "add", "ann", "--role", "operator")
+    assert person.stdout.startswith(url + "/enter/"), person.stderr
+    token = agentrob(folder, "board", "account", "token", "ann").stdout.strip()
+    with httpx2.Client(base_url=url + "/api/v1", headers={"Authorization": f"Bearer {token}"}) as operator:
+        yield Lab(folder, url, str(runtime), robot.stdout.strip(), operator)
+    end_all([driver, board])
+
+
+def test_a_single_run_answers_what_is_there_and_ends(lab: Lab) -> None:
+    first = lab.agent("once")  # sets the watermark: nothing of before is ever done
+    assert first.returncode == 0, first.stderr
+    topic = lab.post("@rex walk forward 1 m and take a photo")
+    done = lab.agent("once")
+    assert done.returncode == 0, done.stderr
+    (answer,) = lab.answers(topic)
+    assert answer["card"]["state"] == "done"  # type: ignore[index]
+    again = lab.agent("once")
+    assert again.returncode == 0
+    assert len(lab.answers(topic)) == 1
+
+
+def test_an_agent_without_its_token_says_which_variable_it_needs(lab: Lab) -> None:
+    done = agentrob(lab.folder, "agent", "run", AGENTROB_TOKEN="")
+    assert done.returncode == 1
+    assert "AGENTROB_TOKEN must hold the agent's forum token" in done.stderr
+
+
+def test_stop_all_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: Path) -> None:
+    done = agentrob(tmp_path, "stop", "--all")
+    assert "driver/fake/rex: zero velocity commanded after" in done.stdout
+    one = agentrob(lab.folder, "stop", "rex")
+    assert one.returncode == 0, one.stdout + one.stderr
+
+
+def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) -> None:
+    for command in (["driver", "rex"], ["board", "serve"]):
+        done = agentrob(lab.folder, *command, AGENTROB_RUNTIME=lab.runtime)
+        assert done.returncode == 1
+        assert "Traceback" not in done.stderr
+        assert done.stderr.count("\n") <= 2
+
+
+@pytest.mark.parametrize(
+    ("args", "says"),
+    [
+        (["driver", "max"], "no robot named 'max'"),
+        (["drive", "dragon", "fly"], "there are: fake, go2"),
+        (["sim", "--domain", "go2"], "is not ROBOT=DOMAIN"),
+        (["drive", "go2", "walk forward"], ""),
+        (["stop"], "name a robot, or give --all"),
+    ],
+)
+def test_what_cannot_be_is_answered_with_what_can(tmp_path: Path, args: list[str], says: str) -> None:
+    done = agentrob(tmp_path, *args)
+    assert done.returncode != 0
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_plan_says_what_would_be_done_and_moves_nothing(tmp_path: Path) -> None:
+    done = agentrob(tmp_path, "plan", "walk forward 2 m, turn left and take a photo", "--json")
+    told = json.loads(done.stdout)
+    assert told["intent"] == "command"
+    assert [s["op"] for s in told["plan"]] == ["move", "turn", "get_front_image"]
+    assert told["verdict"]["decision"] == "allow"
+    refused = agentrob(tmp_path, "plan", "walk forward 30 m", "--json")
+    assert json.loads(refused.stdout)["verdict"]["decision"] == "refuse"
+
+
+def test_help_answers_quickly_since_rooms_are_opened_when_needed(tmp_path: Path) -> None:
+    heavy = ("mujoco", "numpy", "sqlalchemy", "dbos", "matplotlib", "cyclonedds", "fastapi", "httpx2")
+    code = (
+        "import sys\nsys.argv = ['agentrob', '--help']\nfrom agentrob.cli import main\n"
+        f"try:\n    main()\nexcept SystemExit:\n    pass\nprint([m for m in {heavy!r} if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=LIMIT_S, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_an_agent_that_serves_ends_on_sigterm(lab: Lab) -> None:
+    env = {"AGENTROB_TOKEN": lab.robot_token, "AGENTROB_RUNTIME": lab.runtime}
+    config = str(lab.folder / "agentrob.toml")
+    agent = Child("agent", ["agent", "run", "--config", config], lab.folder / "agent.log", env)
+    assert agent.wait_ready()["robot"] == "rex"
+    topic = lab.post("@rex wave")
+    deadline = time.monotonic() + LIMIT_S
+    while not any(a["card"]["state"] == "done" for a in lab.answers(topic)):  # type: ignore[index]
+        assert time.monotonic() < deadline, "no answer"
+        with lab.operator.stream("GET", "/events", params={"heartbeat": 0.25}) as events:
+            next(events.iter_lines())
+    agent.process.send_signal(signal.SIGTERM)
+    assert agent.process.wait(10) == 0
