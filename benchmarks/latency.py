@@ -2,9 +2,9 @@
 
     python benchmarks/latency.py [--posts 1000]
 
-Each post is written when the one before has its final answer. The fake robot moves in no time, and the board's limits on
-posting are off, since people post seldom; so this measures our own way only. Times count from the moment at which the
-board accepted the post, by the board's clock; all processes share this machine.
+Each post is written when the one before has its final answer. The fake robot moves in no time, and nothing limits how
+often is posted; so this measures our own way only. Times count from the moment at which the board accepted the post, by
+the board's clock; all processes share this machine.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+import traceback
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from datetime import timedelta
@@ -74,7 +75,8 @@ class Course:
             message = say("because.driver", job.command.language, message=e)
             report = self._report(job, "failed", message=message)
         except Exception:
-            _log.exception("command failed", post=job.command.post_id)
+            # As text: pretty tracebacks with locals take minutes and put people's words and tokens into the log.
+            _log.error("command failed", post=job.command.post_id, trace=traceback.format_exc())
             report = self._report(job, "failed", message=self._because(job, "internal"))
         finally:
             self.line.leave(job)
@@ -178,7 +180,7 @@ class Course:
             status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
             return self._report(job, status, plan, verdict=verdict)
         self.show_place(job)
-        if not await self.line.turn(job, self.settings.queue_expiry_s - job.waited_s):
+        if not await self.line.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
             return await self._ended(job, plan)
         text = await self.journal.move(command.post_id, partial(self._move, job, plan))

@@ -134,6 +134,8 @@ class Journal:
             "executor_id": f"{socket.gethostname()}-{self._robot}",
             "application_version": VERSION,
             "serializer": DBOSPortableJSONSerializer(),
+            # Nothing of ours waits for notifications; this is only how long closing takes.
+            "notification_listener_polling_interval_sec": 0.2,
             "log_level": "ERROR",
             "console_log_level": "ERROR",
         }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -15,13 +16,14 @@ from agentrob.model import Command, StopResult
 class Job:
     """One post under way, from its claim to its final reply.
 
-    `known`: the claim was there before this process. `waited_s`: how long before that it was accepted. `ended` is a
-    stable word as soon as the command may not go on; `stop` brings what the stop that ended it did, `stopped_by` whose
-    it was. `status` is its status post, `task` what carries it through.
+    `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
+    was. `ended` is a stable word as soon as the command may not go on; `stop` brings what the stop that ended it did,
+    `stopped_by` whose it was. `status` is its status post, `task` what carries it through.
     """
 
     command: Command
     known: bool = False
+    accepted_s: float = field(default_factory=time.monotonic)
     waited_s: float = 0.0
     ended: str | None = None
     moving: bool = False
@@ -91,10 +93,13 @@ class Line:
             job.end(why)
         return found
 
-    async def turn(self, job: Job, limit_s: float) -> bool:
-        """Wait until it is the job's turn (True) or it was ended; False as well when that takes `limit_s`."""
+    async def turn(self, job: Job, expiry_s: float) -> bool:
+        """Wait until it is the job's turn (True) or it was ended; False as well once it is `expiry_s` old."""
+        left_s = expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
+        if left_s <= 0:
+            job.end("expired")
         try:
-            async with asyncio.timeout(max(0.0, limit_s)):
+            async with asyncio.timeout(left_s):
                 while job.ended is None and self._jobs[0] is not job:
                     job._changed.clear()
                     await job._changed.wait()

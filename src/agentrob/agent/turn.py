@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
+import traceback
 from collections.abc import Callable, Coroutine
 from datetime import datetime, timedelta
 from functools import partial
@@ -193,7 +194,7 @@ class RobotAgent:
     def _done(self, task: asyncio.Task[Any]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            _log.error("task failed", robot=self.name, exc_info=error)
+            _log.error("task failed", robot=self.name, trace="".join(traceback.format_exception(error)))
 
     # ------------------------------------------------------------------ hear
     async def _listen(self) -> None:

@@ -1,0 +1,339 @@
+"""Fresh, bound and at most once (laws 4 to 6): what must not move does not, and everybody gets one answer."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings
+
+from agentrob.agent.journal import Journal
+from agentrob.errors import JournalError
+from agentrob.forums.forum import EventKind
+from agentrob.minds.mind import Listener
+from agentrob.minds.rules import RulesMind
+from agentrob.model import AccountKind, Plan, Role, StatusCard, Understanding
+from agentrob.robots.client import DriverClient
+
+sys.path.append(str(Path(__file__).parents[1] / "board"))
+from running_board import running_board
+
+#: A robot that stands still may still settle by so much.
+STILL_M = 0.02
+
+_AGENT = """
+import asyncio, json, sys
+from pathlib import Path
+from agentrob.agent.turn import RobotAgent
+from agentrob.config import ForumConfig, RobotConfig
+from agentrob.forums.board import BoardForum
+from agentrob.minds.rules import RulesMind
+from agentrob.robots.client import DriverClient
+name, settings, socket, data, url, token = sys.argv[1:]
+async def main():
+    agent = RobotAgent(name, RobotConfig.model_validate_json(settings), BoardForum(ForumConfig(url=url), token),
+                       DriverClient(name, Path(socket)), RulesMind(), Path(data))
+    await agent.run(on_ready=lambda: print("ready", flush=True))
+asyncio.run(main())
+"""
+
+
+async def position(driver: Driver) -> tuple[float, float]:
+    async with driver.client() as client:
+        pose = (await client.state()).pose
+    assert pose is not None
+    return pose.x_m, pose.y_m
+
+
+async def until(client: DriverClient, condition: Callable[[Any], bool]) -> None:
+    """Look at the robot until its state is so."""
+    while not condition(await client.state()):  # noqa: ASYNC110 (another process)
+        await asyncio.sleep(0.02)
+
+
+@pytest.fixture
+def slow_driver(tmp_path: Path) -> Iterator[Driver]:
+    made = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="slow")
+    yield made
+    made.end()
+
+
+async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
+    tmp_path: Path, slow_driver: Driver
+) -> None:
+    with running_board(tmp_path / "board") as board, board.client("op") as alice:
+
+        def start() -> subprocess.Popen[str]:
+            settings = slow_driver.settings.model_dump_json()
+            arguments = [ROBOT, settings, str(slow_driver.socket), str(tmp_path), board.url, board.tokens[ROBOT]]
+            process = subprocess.Popen([sys.executable, "-c", _AGENT, *arguments], stdout=subprocess.PIPE, text=True)
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+            return process
+
+        async def states() -> list[str]:
+            items = (await asyncio.to_thread(alice.get, f"/topics/{topic}/posts")).json()["items"]
+            return [item["card"]["state"] for item in items if item["card"]]
+
+        agent = await asyncio.to_thread(start)
+        content = {"board": "robots", "title": "Walk", "body": f"@{ROBOT} walk forward 4 m, then walk backward 3 m"}
+        made = alice.post("/topics", json=content, headers={"Idempotency-Key": "1"}).raise_for_status().json()
+        topic = made["topic"]["id"]
+        async with asyncio.timeout(20), slow_driver.client() as client:
+            await until(client, lambda state: state.pose.x_m > 0.5)
+        agent.kill()
+        agent.wait()
+        async with asyncio.timeout(5), slow_driver.client() as client:
+            await until(client, lambda state: state.velocity_mps == (0.0, 0.0))
+        stood = await position(slow_driver)
+        agent = await asyncio.to_thread(start)
+        async with asyncio.timeout(20):
+            while not set(await states()) & FINAL:  # noqa: ASYNC110 (another process is waited for)
+                await asyncio.sleep(0.05)
+        assert await states() == ["interrupted"]
+        assert await position(slow_driver) == pytest.approx(stood, abs=0.01)
+        agent.kill()
+        agent.wait()
+        assert agent.stdout is not None
+        agent.stdout.close()
+
+
+async def test_law_6_a_second_agent_is_refused(scene: Scene) -> None:
+    async with scene.agent():
+        second = scene.make()
+        with pytest.raises(JournalError, match="already runs"):
+            await second.run()
+        await second.close()
+        post = await scene.post("alice", "@quadruped turn left 90 degrees")
+        assert (await scene.final(post)).card.state == "done"
+
+
+@pytest.mark.parametrize("state", ["seen", "queued", "running"])
+async def test_law_6_a_claim_that_the_journal_does_not_know_means_interrupted(scene: Scene, state: str) -> None:
+    post = await scene.post("alice", "@quadruped walk forward 1 metre")
+    robot = scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
+    card = StatusCard(ROBOT, state, trace_id="of a lost journal")
+    await robot.reply(post.topic_id, "Seen.", key=f"claim:{post.id}", reply_to=post.id, card=card)
+    before = await position(scene.driver)
+    async with scene.agent():
+        assert (await scene.final(post)).card.state == "interrupted"
+    assert await position(scene.driver) == pytest.approx(before, abs=STILL_M)
+    assert len(scene.replies(post)) == 1
+
+
+async def test_law_6_what_a_lost_journal_had_answered_is_left_alone(scene: Scene) -> None:
+    async with scene.agent():
+        post = await scene.post("alice", "@quadruped turn left 90 degrees")
+        told = await scene.final(post)
+    for file in (scene.folder / "agents" / ROBOT).glob("journal.sqlite*"):
+        file.unlink()
+    async with scene.agent():
+        later = await scene.post("alice", "@quadruped help")
+        await scene.final(later)
+    assert [r.raw for r in scene.replies(post)] == [told.raw]
+
+
+async def test_law_6_a_journal_of_yesterday_moves_nothing_again(scene: Scene) -> None:
+    folder = scene.folder / "agents" / ROBOT
+    async with scene.agent():
+        pass
+    yesterday = {f.name: f.read_bytes() for f in folder.glob("journal.sqlite*")}
+    async with scene.agent():
+        post = await scene.post("alice", "@quadruped walk forward 1 metre")
+        await scene.final(post)
+    for file in folder.glob("journal.sqlite*"):
+        file.unlink()
+    for name, content in yesterday.items():
+        (folder / name).write_bytes(content)
+    stood = await position(scene.driver)
+    async with scene.agent():
+        await scene.final(await scene.post("alice", "@quadruped help"))
+    assert await position(scene.driver) == pytest.approx(stood, abs=STILL_M)
+    assert [r.card.state for r in scene.replies(post) if r.card] == ["done"]
+
+
+async def test_law_6_the_same_event_twice_is_one_command(scene: Scene) -> None:
+    async with scene.agent():
+        post = await scene.post("alice", "@quadruped walk forward 1 metre")
+        scene.world.emit(EventKind.POST_CREATED, post=post)
+        await scene.final(post)
+        stood = await position(scene.driver)
+        scene.world.emit(EventKind.POST_CREATED, post=post)
+        await scene.final(await scene.post("alice", "@quadruped help"))
+    assert await position(scene.driver) == pytest.approx(stood, abs=STILL_M)
+    assert len(scene.replies(post)) == 1
+
+
+async def test_what_was_posted_while_the_agent_was_away_is_done_when_it_is_fresh(scene: Scene) -> None:
+    async with scene.agent():
+        pass
+    post = await scene.post("alice", "@quadruped turn left 90 degrees")
+    async with scene.agent():
+        assert (await scene.final(post)).card.state == "done"
+
+
+async def test_law_5_what_was_posted_before_the_first_start_is_answered_once(scene: Scene) -> None:
+    post = await scene.post("alice", "@quadruped walk forward 1 metre")
+    before = await position(scene.driver)
+    for _ in range(2):
+        async with scene.agent():
+            reply = await scene.final(post)
+            await scene.final(await scene.post("alice", "@quadruped help"))
+    assert reply.card.state == "expired"
+    assert len(scene.replies(post)) == 1
+    assert await position(scene.driver) == pytest.approx(before, abs=STILL_M)
+
+
+class SlowMind(RulesMind):
+    """Understands nothing until it is let."""
+
+    def __init__(self) -> None:
+        self.asked = asyncio.Event()
+        self.let = asyncio.Event()
+
+    async def understand(self, text: str, listener: Listener, history: tuple[Plan, ...] = ()) -> Understanding:
+        self.asked.set()
+        await self.let.wait()
+        return await super().understand(text, listener, history)
+
+
+@pytest.mark.parametrize("what", ["edit", "remove", "suspend", "demote", "stop", "expire"])
+async def test_law_4_what_changed_since_it_was_posted_moves_nothing(driver: Driver, tmp_path: Path, what: str) -> None:
+    expiry_s = 0.3 if what == "expire" else 600.0
+    scene = make_scene(driver, tmp_path, queue_expiry_s=expiry_s)
+    mind = SlowMind()
+    before = await position(driver)
+    async with scene.agent(mind=mind):
+        post = await scene.post("alice", "@quadruped walk forward 1 metre")
+        await mind.asked.wait()
+        await scene.state(post, "seen")
+        match what:
+            case "edit":
+                await scene.world.sign_in("alice").edit(post.id, "@quadruped walk forward 2 metres")
+            case "remove":
+                scene.world.remove(post.id)
+            case "suspend":
+                scene.world.suspend("alice")
+            case "demote":
+                scene.world.set_role("alice", Role.MEMBER)
+            case "stop":
+                await scene.post("bob", "@quadruped stop")
+            case "expire":
+                await asyncio.sleep(expiry_s)
+        if what == "stop":
+            await scene.until(lambda: any("standing still" in p.raw for p in scene.world.posts.values()))
+        mind.let.set()
+        reply = await scene.final(post)
+    assert await position(driver) == pytest.approx(before, abs=STILL_M)
+    wanted = {"edit": "cancelled", "remove": "cancelled", "suspend": "cancelled", "demote": "refused",
+              "stop": "cancelled", "expire": "expired"}  # fmt: skip
+    assert reply.card.state == wanted[what]
+
+
+async def test_commands_are_done_one_by_one_in_the_order_of_their_acceptance(scene: Scene) -> None:
+    async with scene.agent():
+        posts = [await scene.post("alice", f"@quadruped turn left {90 + n} degrees") for n in range(4)]
+        await scene.state(posts[3], "queued")
+        finals = [await scene.final(post) for post in posts]
+    times = [json.loads((scene.folder / f"agents/{ROBOT}/records/{p.id}.json").read_text()) for p in posts]
+    done = [t["timings_ms"]["done"] + i for i, t in enumerate(times)]
+    assert [f.card.state for f in finals] == ["done"] * 4
+    assert done == sorted(done)
+
+
+async def test_law_7_the_limits_of_today_count_when_it_moves(scene: Scene) -> None:
+    """The robot's own limits were lowered after the command was screened."""
+    scene_driver = scene.driver.client()
+    real = scene_driver.capabilities
+    asked = 0
+
+    async def lowered():  # type: ignore[no-untyped-def]
+        nonlocal asked
+        asked += 1
+        now = await real()
+        return now if asked <= 1 else replace(now, limits=replace(now.limits, step_m=0.5))
+
+    scene_driver.capabilities = lowered  # type: ignore[method-assign]
+    before = await position(scene.driver)
+    async with scene.agent(driver=scene_driver, forum=_Offstage(scene)):
+        post = await scene.post("alice", "@quadruped walk forward 1 metre")
+        reply = await scene.final(post)
+    assert reply.card.state == "refused"
+    assert await position(scene.driver) == pytest.approx(before, abs=STILL_M)
+
+
+def _Offstage(scene: Scene):  # type: ignore[no-untyped-def]  # noqa: N802
+    """The robot's forum without its page, whose card asks for the limits too."""
+    forum = scene.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
+
+    class Offstage:
+        max_edits, live = forum.max_edits, forum.live
+
+        def __getattr__(self, name: str):  # type: ignore[no-untyped-def]
+            if name.startswith("publish"):
+                raise AttributeError(name)
+            return getattr(forum, name)
+
+    return Offstage()
+
+
+async def test_a_forum_that_goes_away_for_a_while_loses_nothing(scene: Scene) -> None:
+    async with scene.agent():
+        first = await scene.post("alice", "@quadruped turn left 90 degrees")
+        scene.world.reachable = False
+        await asyncio.sleep(0.3)
+        scene.world.reachable = True
+        await scene.final(first)
+        second = await scene.post("alice", "@quadruped turn right 90 degrees")
+        assert (await scene.final(second)).card.state == "done"
+
+
+async def test_law_16_a_silent_forum_stops_a_moving_robot(tmp_path: Path, slow_driver: Driver) -> None:
+    scene = make_scene(slow_driver, tmp_path)
+    async with scene.agent():
+        post = await scene.post("alice", "@quadruped walk forward 5 metres")
+        await scene.state(post, "running")
+        scene.world.reachable = False
+        async with asyncio.timeout(5), slow_driver.client() as client:
+            await until(client, lambda state: state.velocity_mps[0] > 0.1)
+            await until(client, lambda state: state.velocity_mps == (0.0, 0.0))
+        scene.world.reachable = True
+        reply = await scene.final(post)
+    assert reply.card.state == "interrupted", reply.raw
+    assert (await position(slow_driver))[0] < 3.0
+
+
+async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tmp_path: Path) -> None:
+    async def answer(text: str) -> str:
+        return text
+
+    journal = await Journal.open(tmp_path, ROBOT)
+    assert await journal.once("post-1", lambda: answer("one")) == "one"
+    assert await journal.move("1", lambda: answer("moved")) == "moved"
+    assert await journal.cancel("2")
+    stuck = asyncio.create_task(journal.move("3", asyncio.Event().wait))
+    async with asyncio.timeout(5):
+        while not await journal.moved("3"):  # noqa: ASYNC110 (the row is waited for)
+            await asyncio.sleep(0.01)
+    await journal.close()
+    await asyncio.gather(stuck, return_exceptions=True)
+    journal = await Journal.open(tmp_path, ROBOT)
+    assert await journal.once("post-1", lambda: answer("two")) == "one"
+    assert await journal.move("1", lambda: answer("again")) == "moved"
+    assert await journal.move("2", lambda: answer("moved")) == "cancelled"
+    assert await journal.move("3", lambda: answer("moved")) == "interrupted"
+    assert not await journal.cancel("3")
+    await journal.close()
+
+
+async def test_an_unusable_journal_is_said_so(tmp_path: Path) -> None:
+    (tmp_path / "journal.sqlite").write_bytes(b"not a database" * 1000)
+    with pytest.raises(JournalError, match="cannot be opened"):
+        await Journal.open(tmp_path, ROBOT)

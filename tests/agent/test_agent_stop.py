@@ -1,0 +1,144 @@
+"""Stop means stop: laws 13 to 17, on the memory forum with a driver process."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+
+from agentrob.errors import RobotUnreachable
+from agentrob.model import AccountKind, Role
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
+    """In real time, so that there is something to stop."""
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 1}), name="stoppable")
+    yield made
+    made.end()
+
+
+async def running(scene: Scene) -> str:
+    """Start a walk and return the id of its post once the robot moves."""
+    post = await scene.post("alice", "@quadruped walk forward 5 metres")
+    await scene.state(post, "running")
+    async with asyncio.timeout(5), scene.driver.client() as client:
+        while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
+            await asyncio.sleep(0.01)
+    return post.id
+
+
+async def test_law_13_the_button_stops_and_the_report_says_who_and_how_fast(scene: Scene) -> None:
+    async with scene.agent():
+        post = scene.world.posts[await running(scene)]
+        await scene.world.sign_in("bob").press_stop(ROBOT)
+        reply = await scene.final(post)
+    assert reply.card is not None
+    assert reply.card.state == "stopped"
+    assert "**Stopped** by `bob`" in reply.raw
+    assert "ms after the stop" in reply.raw
+    assert "I came to rest" in reply.raw
+
+
+@pytest.mark.parametrize("who", ["suspended", "robot", "monitor"])
+async def test_law_15_who_may_not_stop_does_not(scene: Scene, who: str) -> None:
+    kind = {"robot": AccountKind.ROBOT_AGENT, "monitor": AccountKind.MONITORING_AGENT}.get(who, AccountKind.HUMAN)
+    forum = scene.person("mallory", Role.OPERATOR, kind)
+    async with scene.agent():
+        post = scene.world.posts[await running(scene)]
+        said = await scene.post("mallory", "@quadruped stop", topic=post.topic_id)
+        if who == "suspended":
+            scene.world.suspend("mallory")
+            # What was posted a moment before the suspension is read with the account as it is now.
+        else:
+            await forum.press_stop(ROBOT)
+        await scene.state(post, "running")
+        help_post = await scene.post("bob", "@quadruped help")
+        await scene.final(help_post)
+        async with scene.driver.client() as client:
+            assert await client.holder() is not None
+        assert scene.replies(said) == []
+        await scene.post("bob", "@quadruped stop")
+        await scene.final(post)
+
+
+async def test_law_15_many_stops_get_one_folded_reply_and_do_not_block_the_next_command(scene: Scene) -> None:
+    async with scene.agent():
+        post = scene.world.posts[await running(scene)]
+        stops = []
+        for n in range(10):
+            scene.person(f"shouter{n}", Role.MEMBER)
+            stops.append(await scene.post(f"shouter{n}", "stop", topic=post.topic_id))
+            if n == 0:
+                await scene.final(post)
+                stops[0] = await scene.until(lambda: scene.replies(stops[0]) and stops[0])
+        stops.append(await scene.post("bob", "@quadruped stop", topic=post.topic_id))
+        await scene.until(lambda: "Stops since then: 1" in scene.replies(stops[0])[0].raw)
+        assert [len(scene.replies(s)) for s in stops] == [1] + [0] * 10
+        later = await scene.post("alice", "@quadruped turn left 30 degrees", topic=post.topic_id)
+        assert (await scene.final(later)).card.state == "done"
+
+
+async def test_law_14_what_is_still_being_read_is_cancelled_too_and_a_later_post_moves(scene: Scene) -> None:
+    async with scene.agent():
+        first = scene.world.posts[await running(scene)]
+        second = await scene.post("alice", "@quadruped walk forward 3 metres")
+        stop = await scene.post("bob", "@quadruped stop please!")
+        third = await scene.post("alice", "@quadruped turn left 30 degrees")
+        states = [(await scene.final(p)).card.state for p in (first, second, third)]
+        answer = await scene.until(lambda: scene.replies(stop))
+    assert states == ["stopped", "cancelled", "done"]
+    assert "ended or cancelled" in answer[0].raw
+
+
+async def test_law_17_a_halt_holds_until_it_is_released(scene: Scene) -> None:
+    async with scene.agent():
+        await scene.post("bob", "@quadruped emergency stop!")
+        await scene.until(lambda: any("owner releases" in p.raw for p in scene.world.posts.values()))
+        refused = await scene.final(await scene.post("alice", "@quadruped turn left 30 degrees"))
+        async with scene.driver.client() as client:
+            assert (await client.state()).halted
+            await client.release("owner")
+    assert refused.card.state == "refused"
+
+
+async def test_law_15_a_stop_goes_past_a_journal_that_cannot_be_written(scene: Scene) -> None:
+    async with scene.agent() as agent:
+        post = scene.world.posts[await running(scene)]
+        await agent.journal._in_rows(agent.journal._db.close)  # as a disk that is gone
+        await scene.post("bob", "@quadruped stop", topic=post.topic_id)
+        async with asyncio.timeout(5), scene.driver.client() as client:
+            while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
+                await asyncio.sleep(0.01)
+        reply = await scene.final(post)
+    assert reply.card.state in ("stopped", "failed")
+
+
+async def test_law_17_a_driver_that_cannot_be_reached_is_said_plainly(driver: Driver, tmp_path: Path) -> None:
+    scene = make_scene(driver, tmp_path)
+
+    class Cut(type(driver.client())):  # type: ignore[misc]
+        """Every call goes nowhere; the second channel is that of a robot without a driver."""
+
+        async def _call(self, *_: object, **__: object) -> object:
+            raise RobotUnreachable("no driver")
+
+    async with scene.agent(driver=Cut("nobody", tmp_path / "none.sock")):
+        post = await scene.post("bob", "@quadruped stop")
+        (reply,) = await scene.until(lambda: scene.replies(post))
+        assert "could not reach" in reply.raw
+        command = await scene.final(await scene.post("alice", "@quadruped wave"))
+    assert command.card.state == "failed"
+    assert "cannot be used" in command.raw
+
+
+async def test_an_agent_that_is_ended_stops_its_robot_and_says_so(scene: Scene) -> None:
+    async with scene.agent():
+        post = scene.world.posts[await running(scene)]
+    assert [r.card.state for r in scene.replies(post)] == ["interrupted"]
+    async with scene.driver.client() as client:
+        assert await client.holder() is None
+        assert (await client.state()).velocity_mps == pytest.approx((0.0, 0.0), abs=0.02)
