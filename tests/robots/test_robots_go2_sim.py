@@ -131,3 +131,24 @@ async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s
     while not true(await robot.state()):
         assert time.monotonic() < end_s, "it did not become true"
         await asyncio.sleep(0.05)
+
+
+async def test_a_driver_without_a_robot_serves_and_moves_nothing(tmp_path: Path) -> None:
+    driver = await asyncio.to_thread(start, "-c", DRIVER, str(tmp_path), str(DOMAIN + 19))
+    try:
+        async with DriverClient("quadruped", tmp_path / "quadruped.sock") as robot:
+            assert math.isinf((await robot.state()).age_s)
+            async with robot.lease("walker") as lease:
+                step = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
+                result = await robot.step(lease, step, 10)
+                assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
+                picture = await robot.step(lease, Primitive(Op.GET_FRONT_IMAGE), 10)
+                assert (picture.outcome, picture.reason) == (Outcome.FAILED, "no_answer")
+            stopped = await robot.stop("walker")
+            assert not stopped.confirmed
+            assert "no state ever came" in stopped.message
+            driver.send_signal(signal.SIGTERM)
+            assert await asyncio.to_thread(driver.wait, 5) == 0
+    finally:
+        driver.kill()
+        driver.wait()

@@ -142,7 +142,8 @@ class Go2:
     def _doubt(self, rest: Rest) -> str:
         """Why the robot cannot be said to have come to rest; empty when it can."""
         if (age_s := self.state().age_s) >= 0.5:
-            return f"The robot did not confirm: its state is {age_s:.1f} s old."
+            age = "no state ever came" if math.isinf(age_s) else f"its state is {age_s:.1f} s old"
+            return f"The robot did not confirm: {age}."
         if not rest.reached:
             return f"The robot did not confirm: it still moved after {REST_LIMIT_S:g} s."
         return "The robot keeps its place, but has not ended its gesture yet." if self._gesturing else ""

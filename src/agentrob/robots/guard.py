@@ -61,7 +61,7 @@ class Guard:
         self._stepping = threading.Lock()
         self._looking = threading.Lock()
         self._running: Primitive | None = None
-        self._sentence = ""
+        self._sentence = self._lost_home = ""
         self._closed = threading.Event()
         self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
         self._observer.start()
@@ -236,8 +236,6 @@ class Guard:
         return ("obstacle", sentence) if sentence else None
 
     # ------------------------------------------------------------ always
-    _lost_home = ""
-
     def _observe(self) -> None:
         while not self._closed.wait(1 / OBSERVE_HZ):
             try:

@@ -35,9 +35,12 @@ def stop_driver(lock: str, by: str) -> StopResult:
         raise RobotUnreachable(f"the driver at {lock} did not confirm ({line.strip()[:100]!r})") from None
 
 
-def stop_all(by: str) -> dict[str, StopResult | RobotUnreachable]:
-    """Stop every robot that has a driver on this host, all at the same time; the key is the driver's lock."""
-    locks = hostlock.held("driver/")
+def stop_all(by: str, among: str = "driver/") -> dict[str, StopResult | RobotUnreachable]:
+    """Stop every robot that has a driver on this host, all at the same time; the key is the driver's lock.
+
+    `among` narrows it to locks that begin so (`driver/lo/`). The host is meant: robots of other users stop too.
+    """
+    locks = hostlock.held(among)
     if not locks:
         return {}
     with ThreadPoolExecutor(len(locks)) as pool:
