@@ -9,6 +9,7 @@ from agentrob.errors import SimError
 from agentrob.sim import room
 from agentrob.sim.go2 import VELOCITY_BOUND
 from agentrob.sim.sensors import wrap
+from agentrob.sim.sport import MOVE, STOP_MOVE
 from agentrob.sim.world import World
 
 pytestmark = pytest.mark.sim
@@ -93,3 +94,18 @@ def test_reset_puts_it_back_and_time_goes_on(bench):
 def test_a_world_without_robots_is_refused():
     with pytest.raises(SimError, match="1 to 3 robots"):
         World([])
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_stopped_at_any_moment_of_any_walk_it_comes_to_rest_on_its_feet(bench, seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(3):
+        x, y, z = rng.uniform([-0.6, -0.4, -1.4], [1.0, 0.4, 1.4])
+        for _ in range(rng.integers(2, 15)):
+            bench.sport.call(MOVE, {"x": x, "y": y, "z": z}, lambda code: None)
+            bench.run(0.1)
+    bench.call(STOP_MOVE)
+    assert bench.run(6.0, lambda: bench.body.settled) < 5.0
+    bench.run(3.0)
+    assert bench.body.standing
+    assert bench.body.upright > 0.985

@@ -22,6 +22,8 @@ CAMERA_AT_M, CAMERA_FOVY_DEG = [0.32715, 0.0, 0.04297], 60
 # The policy drifts and turns when told to stand, so the joints are locked once the body has come to rest.
 CALM_MPS, CALM_RPS = 0.12, 0.35  # slower than this is calm
 CALM_S, LEAST_STILL_S = 0.10, 0.25  # calm for so long, and at least so long after the command ended
+# Locked in mid-stride it may lean over its feet and topple: then the policy gets the body back and steps until it is even.
+LEAN_UPRIGHT, LEAN_MPS = 0.985, 0.20
 LOCK_BLEND_S, LOCK_STIFFNESS = 0.40, 2.5
 SETTLED_S = LOCK_BLEND_S + 0.2  # locked for so long
 BRAKE_KEEP = 0.8  # of the trim, each period while braking
@@ -152,6 +154,9 @@ class Go2(Legged):
         self._slewed += np.clip(self._wanted - self._slewed, -COMMAND_SLEW, COMMAND_SLEW)
         if self._wanted.any():
             self._still_s, self._lock_s, self._braked = 0.0, None, False
+        elif self._lock_s is not None and self._leaning():
+            self._policy.reset()
+            self._lock_s, self._calm_s = None, 0.0
         elif self._lock_s is None:
             self._come_to_rest()
         if self._lock_s is not None:
@@ -161,6 +166,10 @@ class Go2(Legged):
         target = self._policy.targets(self.gyro_rps, gravity, self.joints_rad, self.joint_speeds_rps, asked)
         return Drive(target)
 
+    def _leaning(self) -> bool:
+        vx, vy, _ = self.heading_velocity()
+        return self.upright < LEAN_UPRIGHT or float(np.hypot(vx, vy)) > LEAN_MPS
+
     def _come_to_rest(self) -> None:
         vx, vy, turning = self.heading_velocity()
         slow = float(np.hypot(vx, vy)) < CALM_MPS
@@ -169,7 +178,7 @@ class Go2(Legged):
             self._trim.brake(BRAKE_KEEP)
         self._braked = self._braked or (self._still_s > LEAST_STILL_S and slow)
         self._calm_s = self._calm_s + PERIOD_S if slow and abs(turning) < CALM_RPS else 0.0
-        if self._still_s > LEAST_STILL_S and self._calm_s > CALM_S:
+        if self._still_s > LEAST_STILL_S and self._calm_s > CALM_S and self.upright > LEAN_UPRIGHT:
             self._lock_s, self._lock_from = 0.0, self._last.target_rad.copy()
 
     def _locked(self) -> Drive:

@@ -31,7 +31,7 @@ DAMP, BALANCE_STAND, STOP_MOVE, STAND_UP, STAND_DOWN, RECOVERY_STAND = 1001, 100
 MOVE, SIT, RISE_SIT, HELLO, STRETCH, HEART = 1008, 1009, 1010, 1016, 1017, 1036
 
 MOVE_HELD_S = 1.0
-SETTLE_LIMIT_S = 4.0  # for coming to rest before an action
+SETTLE_LIMIT_S = 6.0  # for coming to rest before an action
 FALLEN_BELOW = 0.3  # cosine of the tilt
 
 Answer = Callable[[int], None]
