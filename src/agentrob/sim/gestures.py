@@ -56,6 +56,7 @@ SIT = pose(0.75, 0.14, 0.04, 0.02, (-0.05, 0.05, -0.15, 0.15))
 # On three feet: the fore foot that stays goes under the middle, the hind feet go apart, else it tips over.
 SIT_RIGHT_FREE = pose(0.75, 0.16, 0.05, 0.06, (-0.05, -0.30, -0.30, 0.30))
 SIT_LEFT_FREE = pose(0.75, 0.16, 0.05, 0.06, (0.30, 0.05, -0.30, 0.30))
+HALF_SIT = pose(0.35, 0.24, 0.0, 0.0)  # going through it keeps the feet from sliding
 LIE = np.array([0.0, 1.30, -2.65, 0.0, 1.30, -2.65, -0.2, 1.36, -2.65, 0.2, 1.36, -2.65])
 BOW = pose(-0.35, 0.34, 0.0, 0.20)
 
@@ -102,6 +103,8 @@ class Motion:
 
 
 TO_STAND = (Frame(1.2, STAND_RAD), Frame(0.3, STAND_RAD, stiffness=SOFT))
+TO_SIT = (Frame(0.6, HALF_SIT), Frame(0.7, SIT))
+SIT_TO_STAND = (Frame(0.6, HALF_SIT), Frame(0.6, STAND_RAD), Frame(0.3, STAND_RAD, stiffness=SOFT))
 
 
 def hello(joints: Array) -> Motion:
@@ -120,13 +123,15 @@ def hello(joints: Array) -> Motion:
     return Motion(
         joints,
         [
-            Frame(1.4, SIT_RIGHT_FREE),
+            *TO_SIT,
             Frame(0.4, SIT_RIGHT_FREE),
+            Frame(0.2, SIT_RIGHT_FREE),
             Frame(0.7, up),
             Frame(seconds, drawn=wave),
             Frame(0.7, SIT_RIGHT_FREE),
             Frame(0.2, SIT_RIGHT_FREE),
-            *TO_STAND,
+            Frame(0.4, SIT),
+            *SIT_TO_STAND,
         ],
     )
 
@@ -155,11 +160,12 @@ def heart(joints: Array) -> Motion:
     return Motion(
         joints,
         [
-            Frame(1.2, SIT),
+            *TO_SIT,
             *half(FRONT_RIGHT, SIT_RIGHT_FREE),
             Frame(0.5, SIT),
             *half(FRONT_LEFT, SIT_LEFT_FREE),
-            *TO_STAND,
+            Frame(0.4, SIT),
+            *SIT_TO_STAND,
         ],
     )
 
@@ -171,7 +177,12 @@ def stretch(joints: Array) -> Motion:
 
 def sit(joints: Array) -> Motion:
     """Sit back on the hind legs and stay there."""
-    return Motion(joints, [Frame(1.4, SIT), Frame(0.3, SIT)])
+    return Motion(joints, [*TO_SIT, Frame(0.3, SIT)])
+
+
+def rise_from_sitting(joints: Array) -> Motion:
+    """From sitting to standing."""
+    return Motion(joints, SIT_TO_STAND)
 
 
 def lie_down(joints: Array) -> Motion:

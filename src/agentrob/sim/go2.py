@@ -22,7 +22,7 @@ CAMERA_AT_M, CAMERA_FOVY_DEG = [0.32715, 0.0, 0.04297], 60
 # The policy drifts and turns when told to stand, so the joints are locked once the body has come to rest.
 CALM_MPS, CALM_RPS = 0.12, 0.35  # slower than this is calm
 CALM_S, LEAST_STILL_S = 0.10, 0.25  # calm for so long, and at least so long after the command ended
-# Locked in mid-stride it may lean over its feet and topple: then the policy gets the body back and steps until it is even.
+# Locked in mid-stride it may lean over its feet and topple: then the policy gets the body back until it stands even.
 LEAN_UPRIGHT, LEAN_MPS = 0.985, 0.20
 LOCK_BLEND_S, LOCK_STIFFNESS = 0.40, 2.5
 SETTLED_S = LOCK_BLEND_S + 0.2  # locked for so long

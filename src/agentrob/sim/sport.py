@@ -93,7 +93,7 @@ OFFERS: Mapping[int, Offer] = {
     HEART: Offer("heart", _STANDING, gestures.heart, Posture.BALANCE),
     STRETCH: Offer("stretch", _STANDING, gestures.stretch, Posture.BALANCE),
     SIT: Offer("sit", _STANDING, gestures.sit, Posture.SITTING, CODES[Posture.SITTING]),
-    RISE_SIT: Offer("rise from sitting", frozenset({Posture.SITTING}), gestures.stand, Posture.BALANCE),
+    RISE_SIT: Offer("rise from sitting", frozenset({Posture.SITTING}), gestures.rise_from_sitting, Posture.BALANCE),
     STAND_DOWN: Offer("lie down", _UP | _DOWN, gestures.lie_down, Posture.LYING, CODES[Posture.LYING]),
 }
 
