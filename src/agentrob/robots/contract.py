@@ -18,6 +18,7 @@ import threading
 import time
 
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.robots.motion import wrap
 from agentrob.robots.robot import Robot
 
 FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
@@ -126,6 +127,23 @@ class RobotContract:
         assert stopped.confirmed, stopped.message
         assert stopped.coasted_m is not None
         assert stopped.coasted_m < 0.5
+
+    def test_a_stop_of_a_turn_says_that_it_was_moving(self, robot: Robot) -> None:
+        start, turning, results = fresh(robot), threading.Event(), list[ActionResult]()
+
+        def notice(state: RobotState) -> str | None:
+            if start.pose and state.pose and abs(wrap(state.pose.yaw_rad - start.pose.yaw_rad)) > 0.3:
+                turning.set()
+            return None
+
+        around = Primitive(Op.TURN, Direction.LEFT, degrees=300.0)
+        step = threading.Thread(target=lambda: results.append(robot.step(around, notice)))
+        step.start()
+        assert turning.wait(10)
+        stopped = robot.stop()
+        step.join(10)
+        assert results[0].outcome is Outcome.STOPPED
+        assert stopped.was_moving
 
     def test_a_stop_at_rest_is_confirmed_and_harmless(self, robot: Robot) -> None:
         fresh(robot)

@@ -45,6 +45,7 @@ UPRIGHT = 0.5
 
 #: A standing Go2 sways a little; faster than this it moves.
 MOVING_MPS = 0.12
+MOVING_RPS = 0.25
 
 STOP_MOVE = 1003
 CAPABILITIES = Capabilities(
@@ -133,7 +134,7 @@ class Go2:
             if now_s < asked_s + 0.5:
                 self._send_stop()  # a Move that was on its way meanwhile, or a lost sample
         moved_m = rest.distance_m(before.pose)
-        was_moving = gesturing or _speed(before) > MOVING_MPS or (moved_m or 0.0) > 0.05
+        was_moving = gesturing or _moves(before) or (moved_m or 0.0) > 0.05
         doubt = self._doubt(rest)
         if doubt and not sent:
             doubt += " The stop could not be written to the robot's network."
@@ -246,8 +247,10 @@ def read(message: Any) -> RobotState:
     )
 
 
-def _speed(state: RobotState) -> float:
-    return math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
+def _moves(state: RobotState) -> bool:
+    """Whether its own state shows it walking or turning (its sensors are never quite still)."""
+    speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
+    return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS
 
 
 def _why(code: int, what: str) -> tuple[str, str]:
