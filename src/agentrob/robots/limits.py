@@ -5,6 +5,8 @@ from __future__ import annotations
 from agentrob.model import Capabilities, Direction, Op, Primitive
 
 TURNS = (Direction.LEFT, Direction.RIGHT)
+#: Less than this no robot can do and measure.
+LEAST_M, LEAST_DEG, LEAST_MPS = 0.01, 1.0, 0.05
 
 
 def beyond_limits(primitive: Primitive, capabilities: Capabilities) -> tuple[str, str] | None:
@@ -14,8 +16,8 @@ def beyond_limits(primitive: Primitive, capabilities: Capabilities) -> tuple[str
         return _move(primitive, capabilities)
     if primitive.op is Op.TURN:
         degrees = primitive.degrees
-        if primitive.direction not in TURNS or degrees is None or not degrees > 0:
-            return "invalid", "A turn needs a direction (left or right) and degrees above 0."
+        if primitive.direction not in TURNS or degrees is None or not degrees >= LEAST_DEG:
+            return "invalid", f"A turn needs a direction (left or right) and at least {LEAST_DEG:g}°."
         if not degrees <= limits.step_deg:
             return "limit_step_deg", f"{degrees:g}° is more than the {limits.step_deg:g}° that one step may turn."
     return None
@@ -23,15 +25,15 @@ def beyond_limits(primitive: Primitive, capabilities: Capabilities) -> tuple[str
 
 def _move(primitive: Primitive, capabilities: Capabilities) -> tuple[str, str] | None:
     limits, distance_m, speed_mps = capabilities.limits, primitive.distance_m, primitive.speed_mps
-    if primitive.direction is None or distance_m is None or not distance_m > 0:
-        return "invalid", "A move needs a direction and a distance above 0 m."
+    if primitive.direction is None or distance_m is None or not distance_m >= LEAST_M:
+        return "invalid", f"A move needs a direction and a distance of at least {LEAST_M:g} m."
     if primitive.direction not in capabilities.move_directions:
         known = ", ".join(sorted(capabilities.move_directions))
         return "unsupported", f"This robot cannot move {primitive.direction}; it can: {known}."
     if not distance_m <= limits.step_m:
         return "limit_step_m", f"{distance_m:g} m is more than the {limits.step_m:g} m that one step may go."
-    if speed_mps is not None and not speed_mps > 0:
-        return "invalid", "A speed must be above 0 m/s."
+    if speed_mps is not None and not speed_mps >= LEAST_MPS:
+        return "invalid", f"A speed must be at least {LEAST_MPS:g} m/s."
     if speed_mps is not None and not speed_mps <= limits.speed_mps:
         return "limit_speed_mps", f"{speed_mps:g} m/s is more than the {limits.speed_mps:g} m/s that are allowed."
     return None

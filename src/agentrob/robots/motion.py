@@ -149,6 +149,8 @@ class Motion:
     """One move (`forward_m`, `left_m`, heading held) or turn (`turn_rad`, position held)."""
 
     def __init__(self, gait: Gait, forward_m: float = 0.0, left_m: float = 0.0, turn_rad: float = 0.0) -> None:
+        if not (turn_rad or math.hypot(forward_m, left_m) > 1e-6):
+            raise ValueError("a motion needs a distance or an angle")
         self.gait = gait
         self.forward_m, self.left_m, self.turn_rad = forward_m, left_m, turn_rad
         self.ended = ""
