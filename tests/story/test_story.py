@@ -14,12 +14,14 @@ and between a story's steps is for readers. Headings that are understood:
     ## ROBOT replies to KEY                 a reply that is no command's status, as to a stop
     ## ROBOT replied to KEY N times
     ## ROBOT says nothing to KEY
+    ## the robot walks                      wait until it moves
     ## the robot walked 1.0 m               since the story began, as its driver measured, within 10 %
     ## the robot stands where it stood
 """
 
 from __future__ import annotations
 
+import asyncio
 import math
 import re
 import sys
@@ -114,6 +116,11 @@ class Told:
         x_m, y_m = await self.place()
         assert math.hypot(x_m - self.start[0], y_m - self.start[1]) == pytest.approx(float(metres), rel=0.1)
 
+    async def walks(self, _: str) -> None:
+        async with asyncio.timeout(5), self.scene.driver.client() as client:
+            while math.hypot(*((await client.state()).velocity_mps or (0, 0))) < 0.1:  # noqa: ASYNC110 (a process)
+                await asyncio.sleep(0.01)
+
     async def stood(self, _: str) -> None:
         assert await self.place() == pytest.approx(self.start, abs=0.001)
 
@@ -146,6 +153,7 @@ _STEPS: tuple[tuple[str, Callable[..., Awaitable[None]]], ...] = (
     (r"(\w+) answers (\w+): (\w+)", Told.answers),
     (r"(\w+) replied to (\w+) (\d+) times", Told.replied),
     (r"(\w+) says nothing to (\w+)", Told.nothing),
+    (r"the robot walks", Told.walks),
     (r"the robot walked ([\d.]+) m", Told.walked),
     (r"the robot stands where it stood", Told.stood),
 )

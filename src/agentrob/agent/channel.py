@@ -64,7 +64,8 @@ class Channel:
         self._heard.clear()
         self._hurry.set()
         try:
-            await asyncio.wait_for(self._heard.wait(), SILENCE_S)
+            async with asyncio.timeout(SILENCE_S):
+                await self._heard.wait()
         except TimeoutError:
             return False
         finally:
@@ -120,7 +121,8 @@ class Channel:
             await asyncio.sleep(BEAT_S)
             return
         try:
-            await asyncio.wait_for(self._hurry.wait(), self._poll_s)
+            async with asyncio.timeout(self._poll_s):
+                await self._hurry.wait()
         except TimeoutError:
             return
 

@@ -55,7 +55,8 @@ class Presence:
                 except ForumError as e:
                     _log.info("robot card not shown", robot=self._name, error=str(e))
             try:
-                await asyncio.wait_for(self._changed.wait(), LOOK_S)
+                async with asyncio.timeout(LOOK_S):
+                    await self._changed.wait()
                 await asyncio.sleep(0.1)  # several changes at once are one
             except TimeoutError:
                 continue

@@ -147,7 +147,8 @@ class MemoryWorld:
         waiting = asyncio.Event()
         self._waiting.add(waiting)
         try:
-            await asyncio.wait_for(waiting.wait(), seconds)
+            async with asyncio.timeout(seconds):  # wait_for of Python 3.11 may swallow a cancellation
+                await waiting.wait()
         except TimeoutError:
             return False
         finally:
