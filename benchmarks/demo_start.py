@@ -1,4 +1,4 @@
-"""How long from `make demo` until the page answers, and until a post would: packages cached, a new data folder each time.
+"""From `make demo` until the page answers, and until a post would: packages cached, a new data folder each time.
 
 .venv/bin/python benchmarks/demo_start.py [RUNS]
 """
@@ -72,9 +72,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         times = [one(Path(folder) / str(n)) for n in range(runs)]
     for name, values in zip(("page answers", "welcome (all ready)"), zip(*times, strict=True), strict=True):
-        print(
-            f"{name:20} min {min(values):5.1f} s  median {statistics.median(values):5.1f} s  max {max(values):5.1f} s  n={runs}"
-        )
+        low, middle, high = min(values), statistics.median(values), max(values)
+        print(f"{name:20} min {low:5.1f} s  median {middle:5.1f} s  max {high:5.1f} s  n={runs}")
 
 
 if __name__ == "__main__":

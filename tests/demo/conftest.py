@@ -1,15 +1,22 @@
-"""One demo for the tests of a module."""
+"""One demo for the tests of a module, and none left behind by any test."""
 
-import signal
 from collections.abc import Iterator
 
 import pytest
-from running import RunningDemo, start_demo
+from running import RUNNING, RunningDemo, end_left, start_demo
 
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningDemo]:
-    running = start_demo(tmp_path_factory.mktemp("demo") / "data")
-    yield running
-    running.process.send_signal(signal.SIGINT)
-    running.process.wait(10)
+    before = len(RUNNING)
+    yield start_demo(tmp_path_factory.mktemp("demo") / "data")
+    end_left(before)
+
+
+@pytest.fixture(autouse=True)
+def nothing_left(request: pytest.FixtureRequest) -> Iterator[None]:
+    if "demo" in request.fixturenames:
+        request.getfixturevalue("demo")
+    before = len(RUNNING)
+    yield
+    end_left(before)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import threading
@@ -12,6 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 START_S = 60.0
+#: Every demo that was started; `end_left` ends those that a failed test left behind.
+RUNNING: list[RunningDemo] = []
 ROOT = Path(__file__).parents[2]
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 
@@ -60,7 +63,16 @@ def start_demo(data: Path, *, through_make: bool = False) -> RunningDemo:
         start_new_session=True,
     )
     demo = RunningDemo(process, data)
+    RUNNING.append(demo)
     threading.Thread(target=demo.listen, daemon=True).start()
     assert demo.ready.wait(START_S), "".join(demo.said)
     assert process.poll() is None, "".join(demo.said)
     return demo
+
+
+def end_left(since: int = 0) -> None:
+    """End the demos that were started after the first `since` ones and still run."""
+    for demo in RUNNING[since:]:
+        if demo.process.poll() is None:
+            os.killpg(demo.process.pid, signal.SIGINT)
+            demo.process.wait(10)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
-from running import ROOT, RunningDemo, start_demo
+from running import ROOT, RUNNING, RunningDemo, end_left, start_demo
 
 pytestmark = [pytest.mark.sim, pytest.mark.browser, pytest.mark.timeout(180)]
 
@@ -23,10 +22,9 @@ SCREENSHOTS = Path(os.environ.get("AGENTROB_SCREENSHOTS") or ROOT / "var/screens
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningDemo]:
-    running = start_demo(tmp_path_factory.mktemp("demo") / "data", through_make=True)
-    yield running
-    os.killpg(running.process.pid, signal.SIGINT)
-    running.process.wait(10)
+    before = len(RUNNING)
+    yield start_demo(tmp_path_factory.mktemp("demo") / "data", through_make=True)
+    end_left(before)
 
 
 @pytest.fixture(scope="module")
