@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 
 from agentrob.agent import report as words
 from agentrob.agent.channel import Channel
-from agentrob.agent.execute import Execution, Reins, execute
+from agentrob.agent.execute import STOP, Execution, Reins, execute
 from agentrob.agent.extract import Thought, extract
 from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
@@ -150,7 +150,9 @@ class Course:
                 return self._report(job, "answered", message=await self._state_text(language))
             case Intent.ASK_BACK:
                 return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
-            case Intent.STOP | Intent.HALT:
+            case Intent.STOP | Intent.HALT:  # in words that only the mind understood
+                for other in self.line.end_before(job.command.posted_at, STOP):
+                    other.stopped_by = job.command.author.name
                 stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
                 return self._report(job, "stopped", stop=stop)
         return self._report(job, "answered", message=say("nothing", language))

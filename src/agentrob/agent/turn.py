@@ -1,4 +1,7 @@
-"""The agent of one robot: a post comes in, the robot moves, a reply goes out. Only this file knows its neighbours."""
+"""The agent of one robot: a post comes in, the robot moves, a reply goes out.
+
+Here it lives, hears and accepts; `course` takes each command through the deeds. Only these two know their neighbours.
+"""
 
 from __future__ import annotations
 
