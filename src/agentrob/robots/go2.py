@@ -62,8 +62,9 @@ class Go2:
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
-        """What it can do, without connecting."""
-        return replace(CAPABILITIES, limits=limits_of(settings), simulated=settings.simulated)
+        """What it can do, without connecting. The simulated one cannot flip yet."""
+        ops = CAPABILITIES.ops - {Op.BACKFLIP} if settings.simulated else CAPABILITIES.ops
+        return replace(CAPABILITIES, ops=ops, limits=limits_of(settings), simulated=settings.simulated)
 
     def __init__(self, settings: RobotConfig) -> None:
         if settings.options:
