@@ -35,6 +35,7 @@ listen = "127.0.0.1:{port}"
 url = "http://127.0.0.1:{port}"
 [robots.{robot}]
 model = "fake"
+domain = {domain}
 simulated = true
 home_on_start = true
 options = {{ time_scale = inf }}
@@ -76,7 +77,9 @@ def percentile(values: Sequence[float], share: float) -> float:
 def run(posts: int, folder: Path) -> dict[str, list[float]]:
     """Start everything, measure, end everything."""
     path = folder / "agentrob.toml"
-    path.write_text(CONFIG.format(data=json.dumps(str(folder)), port=free_port(), robot=ROBOT))
+    path.write_text(
+        CONFIG.format(data=json.dumps(str(folder)), port=free_port(), robot=ROBOT, domain=1 + os.getpid() % 230)
+    )
     config = app.load(path)
     app.board_account(config, ROBOT, AccountKind.ROBOT_AGENT, Role.MEMBER)
     app.board_account(config, "alice", AccountKind.HUMAN, Role.OPERATOR)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -29,7 +30,15 @@ FINAL = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "ca
 def robot_settings(**more: Any) -> RobotConfig:
     """A fake robot in a large room, ten times as fast as life."""
     options = {"time_scale": 10, "room": [-1000, 1000, -1000, 1000], **more.pop("options", {})}
-    common = {"model": "fake", "simulated": True, "home_on_start": True, "fence": WIDE, "options": options}
+    domain = 1 + os.getpid() % 230  # other tests on this host may run drivers of the same name
+    common = {
+        "model": "fake",
+        "domain": domain,
+        "simulated": True,
+        "home_on_start": True,
+        "fence": WIDE,
+        "options": options,
+    }
     return RobotConfig.model_validate({**common, **more})
 
 

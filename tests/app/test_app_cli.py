@@ -19,6 +19,7 @@ from agentrob.child import Child, end_all
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 LIMIT_S = 30.0
+DOMAIN = 1 + os.getpid() % 230
 CONFIG = """
 data = "{data}"
 [board]
@@ -27,6 +28,7 @@ listen = "127.0.0.1:{port}"
 url = "http://127.0.0.1:{port}"
 [robots.rex]
 model = "fake"
+domain = {domain}
 simulated = true
 home_on_start = true
 options = {{ time_scale = 50 }}
@@ -72,11 +74,13 @@ class Lab:
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     folder = tmp_path_factory.mktemp("lab")
     runtime = tmp_path_factory.mktemp("r")
-    (folder / "agentrob.toml").write_text(CONFIG.format(data=folder / "data", port=0))
+    (folder / "agentrob.toml").write_text(CONFIG.format(data=folder / "data", port=0, domain=DOMAIN))
     config = str(folder / "agentrob.toml")
     board = Child("board", ["board", "serve", "--config", config], folder / "board.log")
     url = board.wait_ready()["url"]
-    (folder / "agentrob.toml").write_text(CONFIG.format(data=folder / "data", port=url.rsplit(":", 1)[1]))
+    (folder / "agentrob.toml").write_text(
+        CONFIG.format(data=folder / "data", port=url.rsplit(":", 1)[1], domain=DOMAIN)
+    )
     driver = Child("driver", ["driver", "--config", config], folder / "driver.log", {"AGENTROB_RUNTIME": str(runtime)})
     driver.wait_ready()
     robot = agentrob(folder, "board", "account", "add", "rex", "--kind", "robot_agent")
@@ -110,7 +114,7 @@ def test_an_agent_without_its_token_says_which_variable_it_needs(lab: Lab) -> No
 
 def test_stop_all_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: Path) -> None:
     done = agentrob(tmp_path, "stop", "--all")
-    assert "driver/fake/rex: zero velocity commanded after" in done.stdout
+    assert f"driver/fake/{DOMAIN}/rex: zero velocity commanded after" in done.stdout
     one = agentrob(lab.folder, "stop", "rex")
     assert one.returncode == 0, one.stdout + one.stderr
 

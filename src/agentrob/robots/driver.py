@@ -112,8 +112,10 @@ class Driver:
 
 # ------------------------------------------------------------------ the process
 def lock_name(name: str, settings: RobotConfig) -> str:
-    """The host lock of a robot's driver; also the name of its stop channel."""
-    return f"driver/fake/{name}" if settings.model == "fake" else f"driver/{settings.interface}/{settings.domain}"
+    """The host lock of a robot's driver; also the name of its stop channel. A fake's domain tells namesakes apart."""
+    if settings.model == "fake":
+        return f"driver/fake/{settings.domain}/{name}" if settings.domain else f"driver/fake/{name}"
+    return f"driver/{settings.interface}/{settings.domain}"
 
 
 def make_robot(settings: RobotConfig) -> Robot:
