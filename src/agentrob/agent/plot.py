@@ -13,12 +13,15 @@ from agentrob.model import ActionResult, Direction, Op, Pose
 # A quiet slate card of its own, so that it sits well on light and on dark pages alike.
 _CARD, _GRID, _TEXT = "#20262f", "#39424f", "#c9d1dc"
 _ASKED, _MEASURED, _START, _END = "#8b98a9", "#4db6f5", "#7bd88f", "#ffb454"
-_WIDTH_IN, _HEIGHT_IN, _DPI = 5.2, 3.9, 110
+# Small in inches and fine in pixels: the words stay readable when a thread shows the picture at half its width.
+_WIDTH_IN, _HEIGHT_IN, _DPI = 4.0, 3.0, 200
+_AXES = (0.15, 0.16, 0.81, 0.72)
+_WIDE = _AXES[2] * _WIDTH_IN / (_AXES[3] * _HEIGHT_IN)
 _SIDEWAYS = {Direction.FORWARD: (1, 0), Direction.BACKWARD: (-1, 0), Direction.LEFT: (0, 1), Direction.RIGHT: (0, -1)}
 
 
 def path_plot(results: Sequence[ActionResult]) -> bytes | None:
-    """A PNG of about 570x430 pixels, or None when there is no path. Computes for about 0.1 s: call it in a thread.
+    """A PNG of 800x600 pixels, or None when there is no path. Computes for about 0.1 s: call it in a thread.
 
     The frame is the robot's at the start: x forward (up in the picture), y left, in metres.
     """
@@ -34,7 +37,8 @@ def path_plot(results: Sequence[ActionResult]) -> bytes | None:
     span = _frame(axes, [*asked, *local])
     for pose, color, name in ((local[0], _START, "start"), (local[-1], _END, "end")):
         _marker(axes, pose, color, name, 0.09 * span)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False, labelcolor=_TEXT, fontsize=9)
+    row = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncol": 4, "columnspacing": 1.2, "handlelength": 1.6}
+    axes.legend(**row, frameon=False, labelcolor=_TEXT, fontsize=9)
     picture = io.BytesIO()
     figure.savefig(picture, format="png", facecolor=_CARD)
     return picture.getvalue()
@@ -58,11 +62,14 @@ def _canvas() -> tuple[Any, Any]:
     figure_of, canvas_of = _matplotlib()
     figure = figure_of(figsize=(_WIDTH_IN, _HEIGHT_IN), dpi=_DPI, facecolor=_CARD)
     canvas_of(figure)
-    axes = figure.add_axes((0.13, 0.13, 0.60, 0.80), facecolor=_CARD)
+    axes = figure.add_axes(_AXES, facecolor=_CARD)
     axes.set_aspect("equal", adjustable="box")
+    axes.locator_params(nbins=6)
+    axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):.3g}")  # the label says which side
+    axes.yaxis.set_major_formatter(lambda y, _: f"{y:.3g}")
     axes.grid(color=_GRID, linewidth=0.8)
     axes.set_axisbelow(True)
-    axes.tick_params(colors=_TEXT, labelsize=8, length=0)
+    axes.tick_params(colors=_TEXT, labelsize=8.5, length=0)
     for spine in axes.spines.values():
         spine.set_color(_GRID)
     axes.set_xlabel("left  ·  right (m)", color=_TEXT, fontsize=9)
@@ -84,12 +91,13 @@ def _marker(axes: Any, pose: Pose, color: str, name: str, arrow_m: float) -> Non
 
 
 def _frame(axes: Any, path: Sequence[Pose]) -> float:
-    """Equal axes with room around the path, never closer than a metre; returns the span in metres."""
+    """Equal axes with room around the path, never closer than a metre; returns the height in metres."""
     xs, ys = [-p.y_m for p in path], [p.x_m for p in path]
-    span = max(max(xs) - min(xs), max(ys) - min(ys), 0.7) * 1.35
-    for centre, limit in (((max(xs) + min(xs)) / 2, axes.set_xlim), ((max(ys) + min(ys)) / 2, axes.set_ylim)):
-        limit(centre - span / 2, centre + span / 2)
-    return float(span)
+    height = max((max(xs) - min(xs)) / _WIDE, max(ys) - min(ys), 0.7) * 1.35
+    for seen, half, limit in ((xs, height * _WIDE / 2, axes.set_xlim), (ys, height / 2, axes.set_ylim)):
+        centre = (max(seen) + min(seen)) / 2
+        limit(centre - half, centre + half)
+    return float(height)
 
 
 def _seen_from(start: Pose, pose: Pose) -> Pose:
