@@ -8,7 +8,7 @@ SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
 
-.PHONY: demo test test-all test-slow check format lock setup setup-dev clean
+.PHONY: demo test test-all test-slow check lint format lock setup setup-dev clean
 
 demo: setup
 	@scripts/system-packages render
@@ -24,12 +24,14 @@ test-slow: setup-dev
 
 test-all: test test-slow
 
-check: setup-dev
+lint: setup-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -q -m "not slow and not sim and not browser" $(ARGS)
+
+check: lint
+	$(BIN)/pytest -q -n 2 -m "not slow and not sim and not browser" $(ARGS)
 
 format: setup-dev
 	$(BIN)/ruff format .

@@ -156,7 +156,7 @@ def test_a_path_is_drawn_and_no_path_is_not() -> None:
     assert png is not None
     image = Image.open(io.BytesIO(png))
     assert image.format == "PNG"
-    assert 500 < image.width < 700
+    assert image.size == (800, 600)
     assert len(image.convert("RGB").getcolors(100_000) or ()) > 20
     assert path_plot([ActionResult(Primitive(Op.HELLO), Outcome.DONE)]) is None
     assert path_plot([]) is None

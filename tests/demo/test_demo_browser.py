@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import re
 import shutil
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import httpx2
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 from running import ROOT, RUNNING, RunningDemo, end_left, start_demo
@@ -153,3 +157,25 @@ def test_a_question_is_asked_back_in_chinese(visitor: BrowserContext, demo: Runn
     expect(page.locator(".status .chip")).to_have_text(re.compile("ask", re.IGNORECASE), timeout=MOTION_MS)
     expect(page.locator("article.by-robot").last).to_contain_text(re.compile("[\u4e00-\u9fff]"))
     shot(page, "thread-chinese")
+
+
+def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(visitor: BrowserContext, demo: RunningDemo) -> None:
+    page = visitor.new_page()
+    write_post(page, demo.url, "Away from the start", "@quadruped walk backward 50 cm")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    truth = json.loads((demo.data / "demo.json").read_text())["room"] + "/truth"
+    away = position(truth)
+    page.goto(f"{demo.url}/robots/quadruped")
+    page.get_by_role("button", name="Reset the room").click()
+    expect(page.get_by_role("status").first).to_contain_text("put back")
+    deadline = time.monotonic() + 10
+    while math.dist(position(truth), away) < 0.3:
+        assert time.monotonic() < deadline, "the robot was not put back"
+    write_post(page, demo.url, "After the reset", "@quadruped turn left 45 degrees")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+
+
+def position(truth: str) -> tuple[float, float]:
+    """Where the world says that the robot stands, in metres."""
+    robot = httpx2.get(truth).json()["robots"]["go2"]
+    return robot["x_m"], robot["y_m"]
