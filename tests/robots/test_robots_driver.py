@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+import httpx2
 import pytest
 
 from agentrob import hostlock
@@ -275,6 +276,19 @@ async def test_law_13_the_stop_channel_needs_neither_socket_nor_lease(drivers: D
         stopped = await asyncio.to_thread(stop_driver, f"driver/fake/{name}", "shell")
         assert stopped.confirmed
         assert stopped.was_moving
+        assert (await step).reason == "stop"
+
+
+@pytest.mark.parametrize("body", [b"", b"[]", b'{"by": 7}', b"not json"])
+async def test_law_15_a_stop_counts_also_when_it_does_not_say_whose_it_is(drivers: Drivers, body: bytes) -> None:
+    name, _ = drivers.start()
+    wire = httpx2.AsyncHTTPTransport(uds=str(drivers.folder / f"{name}.sock"))
+    async with drivers.client(name) as robot, robot.lease("walker") as lease:
+        step = asyncio.create_task(robot.step(lease, FAR, 60))
+        await moving(robot)
+        async with httpx2.AsyncClient(transport=wire, base_url="http://driver") as anybody:
+            stopped = await anybody.post("/stop", content=body)
+        assert stopped.json()["confirmed"]
         assert (await step).reason == "stop"
 
 
