@@ -324,3 +324,8 @@ def test_sentences_are_read_within_milliseconds() -> None:
 
 def test_longer_texts_than_anybody_needs_are_not_read() -> None:
     assert read("walk forward 1 m " * 200).intent is Intent.ASK_BACK
+
+
+@pytest.mark.parametrize("numeral", ["十十一", "一十零", "百百", "点点", "零零", "半半"])
+def test_a_chinese_numeral_that_is_none_asks_back_and_never_raises(numeral: str) -> None:
+    assert parse(f"@rex 向前走{numeral}米", ("rex",), (), frozenset(Op)).intent is not Intent.COMMAND

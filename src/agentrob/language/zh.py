@@ -112,7 +112,7 @@ def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
     while run:
         try:
             return float(cn2an.cn2an(run.replace("〇", "零"), "smart")), len(run)
-        except ValueError:
+        except (ValueError, KeyError, IndexError):  # some numerals that are none trip the library itself (十十一)
             run = run[:-1]
     return None
 
