@@ -115,6 +115,13 @@ class Config(_Section):
             raise ConfigError(f"no robot named {name!r} in the configuration; there are: {known}")
         return self.robots[name]
 
+    def write(self, path: Path, remark: str = "") -> None:
+        """Write it as TOML, for a process that we start or for people."""
+        import tomli_w
+
+        text = f"# {remark}\n" if remark else ""
+        path.write_text(text + tomli_w.dumps(self.model_dump(mode="json", exclude_defaults=True)), encoding="utf-8")
+
     @property
     def data_dir(self) -> Path:
         return Path(self.data).expanduser() if self.data else default_data_dir()

@@ -1,7 +1,8 @@
 """Drive a robot by words without a forum: `agentrob drive`, and the calls that the paper names.
 
-A running driver of that robot is used when there is one. Otherwise one is started for this call: on the real robot when
-a network interface is given, else on a simulated robot in a simulated room.
+A robot of the configuration is driven through its running driver when there is one, else through one started for this
+call. A robot that is only named by its kind gets a driver of its own: on the real robot when a network interface is
+given, else on a simulated robot in a simulated room.
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from agentrob import app, demo
+from agentrob import app, demo, hostlock
 from agentrob.child import Child, end_all
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import ConfigError, RobotUnreachable
@@ -25,6 +27,7 @@ from agentrob.model import Account, ActionResult, Capabilities, Decision, Intent
 
 #: The person at the keyboard of the robot's own machine.
 LOCAL = Account(id="local", name="local", role=Role.OPERATOR)
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,29 +45,38 @@ def robot_command_driver(
     robot: str = "go2",
     network_interface: str | None = None,
     config: Config | None = None,
-    on_step: Callable[[ActionResult], None] | None = None,
+    on_step: Callable[[ActionResult], None] = lambda _: None,
 ) -> Driven:
     """Understand `command`, screen it, and drive `robot` (a name in the configuration, or a kind such as go2).
 
-    `on_step` hears of each step as it ends. Raises `RobotError` when no robot can be reached.
+    Blocks; may be called from any thread, also inside a running event loop. `on_step` hears of each step as it ends.
+    Raises `ConfigError` for a robot that is not known, `RobotError` or `ChildError` when it cannot be reached or held.
     """
     from agentrob.judge.screen import screen
+    from agentrob.language.visible import visible_text
+    from agentrob.robots.client import run_plan
 
     config = config or Config()
     name, settings = _settings(robot, config, network_interface)
     capabilities: Capabilities = app.capabilities_of(settings.model, settings)
-    understood = asyncio.run(app.understand(command, name, capabilities, settings.mind))
+    understood = _outside_loop(lambda: asyncio.run(app.understand(command, name, capabilities, settings.mind)))
     if understood.intent is not Intent.COMMAND:
         return Driven("asks_back", message=understood.question or f"nothing to do in {command!r}")
     verdict = screen(
-        understood.plan, text=command, author=LOCAL, capabilities=capabilities, language=understood.language
+        understood.plan,
+        text=visible_text(command),
+        author=LOCAL,
+        capabilities=capabilities,
+        language=understood.language,
     )
     if verdict.decision is not Decision.ALLOW:
         return Driven("refused", understood.plan, message=f"{verdict.reason} ({verdict.rule})")
-    with _driver(name, settings, config):
-        results = asyncio.run(_execute(name, understood.plan, capabilities, on_step))
-    done = len(results) == len(understood.plan.steps) and all(r.ok for r in results)
-    return Driven("done" if done else "failed", understood.plan, tuple(results))
+    limit_s, holder = capabilities.limits.command_s, f"drive {os.getpid()}"
+    with _driver(name, settings, config) as socket:
+        results = _outside_loop(
+            lambda: run_plan(name, understood.plan, holder, socket=socket, deadline_s=limit_s, on_result=on_step)
+        )
+    return Driven("done" if all(r.ok for r in results) else "failed", understood.plan, results)
 
 
 def drive_go2_robot(command: str, network_interface: str | None = None) -> Driven:
@@ -73,12 +85,26 @@ def drive_go2_robot(command: str, network_interface: str | None = None) -> Drive
 
 
 # ---------------------------------------------------------------------- how
+def _outside_loop(work: Callable[[], T]) -> T:
+    """Do blocking work that runs an event loop of its own; beside one that runs in this thread, in another thread."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return work()
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(work).result()
+
+
 def _settings(robot: str, config: Config, interface: str | None) -> tuple[str, RobotConfig]:
-    if robot in config.robots:
-        return robot, config.robots[robot]
-    named = [n for n, r in config.robots.items() if r.model == robot]
+    named = [robot] if robot in config.robots else [n for n, r in config.robots.items() if r.model == robot]
     if len(named) == 1:
-        return named[0], config.robots[named[0]]
+        settings = config.robots[named[0]]
+        if interface not in (None, settings.interface):
+            raise ConfigError(
+                f"{named[0]} is configured on interface {settings.interface!r}, not {interface!r}; "
+                "change the configuration, or leave --interface out"
+            )
+        return named[0], settings
     app.find("robots", robot)
     if interface:
         return robot, RobotConfig(model=robot, interface=interface)
@@ -86,40 +112,29 @@ def _settings(robot: str, config: Config, interface: str | None) -> tuple[str, R
 
 
 @contextlib.contextmanager
-def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[None]:
-    """Make sure that a driver of this robot runs."""
-    if asyncio.run(_reachable(name)):
-        yield
+def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Path | None]:
+    """The socket of a driver of this robot; None for the usual one, where one runs already."""
+    if name in config.robots and _outside_loop(lambda: asyncio.run(_reachable(name))):
+        yield None
         return
     children: list[Child] = []
-    with tempfile.TemporaryDirectory(prefix="agentrob-drive-") as folder, demo.sigterm_interrupts():
+    with tempfile.TemporaryDirectory(prefix="agentrob-drive-") as folder:
         work = Path(folder)
         try:
-            if settings.simulated and settings.model != "fake":
-                world = Child("world", ["sim", "--domain", f"{settings.model}={settings.domain}"], work / "world.log")
-                children.append(world)
-                world.wait_ready()
-            path = work / "agentrob.toml"
-            path.write_text(_toml(name, settings))
-            env = {} if config.data or os.environ.get("AGENTROB_DATA") else {"AGENTROB_DATA": str(config.data_dir)}
-            driver = Child("driver", ["driver", name, "--config", str(path)], work / "driver.log", env)
+            world = f"world/{settings.interface}/{settings.domain}"
+            if settings.simulated and settings.model != "fake" and world not in hostlock.held("world/"):
+                where = ["--domain", f"{settings.model}={settings.domain}", "--interface", settings.interface]
+                children.append(Child("world", ["sim", *where], work / "world.log"))
+                children[0].wait_ready()
+            # the same data folder as always: a halt that is kept there holds for us too
+            own = Config(data=str(config.data_dir.absolute()), robots={name: settings})
+            own.write(work / "agentrob.toml")
+            arguments = ["driver", name, "--config", str(work / "agentrob.toml")]
+            driver = Child("driver", arguments, work / "driver.log", {"AGENTROB_RUNTIME": folder})
             children.append(driver)
-            driver.wait_ready()
-            yield
+            yield Path(driver.wait_ready()["socket"])
         finally:
             end_all(children)
-
-
-def _toml(name: str, settings: RobotConfig) -> str:
-    """The settings as a configuration file (JSON values are valid TOML for all that a robot's table holds)."""
-    lines = [f"[robots.{name}]"]
-    tables = []
-    for key, value in settings.model_dump(mode="json").items():
-        if isinstance(value, dict):
-            tables += [f"[robots.{name}.{key}]", *(f"{k} = {json.dumps(v)}" for k, v in value.items())]
-        else:
-            lines.append(f"{key} = {json.dumps(value)}")
-    return "\n".join([*lines, *tables]) + "\n"
 
 
 async def _reachable(name: str) -> bool:
@@ -133,32 +148,6 @@ async def _reachable(name: str) -> bool:
     finally:
         await client.close()
     return True
-
-
-async def _execute(
-    name: str, plan: Plan, capabilities: Capabilities, on_step: Callable[[ActionResult], None] | None
-) -> list[ActionResult]:
-    from agentrob.judge.mandate import mandate_of, within
-    from agentrob.robots.client import DriverClient
-
-    client = DriverClient(name)
-    mandate = mandate_of(plan, capabilities)
-    deadline = time.monotonic() + capabilities.limits.command_s
-    results: list[ActionResult] = []
-    try:
-        async with client.lease(f"drive-{os.getpid()}") as lease:
-            for step in plan.steps:
-                if within(mandate, results, step) is not None:
-                    break
-                result = await client.step(lease, step, max(1.0, deadline - time.monotonic()))
-                results.append(result)
-                if on_step:
-                    on_step(result)
-                if not result.ok:
-                    break
-    finally:
-        await client.close()
-    return results
 
 
 # ---------------------------------------------------------------------- the command line
@@ -177,7 +166,10 @@ def run(robot: str, text: str, config: Config, interface: str | None, pictures: 
         mark = "[green]✓[/]" if result.ok else "[red]✗[/]"
         console.print(f"{mark} {_sentence(facts)}  [dim]{result.duration_s:.1f} s[/]", highlight=False)
 
-    driven = robot_command_driver(text, robot, interface, config, on_step)
+    if not pictures.is_dir():
+        raise ConfigError(f"--pictures {pictures} is not a folder")
+    with demo.sigterm_interrupts():
+        driven = robot_command_driver(text, robot, interface, config, on_step)
     if driven.message:
         console.print(driven.message, markup=False, highlight=False)
     for note in driven.plan.notes:
@@ -213,8 +205,9 @@ def _sentence(facts: dict[str, Any]) -> str:
 
 
 def _save(image: bytes, folder: Path) -> Path:
-    if not folder.is_dir():
-        raise ConfigError(f"--pictures {folder} is not a folder")
-    path = folder / time.strftime("agentrob-%Y%m%d-%H%M%S.jpg")
-    path.write_bytes(image)
-    return path
+    for number in range(1000):
+        path = folder / (time.strftime("agentrob-%Y%m%d-%H%M%S") + (f"-{number}" if number else "") + ".jpg")
+        with contextlib.suppress(FileExistsError), path.open("xb") as file:
+            file.write(image)
+            return path
+    raise ConfigError(f"no free name for a picture in {folder}")
