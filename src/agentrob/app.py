@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from agentrob import config as configuration
 from agentrob.child import say_ready
 from agentrob.config import Config, RobotConfig
-from agentrob.errors import ConfigError
-from agentrob.model import Account, AccountKind, Capabilities, Role
+from agentrob.errors import BoardError, ConfigError
+from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 
 if TYPE_CHECKING:
     from agentrob.agent.turn import RobotAgent
@@ -98,18 +98,33 @@ def serve_board(config: Config) -> None:
 
 
 def board_account(config: Config, name: str, kind: AccountKind, role: Role, display_name: str = "") -> Account:
-    """The account of that name, made when it is not there yet; works while the forum runs."""
+    """The account of that name, made when it is not there yet; works while the forum runs.
+
+    `BoardError` 409 when it is there and is something else: a credential is never given out for another account.
+    """
     from agentrob.board import admin
-    from agentrob.errors import BoardError
 
     settings = board_settings(config)
     admin.bootstrap(settings)
     try:
-        return admin.find_account(settings, name)
+        found = admin.find_account(settings, name)
     except BoardError as e:
         if e.status != 404:
             raise
         return admin.create_account(settings, name, kind=kind, role=role, display_name=display_name)
+    if (found.kind, found.role) != (kind, role):
+        what = f"{name!r} is there already, as {found.kind} with the role {found.role}"
+        raise BoardError(409, "other_account", f"{what}; choose another name, or change it with: account change {name}")
+    return found
+
+
+def change_board_account(config: Config, name: str, role: Role | None, suspended: bool | None) -> Account:
+    """Give an account another role, suspend it or let it in again."""
+    from agentrob.board import admin
+
+    settings = board_settings(config)
+    admin.change_account(settings, admin.find_account(settings, name), role=role, suspended=suspended)
+    return admin.find_account(settings, name)
 
 
 def board_token(config: Config, name: str, label: str = "") -> str:
@@ -118,6 +133,14 @@ def board_token(config: Config, name: str, label: str = "") -> str:
 
     settings = board_settings(config)
     return admin.issue_token(settings, admin.find_account(settings, name), label)
+
+
+def revoke_board_tokens(config: Config, name: str, label: str | None = None) -> int:
+    """Make tokens of an account void, all or those of one label; returns how many."""
+    from agentrob.board import admin
+
+    settings = board_settings(config)
+    return admin.revoke_tokens(settings, admin.find_account(settings, name), label)
 
 
 def board_link(config: Config, name: str) -> str:
@@ -179,30 +202,42 @@ def run_driver(config: Config, name: str) -> None:
 
 
 def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
-    """Stop one robot, or all that drivers on this machine hold; lines for people, and the exit code."""
+    """Stop one robot of the configuration, or all that drivers on this machine hold; lines for people, exit code.
+
+    In doubt all are stopped: when the name is not configured, or the configuration cannot be read.
+    """
     import getpass
 
     from agentrob.errors import RobotUnreachable
     from agentrob.robots import stop as stopping
 
-    who = f"{getpass.getuser()} at the shell"
-    if robot is None:
+    who, lines, settings = f"{getpass.getuser()} at the shell", [], None
+    if robot is not None:
+        try:
+            settings = load(config_file).robots.get(robot)
+            doubt = f"{robot!r} is not in the configuration"
+        except ConfigError as e:
+            doubt = str(e)
+        if settings is None:
+            lines.append(f"{doubt}: stopping every robot on this machine")
+    results: dict[str, StopResult | RobotUnreachable]
+    if robot is None or settings is None:
         results = stopping.stop_all(who)
         if not results:
-            return ["no driver runs on this machine, so no robot is moved by us"], 0
+            return [*lines, "no driver runs on this machine, so no robot is moved by us"], 0
     else:
-        config = load(config_file)
-        settings = config.robots.get(robot) or RobotConfig(model=robot)
-        results = {robot: stopping.stop_robot(robot, settings, who)}
-    lines, code = [], 0
+        try:
+            results = {robot: stopping.stop_robot(robot, settings, who)}
+        except RobotUnreachable as e:
+            results = {robot: e}
     for name, result in results.items():
         if isinstance(result, RobotUnreachable):
             lines.append(f"{name}: NOT STOPPED: {result}")
         else:
             rest = "stands still" if result.confirmed else "DID NOT CONFIRM that it stands still: use its own stop"
             lines.append(f"{name}: zero velocity commanded after {result.latency_ms:.0f} ms; {rest}")
-        code |= isinstance(result, RobotUnreachable) or not result.confirmed
-    return lines, code
+    sure = all(isinstance(r, StopResult) and r.confirmed for r in results.values())
+    return lines, 0 if sure else 1
 
 
 def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
@@ -43,7 +43,9 @@ def _root(version: Annotated[bool, typer.Option("--version", help="Print the ver
 @demo_cli.callback()
 def demo(
     context: typer.Context,
-    port: Annotated[int, typer.Option(help="Port of the forum; 0 for any free one.")] = 8088,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="Port of the forum; 0 for any free one. [default: 8088]")
+    ] = None,
     data: Annotated[Path | None, typer.Option(help="Folder that keeps everything.")] = None,
     post: Annotated[str | None, typer.Option(help="Post this text, wait for the answer, print it and end.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="With --post: the last line is one JSON object.")] = False,
@@ -55,9 +57,12 @@ def demo(
     from agentrob import demo as demonstration
 
     once = post is not None
+    usual = configuration.default_data_dir() / ("demo-post" if once else "demo")
+    if port is None and not once:
+        port = demonstration.PORT
     settings = demonstration.DemoSettings(
-        data=data or configuration.default_data_dir() / ("demo-post" if once else "demo"),
-        port=None if once and port == 8088 else port or None,
+        data=(data or usual).expanduser().absolute(),
+        port=port or None,
         post=post,
         as_json=as_json,
         world=world,
@@ -70,7 +75,7 @@ def demo_link(data: Annotated[Path | None, typer.Option(help="The demo's data fo
     """Print another one-time link for the demo that runs."""
     from agentrob import demo as demonstration
 
-    demonstration.print_link(data or configuration.default_data_dir() / "demo")
+    demonstration.print_link((data or configuration.default_data_dir() / "demo").expanduser().absolute())
 
 
 # ---------------------------------------------------------------------- language and robots
@@ -107,13 +112,11 @@ def drive(
 
 @cli.command()
 def stop(
-    robot: Annotated[str | None, typer.Argument(help="The robot's name; without it --all is needed.")] = None,
+    robot: Annotated[str | None, typer.Argument(help="The robot's name; without it all are stopped.")] = None,
     everyone: Annotated[bool, typer.Option("--all", help="Every robot that a driver on this machine holds.")] = False,
     config: ConfigFile = None,
 ) -> None:
-    """Stop a robot now. Works without forum, agent and journal; --all also without a configuration."""
-    if robot is None and not everyone:
-        _fail("name a robot, or give --all")
+    """Stop a robot now. Works without forum, agent, journal and configuration; in doubt all are stopped."""
     lines, code = app.stop(None if everyone else robot, config)
     typer.echo("\n".join(lines))
     raise typer.Exit(code)
@@ -173,6 +176,26 @@ def account_add(
     typer.echo(app.board_link(settings, name) if kind is AccountKind.HUMAN else app.board_token(settings, name))
 
 
+@account_cli.command("change")
+def account_change(
+    name: str,
+    role: Annotated[Role | None, typer.Option(help="What it may do from now on.")] = None,
+    suspend: Annotated[
+        bool | None, typer.Option("--suspend/--unsuspend", help="A suspended account can do nothing.")
+    ] = None,
+    config: ConfigFile = None,
+) -> None:
+    """Change an account's role, suspend it, or let it in again."""
+    account = app.change_board_account(app.load(config), name, role, suspend)
+    typer.echo(f"{account.name}: {account.kind}, {account.role}{', suspended' if account.suspended else ''}")
+
+
+@account_cli.command("revoke")
+def account_revoke(name: str, config: ConfigFile = None) -> None:
+    """Make all bearer tokens of an account void."""
+    typer.echo(f"{app.revoke_board_tokens(app.load(config), name)} tokens of {name} are void now")
+
+
 @account_cli.command("link")
 def account_link(name: str, config: ConfigFile = None) -> None:
     """Print a one-time link that signs this account in."""
@@ -183,11 +206,6 @@ def account_link(name: str, config: ConfigFile = None) -> None:
 def account_token(name: str, config: ConfigFile = None) -> None:
     """Print a new bearer token of this account."""
     typer.echo(app.board_token(app.load(config), name))
-
-
-def _fail(message: str) -> NoReturn:
-    typer.echo(f"agentrob: {message}", err=True)
-    raise typer.Exit(2)
 
 
 def main() -> None:

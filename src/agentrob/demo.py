@@ -18,13 +18,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
-from agentrob.errors import AgentRobError, ConfigError
-from agentrob.model import AccountKind, Role
+from agentrob.config import BoardConfig, Config, ForumConfig, RobotConfig
+from agentrob.errors import AgentRobError, ConfigError, ForumUnreachable
+from agentrob.model import AccountKind, Post, Role
 
+if TYPE_CHECKING:
+    from agentrob.forums.forum import Forum
+
+PORT = 8088
 ROBOT = "quadruped"
 VISITOR = "visitor"
 SENTENCE = f"@{ROBOT} walk forward 1 metre, turn left, wave and take a photo"
@@ -46,7 +51,7 @@ class DemoSettings:
     """`port` None means any free one; `data` is kept; `post` runs one post and ends."""
 
     data: Path
-    port: int | None = 8088
+    port: int | None = PORT
     post: str | None = None
     as_json: bool = False
     world: str = "room"
@@ -95,37 +100,39 @@ class Demo:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        end_all(self.children)
-        if self.runtime:
-            shutil.rmtree(self.runtime, ignore_errors=True)
-        if self._lock:
-            (self.data / "demo.json").unlink(missing_ok=True)
-            self._lock.close()
+        with _undisturbed():
+            end_all(self.children)
+            if self.runtime:
+                shutil.rmtree(self.runtime, ignore_errors=True)
+            if self._lock:
+                (self.data / "demo.json").unlink(missing_ok=True)
+                self._lock.close()
 
     # ------------------------------------------------------------------ start
     def start(self) -> None:
         """Start all; returns when a post would be answered. `DemoError` or `ChildError` in one line otherwise."""
         self._hold_data()
+        try:
+            self._start()
+        except OSError as e:
+            raise DemoError(f"cannot use the data folder {self.data}: {e}") from None
+
+    def _start(self) -> None:
         # sockets of this demo's own: another demo, or a driver of the same name, is not in the way
         self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-demo-"))
         port = self.settings.port or free_port()
         check_port(port)
         self.url = f"http://127.0.0.1:{port}"
-        domain = free_domain()
-        world = self._child(
-            "world",
-            "sim",
-            "--domain",
-            f"go2={domain}",
-            "--ledger",
-            str(self.data / "world.jsonl"),
-            "--world",
-            self.settings.world,
-        )
+        domain, world = self._start_world()
         config = self._write_config(port, domain, room_url="")
         self._bootstrap(config)
         board = self._child("board", "board", "serve", "--config", str(config))
-        self.room_url = world.wait_ready()["http"]
+        try:
+            self.room_url = world.wait_ready()["http"]
+        except ChildError:  # another demo may have taken the domain at the same moment
+            self.children.remove(world)
+            domain, world = self._start_world()
+            self.room_url = world.wait_ready()["http"]
         config = self._write_config(port, domain, self.room_url)
         driver = self._child("driver", "driver", ROBOT, "--config", str(config))
         board.wait_ready()
@@ -135,6 +142,11 @@ class Demo:
         driver.wait_ready()
         agent.wait_ready()
         (self.data / "demo.json").write_text(json.dumps({"pid": os.getpid(), "url": self.url, "room": self.room_url}))
+
+    def _start_world(self) -> tuple[int, Child]:
+        domain, ledger = free_domain(), str(self.data / "world.jsonl")
+        room = ("--world", self.settings.world)
+        return domain, self._child("world", "sim", "--domain", f"go2={domain}", "--ledger", ledger, *room)
 
     def _child(self, name: str, *args: str, env: dict[str, str] | None = None) -> Child:
         own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}
@@ -160,26 +172,22 @@ class Demo:
             ) from None
 
     def _write_config(self, port: int, domain: int, room_url: str) -> Path:
-        lines = [
-            "# Written by `agentrob demo` at each start; edit a copy.",
-            f"data = {json.dumps(str(self.data))}",
-            "[board]",
-            f'listen = "127.0.0.1:{port}"',
-            f'base_url = "{self.url}"',
-            "[forum]",
-            f'url = "{self.url}"',
-            f"[robots.{ROBOT}]",
-            'model = "go2"',
-            'interface = "lo"',
-            f"domain = {domain}",
-            "simulated = true",
-            "home_on_start = true",
-            f'owner = "{VISITOR}"',
-            f'room_camera = "{room_url}/overview.jpg"' if room_url else "",
-            f'room_reset = "{room_url}/reset"' if room_url else "",
-        ]
+        robot = RobotConfig(
+            domain=domain,
+            simulated=True,
+            home_on_start=True,
+            owner=VISITOR,
+            room_camera=f"{room_url}/overview.jpg" if room_url else "",
+            room_reset=f"{room_url}/reset" if room_url else "",
+        )
+        config = Config(
+            data=str(self.data),
+            board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=self.url),
+            forum=ForumConfig(url=self.url),
+            robots={ROBOT: robot},
+        )
         path = self.data / "agentrob.toml"
-        path.write_text("\n".join(line for line in lines if line) + "\n")
+        config.write(path, "Written by `agentrob demo` at each start; edit a copy.")
         return path
 
     def _bootstrap(self, config_path: Path) -> None:
@@ -188,7 +196,9 @@ class Demo:
         config = app.load(config_path)
         app.board_account(config, ROBOT, AccountKind.ROBOT_AGENT, Role.MEMBER, "Quadruped")
         app.board_account(config, VISITOR, AccountKind.HUMAN, Role.OPERATOR, "Visitor")
-        self.tokens = {name: app.board_token(config, name, "demo") for name in (ROBOT, VISITOR)}
+        for name in (ROBOT, VISITOR):
+            app.revoke_board_tokens(config, name, "demo")
+            self.tokens[name] = app.board_token(config, name, "demo")
 
     # ------------------------------------------------------------------ while it runs
     def link(self) -> str:
@@ -200,32 +210,52 @@ class Demo:
     def watch(self) -> None:
         """Return only when a child has ended, as `ChildError`."""
         while True:
-            for child in self.children:
-                if not child.alive:
-                    raise ChildError(f"{child.name} has ended: {child.last_words()} (log: {child.log})")
+            self.check()
             time.sleep(0.5)
+
+    def check(self) -> None:
+        """`ChildError` when a child has ended."""
+        for child in self.children:
+            if not child.alive:
+                raise ChildError(f"{child.name} has ended: {child.last_words()} (log: {child.log})")
 
 
 def running(data: Path) -> dict[str, Any] | None:
     """What `demo.json` says of the demo that runs with this data folder."""
-    with contextlib.suppress(OSError, ValueError):
-        facts: dict[str, Any] = json.loads((data / "demo.json").read_text())
-        return facts
+    with contextlib.suppress(OSError, ValueError), (data / "demo.lock").open() as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:  # held, so the demo lives
+            facts: dict[str, Any] = json.loads((data / "demo.json").read_text())
+            return facts
     return None
 
 
 @contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """No signal breaks off the ending, which is bounded in time anyway."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
 def sigterm_interrupts() -> Iterator[None]:
-    """SIGTERM ends us as Ctrl-C does."""
+    """SIGTERM and a closed terminal end us as Ctrl-C does."""
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    old = signal.signal(signal.SIGTERM, interrupt)
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, old)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def run(settings: DemoSettings) -> int:
@@ -270,7 +300,7 @@ def _post_once(demo: Demo, settings: DemoSettings) -> int:
     if settings.as_json:
         print(json.dumps(outcome, ensure_ascii=False), flush=True)
     else:
-        print(outcome["reply_markdown"])
+        print(outcome["reply_markdown"] or outcome["error"])
     return 0 if outcome["status"] == "done" else 1
 
 
@@ -280,37 +310,50 @@ async def _ask(demo: Demo, text: str) -> dict[str, Any]:
 
     config = app.load(demo.data / "agentrob.toml")
     forum = app.make_forum(config, demo.tokens[VISITOR])
+    post, error, pictures = None, "", []
     try:
         watermark, _ = await forum.now()
         written = await forum.create_topic(config.robot(ROBOT).boards[0], title(text), text, key=secrets.token_hex(8))
         topic = await forum.topic(written.post.topic_id)
-        post = await asyncio.wait_for(_final(forum, watermark, written.post.topic_id), POST_LIMIT_S)
-        pictures = await _save_images(forum, post, demo.data / "pictures")
-    except TimeoutError:
-        raise DemoError(f"no final answer within {POST_LIMIT_S:.0f} s; see the logs in {demo.data / 'log'}") from None
+        try:
+            async with asyncio.timeout(POST_LIMIT_S):
+                post = await _final(demo, forum, watermark, topic.id)
+                pictures = await _save_images(forum, post, demo.data / "pictures")
+        except TimeoutError:
+            error = f"no final answer within {POST_LIMIT_S:.0f} s; see the logs in {demo.data / 'log'}"
+        except AgentRobError as e:
+            error = str(e)
     finally:
         await forum.close()
     record = app.read_record(demo.data, ROBOT, written.post.id)
     return {
-        "status": post.card.state if post.card else "unknown",
+        "status": post.card.state if post and post.card else "failed",
         "topic_url": topic.url,
-        "reply_markdown": post.raw,
+        "reply_markdown": post.raw if post else "",
         "steps": record.get("steps", []),
         "timings_ms": record.get("timings_ms", {}),
         "images": pictures,
         "data": str(demo.data),
+        "error": error,
     }
 
 
-async def _final(forum: Any, watermark: str, topic_id: str) -> Any:
-    async for event in forum.stream(watermark):
-        post = event.post
-        if post and post.topic_id == topic_id and post.author.name == ROBOT and post.card and post.card.state in FINAL:
-            return post
-    raise DemoError("the forum ended its event stream")
+async def _final(demo: Demo, forum: Forum, after: str, topic_id: str) -> Post:
+    """The robot's answer in its final state. `ChildError` when a process that it needs has ended."""
+    while True:
+        with contextlib.suppress(ForumUnreachable):  # a pause of a busy machine: go on after the last event
+            async for event in forum.stream(after):
+                demo.check()
+                after, post = event.id or after, event.post
+                if post is None or post.topic_id != topic_id or post.author.name != ROBOT:
+                    continue
+                if post.card and post.card.state in FINAL:
+                    return post
+        demo.check()
+        await asyncio.sleep(0.2)
 
 
-async def _save_images(forum: Any, post: Any, folder: Path) -> list[str]:
+async def _save_images(forum: Forum, post: Post, folder: Path) -> list[str]:
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for n, url in enumerate(post.images):

@@ -164,7 +164,7 @@ def run(robot: str, text: str, config: Config, interface: str | None, pictures: 
             facts["image"] = str(_save(result.image, pictures))
         shown.append(facts)
         mark = "[green]✓[/]" if result.ok else "[red]✗[/]"
-        console.print(f"{mark} {_sentence(facts)}  [dim]{result.duration_s:.1f} s[/]", highlight=False)
+        console.print(f"{mark} {_sentence(result, facts)}", highlight=False, soft_wrap=True)
 
     if not pictures.is_dir():
         raise ConfigError(f"--pictures {pictures} is not a folder")
@@ -195,13 +195,19 @@ def describe(result: ActionResult) -> dict[str, Any]:
     return facts
 
 
-def _sentence(facts: dict[str, Any]) -> str:
-    parts = [facts["op"], *(f"{k}={v}" for k, v in facts["asked"].items())]
-    measured = ", ".join(f"{k} {v}" for k, v in facts["measured"].items())
-    text = " ".join(parts) + (f"  measured: {measured}" if measured else "")
+def _sentence(result: ActionResult, facts: dict[str, Any]) -> str:
+    from agentrob.language.render import step_sentence
+
+    text = step_sentence(result.primitive, "en")
+    if "distance_m" in result.measured:
+        text += f"  [bold]measured {result.measured['distance_m']:.2f} m[/]"
+    if "degrees" in result.measured:
+        text += f"  [bold]measured {result.measured['degrees']:.1f}°[/]"
     if "image" in facts:
-        text += f"  picture: {facts['image']}"
-    return text + (f"  {facts['outcome']}: {facts['message']}" if "message" in facts else "")
+        text += f"  {facts['image']}"
+    if result.outcome is not Outcome.DONE:
+        text += f"  {result.outcome}: {result.message}"
+    return f"{text}  [dim]{result.duration_s:.1f} s[/]"
 
 
 def _save(image: bytes, folder: Path) -> Path:

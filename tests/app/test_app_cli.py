@@ -112,11 +112,44 @@ def test_an_agent_without_its_token_says_which_variable_it_needs(lab: Lab) -> No
     assert "AGENTROB_TOKEN must hold the agent's forum token" in done.stderr
 
 
-def test_stop_all_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: Path) -> None:
-    done = agentrob(tmp_path, "stop", "--all")
-    assert f"driver/fake/{DOMAIN}/rex: zero velocity commanded after" in done.stdout
+@pytest.mark.sim  # it stops every robot of this machine, also those of tests beside it: not for the quick check
+def test_stop_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: Path) -> None:
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken/agentrob.toml").write_text("[robots.rex\n")
+    for folder, args in (
+        (tmp_path, ["stop"]),
+        (tmp_path, ["stop", "--all"]),
+        (tmp_path, ["stop", "nobody"]),
+        (tmp_path / "broken", ["stop", "rex"]),
+    ):
+        done = agentrob(folder, *args)
+        assert f"driver/fake/{DOMAIN}/rex: zero velocity commanded after" in done.stdout, args
+
+
+def test_stop_of_one_robot_of_the_configuration(lab: Lab) -> None:
     one = agentrob(lab.folder, "stop", "rex")
     assert one.returncode == 0, one.stdout + one.stderr
+    assert one.stdout.startswith("rex: zero velocity commanded after")
+
+
+def test_a_credential_is_never_given_out_for_another_account(lab: Lab) -> None:
+    taken = agentrob(lab.folder, "board", "account", "add", "ann", "--kind", "robot_agent")
+    assert taken.returncode == 1
+    assert taken.stdout == ""
+    assert "is there already, as human with the role operator" in taken.stderr
+
+
+def test_an_account_is_changed_suspended_and_its_tokens_made_void(lab: Lab) -> None:
+    token = agentrob(lab.folder, "board", "account", "add", "eve", "--kind", "commanding_agent").stdout.strip()
+    with httpx2.Client(base_url=lab.url + "/api/v1", headers={"Authorization": f"Bearer {token}"}) as eve:
+        assert eve.get("/boards").status_code == 200
+        changed = agentrob(lab.folder, "board", "account", "change", "eve", "--role", "operator", "--suspend")
+        assert changed.stdout == "eve: commanding_agent, operator, suspended\n"
+        assert eve.get("/boards").status_code == 403
+        assert agentrob(lab.folder, "board", "account", "change", "eve", "--unsuspend").returncode == 0
+        assert eve.get("/boards").status_code == 200
+        assert agentrob(lab.folder, "board", "account", "revoke", "eve").stdout == "1 tokens of eve are void now\n"
+        assert eve.get("/boards").status_code == 401
 
 
 def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) -> None:
@@ -134,7 +167,7 @@ def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) ->
         (["drive", "dragon", "fly"], "there are: fake, go2"),
         (["sim", "--domain", "go2"], "is not ROBOT=DOMAIN"),
         (["drive", "go2", "walk forward"], ""),
-        (["stop"], "name a robot, or give --all"),
+        (["demo", "--port", "70000"], "70000"),
     ],
 )
 def test_what_cannot_be_is_answered_with_what_can(tmp_path: Path, args: list[str], says: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -94,14 +95,48 @@ def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
     assert f"port {port} is taken; choose another with --port" in refused.stderr.splitlines()[-1]
 
 
-def test_another_link_can_be_printed_and_each_works_once(demo: RunningDemo) -> None:
+def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
     printed = demo.agentrob("demo", "link", "--data", str(demo.data))
     assert printed.returncode == 0, printed.stderr
     link = printed.stdout.strip()
     assert link.startswith(demo.url + "/enter/")
-    with httpx2.Client() as browser:
+    with httpx2.Client() as browser, httpx2.Client() as thief:
         for _ in range(2):  # a prefetch does not spend it
-            assert browser.get(link).status_code == 200
+            page = browser.get(link)
+            assert page.status_code == 200
+        assert browser.post(link, data={"csrf": form_token(page.text)}).status_code == 303
+        assert "visitor" in browser.get(demo.url).text
+        stolen = thief.post(link, data={"csrf": form_token(thief.get(demo.url + "/sign-in").text)})
+        assert stolen.status_code == 404
+
+
+def form_token(page: str) -> str:
+    found = re.search(r'name="csrf" value="([^"]+)"', page)
+    assert found
+    return found[1]
+
+
+def test_a_demo_that_was_killed_leaves_no_process_and_gives_no_link(tmp_path: Path) -> None:
+    demo = start_demo(tmp_path / "data")
+    children = descendants(demo.process.pid)
+    demo.process.kill()
+    demo.process.wait(5)
+    deadline = time.monotonic() + 10
+    while left := [c for c in children if alive(c)]:
+        assert time.monotonic() < deadline, left
+    link = demo.agentrob("demo", "link", "--data", str(demo.data))
+    assert link.returncode == 1
+    assert "no demo runs" in link.stderr
+    again = start_demo(tmp_path / "data")
+    os.killpg(again.process.pid, signal.SIGINT)
+    assert again.process.wait(10) == 0
+
+
+def alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 def test_without_a_demo_the_link_command_says_how_to_start_one(tmp_path: Path) -> None:

@@ -1,0 +1,90 @@
+"""The calls that the paper names, on a fake robot: from scripts, threads and running event loops."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from pathlib import Path
+from uuid import uuid4
+
+import pytest
+
+from agentrob.config import Config, parse
+from agentrob.drive import Driven, robot_command_driver
+from agentrob.errors import ConfigError
+from agentrob.model import ActionResult, Op, Outcome
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> tuple[Config, str]:
+    """A configuration with one fake robot of a name that nobody else uses."""
+    name = f"d{uuid4().hex[:8]}"
+    options = {"time_scale": 30, "obstacles": [[2.0, 0.0, 0.3]]}
+    robot = {"model": "fake", "simulated": True, "home_on_start": True, "options": options, "mentions": ["robô 🤖"]}
+    return parse({"data": str(tmp_path / "data"), "robots": {name: robot}}), name
+
+
+def test_a_command_is_driven_and_each_step_is_heard_of(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    heard: list[ActionResult] = []
+    driven = robot_command_driver("walk forward 50 cm and take a photo", name, config=config, on_step=heard.append)
+    assert driven.status == "done"
+    assert [r.primitive.op for r in driven.results] == [Op.MOVE, Op.GET_FRONT_IMAGE]
+    assert driven.results[0].measured["distance_m"] == pytest.approx(0.5, abs=0.05)
+    assert tuple(heard) == driven.results
+
+
+def test_after_a_failed_step_nothing_more_is_done(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    driven = robot_command_driver("walk forward 4 m, then wave", name, config=config)
+    assert driven.status == "failed"
+    assert driven.results[0].outcome in (Outcome.STOPPED, Outcome.REFUSED, Outcome.FAILED)
+    assert driven.results[1].outcome is Outcome.SKIPPED
+
+
+@pytest.mark.parametrize(
+    ("text", "status", "says"),
+    [
+        ("walk forward", "asks_back", "how far"),
+        ("walk forward 30 m", "refused", "limit"),
+        ("good morning", "asks_back", ""),
+    ],
+)
+def test_what_is_not_clear_or_not_allowed_moves_nothing(
+    lab: tuple[Config, str], text: str, status: str, says: str
+) -> None:
+    config, name = lab
+    driven = robot_command_driver(text, name, config=config)
+    assert driven.status == status
+    assert says in driven.message.lower()
+    assert driven.results == ()
+
+
+def test_law_17_a_halt_that_is_kept_holds_for_drive_too(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    halt = Path(config.data) / "drivers" / f"{name}.halt"
+    halt.parent.mkdir(parents=True)
+    halt.write_text("{}")
+    driven = robot_command_driver("walk forward 50 cm", name, config=config)
+    assert driven.status == "failed"
+    assert driven.results[0].reason == "halted"
+
+
+def test_it_works_from_a_thread_and_inside_a_running_loop(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    found: list[Driven] = []
+    thread = threading.Thread(target=lambda: found.append(robot_command_driver("wave", name, config=config)))
+    thread.start()
+    thread.join(60)
+
+    async def inside() -> None:
+        found.append(robot_command_driver("wave", name, config=config))
+
+    asyncio.run(inside())
+    assert [d.status for d in found] == ["done", "done"]
+
+
+def test_another_interface_than_the_configured_one_is_refused(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    with pytest.raises(ConfigError, match="is configured on interface 'lo', not 'eth0'"):
+        robot_command_driver("wave", name, "eth0", config)
