@@ -267,6 +267,51 @@ async def test_law_14_a_stop_ends_the_step_and_the_lease_and_is_measured(drivers
             assert (await robot.step(lease, NEAR, 10)).ok
 
 
+@pytest.mark.parametrize("how", ["stop", "halt", "stop channel"])
+async def test_law_14_what_was_accepted_before_a_stop_gets_no_lease(drivers: Drivers, how: str) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot:
+        accepted_s = time.monotonic()
+        if how == "stop channel":
+            await asyncio.to_thread(stop_driver, f"driver/fake/{name}", "shell")
+        else:
+            await (robot.stop("shell") if how == "stop" else robot.halt("shell"))
+        with pytest.raises(LeaseLost, match="by a halt" if how == "halt" else "by a stop"):
+            async with robot.lease("agent", accepted_s):
+                pass
+        async with robot.lease("agent", time.monotonic()):
+            assert await robot.holder() == "agent"
+
+
+async def test_law_14_a_stop_ends_also_who_waits_for_the_lease(drivers: Drivers) -> None:
+    name, _ = drivers.start(options={"faults": {"stop_s": 1.0}})  # slow to come to rest, so the next one must wait
+    async with drivers.client(name) as robot, drivers.client(name) as other:
+        async with robot.lease("hasty") as lease:
+            step = asyncio.create_task(robot.step(lease, FAR, 60))
+            await moving(robot)
+
+        async def take() -> None:
+            async with other.lease("patient"):
+                pass
+
+        taking = asyncio.create_task(take())
+        done, _ = await asyncio.wait({taking}, timeout=0.2)
+        assert not done
+        await robot.stop("passer-by")
+        with pytest.raises(LeaseLost, match="by a stop"):
+            await taking
+        assert (await step).outcome is Outcome.STOPPED
+
+
+@pytest.mark.parametrize("since_s", ["now", True, 1e12])
+async def test_law_14_a_time_that_would_outrun_every_stop_is_refused(drivers: Drivers, since_s: Any) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot:
+        with pytest.raises(RobotError, match="'since_s' must be"):
+            async with robot.lease("agent", since_s):
+                pass
+
+
 async def test_law_13_the_stop_channel_needs_neither_socket_nor_lease(drivers: Drivers) -> None:
     name, _ = drivers.start()
     async with drivers.client(name) as robot, robot.lease("walker") as lease:

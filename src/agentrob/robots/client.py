@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import time
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any
@@ -48,12 +49,14 @@ class DriverClient:
         return None if lease is None else str(lease["holder"])
 
     @contextlib.asynccontextmanager
-    async def lease(self, holder: str) -> AsyncIterator[str]:
+    async def lease(self, holder: str, since_s: float | None = None) -> AsyncIterator[str]:
         """The right to move the robot, renewed five times a second until the context ends.
 
-        `RobotBusy` names who has it. A stop ends it: then `step` raises `LeaseLost`.
+        `since_s` is when the command was accepted (`time.monotonic()` on this host; now when not given): `LeaseLost`
+        when a stop or a halt came since then. `RobotBusy` names who has the robot. A stop ends the lease: then `step`
+        raises `LeaseLost`.
         """
-        lease = str((await self._call("POST", "/lease", {"holder": holder}))["lease"])
+        lease = str((await self._call("POST", "/lease", {"holder": holder, "since_s": since_s}))["lease"])
         renewing = asyncio.create_task(self._renew(lease), name=f"lease of {self.robot}")
         try:
             yield lease
@@ -134,7 +137,7 @@ def run_plan(
 
     `deadline_s` is for the whole plan. `on_result` hears of each step as it ends. Raises `RobotError` subclasses.
     """
-    return asyncio.run(_run_plan(robot, plan, holder, socket, deadline_s, on_result))
+    return asyncio.run(_run_plan(robot, plan, holder, socket, deadline_s, on_result, time.monotonic()))
 
 
 async def _run_plan(
@@ -144,10 +147,11 @@ async def _run_plan(
     socket: Path | None,
     deadline_s: float,
     on_result: Callable[[ActionResult], None],
+    since_s: float,
 ) -> tuple[ActionResult, ...]:
     results: list[ActionResult] = []
     end_s = asyncio.get_running_loop().time() + deadline_s
-    async with DriverClient(robot, socket) as client, client.lease(holder) as lease:
+    async with DriverClient(robot, socket) as client, client.lease(holder, since_s) as lease:
         for primitive in plan.steps:
             if results and not results[-1].ok:
                 result = ActionResult(primitive, Outcome.SKIPPED, message="An earlier step was not done.")

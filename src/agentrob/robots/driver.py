@@ -56,14 +56,20 @@ class Driver:
     def state(self) -> RobotState:
         return self.guard.state()
 
-    def take(self, holder: str) -> str:
-        """A lease, once the last holder's step has come to rest; waits for that. Raises `RobotBusy`."""
-        end_s = time.monotonic() + TAKE_S
+    def take(self, holder: str, since_s: float | None = None) -> str:
+        """A lease, once the last holder's step has come to rest; waits for that.
+
+        `since_s` is when the command was accepted, by the monotonic clock; now when not given. Raises `RobotBusy`, and
+        `LeaseLost` when a stop or a halt came since then, also while this waits.
+        """
+        asked_s = time.monotonic()
+        since_s, end_s = asked_s if since_s is None else since_s, asked_s + TAKE_S
+        self.leases.refuse_ended(since_s)
         while self.leases.holder is None and self.busy and time.monotonic() < end_s:
             time.sleep(0.02)
         if self.leases.holder is None and self.busy:
             raise RobotBusy("the robot is still ending the step of its last holder; try again in a moment")
-        lease = self.leases.take(holder)
+        lease = self.leases.take(holder, since_s)
         log.info("lease to %s", holder)
         return lease
 

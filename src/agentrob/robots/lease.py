@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 import threading
 import time
@@ -19,15 +20,20 @@ class Leases:
         self._lock = threading.Lock()
         self._lease, self._holder, self._until_s = "", "", 0.0
         self._ended: tuple[str, str] = ("", "")  # (lease, why) of the last one that ended before its time
+        self._last_end: tuple[float, str] = (-math.inf, "")  # (monotonic seconds, why), also when nobody held a lease
 
     @property
     def holder(self) -> str | None:
         """Who holds the robot now."""
         return self._holder if self._lease and time.monotonic() < self._until_s else None
 
-    def take(self, holder: str) -> str:
-        """A new lease. `RobotBusy` names who has it already."""
+    def take(self, holder: str, since_s: float = math.inf) -> str:
+        """A new lease for a command that was accepted at `since_s` (monotonic seconds).
+
+        `LeaseLost` when a stop or a halt came since then; `RobotBusy` names who has the robot already.
+        """
         with self._lock:
+            self.refuse_ended(since_s)
             if (other := self.holder) is not None:
                 raise RobotBusy(
                     f"{other} holds the robot; it is free when they give it back or fall silent for a second"
@@ -49,10 +55,17 @@ class Leases:
                 self._lease = ""
 
     def end(self, why: str) -> None:
-        """Take the lease away from whoever has it (a stop does)."""
+        """Take the lease away from whoever has it (a stop does), and from what was accepted before now."""
         with self._lock:
+            self._last_end = (time.monotonic(), why)
             if self._lease:
                 self._ended, self._lease = (self._lease, why), ""
+
+    def refuse_ended(self, since_s: float) -> None:
+        """`LeaseLost` when a stop or a halt came at or after `since_s`."""
+        ended_s, why = self._last_end
+        if ended_s >= since_s:
+            raise LeaseLost(f"what was accepted before was ended by a {why}; only a later command moves the robot")
 
     def lost(self, lease: str) -> str | None:
         """None while the lease is good, else a stable word: `lease_lapsed`, or why it was ended."""

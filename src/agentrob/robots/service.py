@@ -71,6 +71,16 @@ def _text(data: dict[str, Any], key: str) -> str:
     return value.strip()[:100]
 
 
+def _since(data: dict[str, Any]) -> float | None:
+    """A time to come would outrun every stop, so it is no time of this host's clock."""
+    since_s = data.get("since_s")
+    if since_s is None:
+        return None
+    if isinstance(since_s, bool) or not isinstance(since_s, int | float) or not since_s <= time.monotonic():
+        raise RobotError("'since_s' must be seconds of this host's CLOCK_MONOTONIC that are not to come")
+    return float(since_s)
+
+
 async def _who(request: Request) -> str:
     """Who stops. A stop counts also when it does not say properly whose it is."""
     try:
@@ -91,8 +101,9 @@ def app(driver: Driver) -> Starlette:
         return JSONResponse({**encode(driver.state()), "lease": lease, "busy": driver.busy})
 
     async def take(request: Request) -> JSONResponse:
-        holder = _text(await _body(request), "holder")
-        lease = await in_thread(lambda: driver.take(holder))
+        data = await _body(request)
+        holder, since_s = _text(data, "holder"), _since(data)
+        lease = await in_thread(lambda: driver.take(holder, since_s))
         return JSONResponse({"lease": lease, "ttl_s": driver.leases.ttl_s})
 
     async def renew(request: Request) -> JSONResponse:
