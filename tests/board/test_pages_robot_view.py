@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from pages_world import CARD, World, running_world
 
 from agentrob.board.robot_view import robot_view
-from agentrob.board.templating import excerpt, own_path, status_card
+from agentrob.board.templating import EXCERPT_FROM, excerpt, own_path, status_card
 
 json = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
@@ -45,6 +46,22 @@ def test_any_card_of_a_command_has_a_view(card: dict[str, Any]) -> None:
 def test_any_text_has_an_excerpt_of_one_line(raw: str) -> None:
     assert "\n" not in excerpt(raw)
     assert 0 < len(excerpt(raw)) <= 141
+
+
+@given(st.text(alphabet="a |-:*`#\n", max_size=40))
+def test_an_excerpt_keeps_words_and_no_marks(raw: str) -> None:
+    text = excerpt(raw)
+    assert not set(text) & set("*`|#")
+    assert "---" not in text
+
+
+@pytest.mark.parametrize("hostile", ["|", "-", "--", "| ", "\n", "|-:", "*", "--- a"])
+def test_an_excerpt_of_a_hostile_post_does_not_hold_up_the_event_loop(hostile: str) -> None:
+    """What a post of 64 KiB costs is bounded by its first words: a page shows ten of them."""
+    raw = hostile * (64 * 1024 // len(hostile))
+    started = time.thread_time()
+    assert excerpt(raw) == excerpt(raw[:EXCERPT_FROM])
+    assert time.thread_time() - started < 0.05
 
 
 @given(st.text())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from html.parser import HTMLParser
 from urllib.parse import urlsplit
 
@@ -153,6 +154,12 @@ def render_wall(text: str) -> str:
     from agentrob.board.render import _CLEANER
 
     return _CLEANER.clean(text)
+
+
+def test_an_address_with_an_endless_tail_does_not_hold_up_the_writer() -> None:
+    started = time.thread_time()
+    assert render("http://a" + ")" * 64_000, known).count("<a ") == 1
+    assert time.thread_time() - started < 0.5
 
 
 @pytest.mark.parametrize(

@@ -128,9 +128,11 @@ def _known(name: str, is_account: IsAccount) -> str:
 
 def _without_tail(url: str) -> str:
     """Without the punctuation that ends the sentence rather than the address."""
-    while url and (url[-1] in ".,;:!?*_~]" or (url[-1] == ")" and url.count(")") > url.count("("))):
-        url = url[:-1]
-    return url
+    end, unopened = len(url), url.count(")") - url.count("(")
+    while end and (url[end - 1] in ".,;:!?*_~]" or (url[end - 1] == ")" and unopened > 0)):
+        end -= 1
+        unopened -= url[end] == ")"
+    return url[:end]
 
 
 def _nobody(_name: str) -> bool:

@@ -26,6 +26,8 @@ from agentrob.model import AccountKind, Role, StatusCard
 
 HERE = Path(__file__).parent
 NAME = re.compile(r"[a-z][a-z0-9_-]{0,63}\Z")
+#: Characters of a post that its excerpt is made from.
+EXCERPT_FROM = 600
 
 #: The states of a command as words for people.
 STATES = {
@@ -82,9 +84,16 @@ def tone(name: str) -> int:
 
 
 def excerpt(raw: str) -> str:
-    """The first words of a post, without the marks of Markdown."""
-    text = " ".join(re.sub(r"[|>#]+", " ", re.sub(r"[*`~]+|\|?[\s|:-]*---[\s|:-]*", "", raw)).split())
+    """The first words of a post, without the marks of Markdown. Takes no longer for a long post than for a short one:
+    pages with many of them are made on the event loop, which the stop button needs too."""
+    bare = re.sub(r"[*`~]+|[\s|:-]{3,}", _unruled, raw[:EXCERPT_FROM])
+    text = " ".join(re.sub(r"[|>#]+", " ", bare).split())
     return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
+
+
+def _unruled(marks: re.Match[str]) -> str:
+    """Nothing for emphasis and for the line between a table's head and body; other white space and bars stay."""
+    return "" if marks[0][0] in "*`~" or "---" in marks[0] else marks[0]
 
 
 def status_card(card: Mapping[str, Any]) -> StatusCard:
