@@ -85,6 +85,34 @@ def test_what_the_robot_does_not_offer_is_a_failure_with_its_code(go2: Go2) -> N
         assert "3203" in result.message
 
 
+def mode(robot: Go2, wanted: str, limit_s: float = 15.0) -> None:
+    """Wait until the robot is in a mode."""
+    end_s = time.monotonic() + limit_s
+    while (found := robot.state().mode) != wanted:
+        assert time.monotonic() < end_s, f"it is {found}, not {wanted}"
+        time.sleep(0.02)
+
+
+def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_stop(go2: Go2) -> None:
+    near = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
+    assert go2._actions.StandUp() == 0  # as an operator's remote does
+    mode(go2, "locked")
+    stopped = go2.step(near, lambda _: "lease_lapsed")
+    assert (stopped.outcome, stopped.reason) == (Outcome.STOPPED, "lease_lapsed")
+    assert "before it began" in stopped.message
+    ended_s = time.monotonic()
+    while (go2._state.newest() or (0.0,))[0] < ended_s + 0.1:  # what it tells after all that was sent
+        time.sleep(0.02)
+    assert go2.state().mode == "locked"
+    assert go2._actions.Damp() == 0
+    mode(go2, "damping")
+    refused = go2.step(near, go_on)
+    assert (refused.outcome, refused.reason) == (Outcome.REFUSED, "posture")
+    mode(go2, "damping", 0.5)
+    assert go2.step(Primitive(Op.STAND), go_on).ok  # the guard would not let this through
+    mode(go2, "idle")
+
+
 DRIVER = """
 import sys
 from pathlib import Path

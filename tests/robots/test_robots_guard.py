@@ -20,6 +20,7 @@ from agentrob.robots.contract import go_on
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
+from agentrob.robots.odometry import Hands
 
 F, B, L, R = Direction
 Make = Callable[..., Guard]
@@ -316,6 +317,65 @@ def test_law_12_a_mode_that_we_did_not_command_is_a_halt(make: Make) -> None:
     assert result.reason == "halted"
     assert "locked" in result.message
     guard.release("owner")
+    assert guard.step(move(0.3), go_on).ok
+
+
+def test_law_12_damping_during_a_gesture_is_a_halt(make: Make) -> None:
+    guard = make({"time_scale": 1})
+    until(lambda: guard.state().homed)
+
+    def damp(_: RobotState) -> str | None:
+        fake_of(guard).faults.mode = "damping"
+        return None
+
+    result = guard.step(Primitive(Op.HELLO), damp)
+    assert result.outcome is Outcome.STOPPED
+    assert result.reason in ("halted", "stop")  # whether the step or the observer saw it first
+    assert guard.state().halted
+    assert "damping" in guard.step(move(0.3), go_on).message
+
+
+def test_law_12_damping_right_after_our_own_step_is_a_halt(make: Make) -> None:
+    guard = make()
+    assert guard.step(move(0.3), go_on).ok
+    fake_of(guard).faults.mode = "damping"
+    until(lambda: guard.state().halted)
+    fake_of(guard).faults.mode = ""
+    assert guard.step(move(0.3), go_on).reason == "halted"
+
+
+@pytest.mark.parametrize("primitive", [move(0.3), turn(30), Primitive(Op.STAND)])
+def test_law_12_a_robot_that_was_damped_before_we_came_is_not_moved(make: Make, primitive: Primitive) -> None:
+    guard = make({"faults": {"mode": "damping"}})
+    result = guard.step(primitive, go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "posture")
+    assert not guard.state().halted
+    assert fake_of(guard).commanded == (0, 0, 0)
+    fake_of(guard).faults.mode = ""  # somebody made it stand up
+    assert guard.step(primitive, go_on).ok
+
+
+def test_a_mode_that_is_there_when_the_first_state_comes_is_nobodys_change() -> None:
+    hands = Hands()
+    for now_s, state in enumerate([RobotState(age_s=math.inf), RobotState(age_s=0.0, mode="locked")]):
+        assert hands.see(now_s, state, walking=False, gesturing=False) is None
+
+
+def test_law_14_a_stop_while_a_step_is_prepared_ends_it(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+    look, stops = fake_of(guard).state, list[bool]()
+
+    def state() -> RobotState:
+        if threading.current_thread() is threading.main_thread() and not stops:  # the step's first look
+            stops.append(True)
+            guard.stop()
+        return look()
+
+    monkeypatch.setattr(fake_of(guard), "state", state)
+    result = guard.step(move(1.0), go_on)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "stop")
+    assert fake_of(guard).commanded == (0, 0, 0)
     assert guard.step(move(0.3), go_on).ok
 
 

@@ -6,7 +6,6 @@ Unverified on hardware: the order and origin of `range_obstacle`, the modes belo
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,9 +15,10 @@ from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import unitree
+from agentrob.robots.gesture import Gesture
 from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Gait, Rest, Velocity
 from agentrob.robots.robot import Watch, limits_of
-from agentrob.robots.walk import REST_LIMIT_S, walk
+from agentrob.robots.walk import REST_LIMIT_S, not_begun, walk
 
 GAIT = Gait(speed_mps=1.0, side_mps=0.3, turn_rps=math.radians(90))
 
@@ -88,14 +88,14 @@ class Go2:
         )
         self._actions, self._moves, self._stopper, self._video = unitree.clients(*makers)
         self._stops = 0
-        self._gesture: threading.Thread | None = None
-        self._gestures: dict[Op, Callable[[], int]] = {
-            Op.HELLO: self._actions.Hello,
-            Op.HEART: self._actions.Heart,
-            Op.BACKFLIP: self._actions.BackFlip,
-            Op.SIT: self._actions.Sit,
-            Op.STAND: self._stand,
-            Op.STRETCH: self._actions.Stretch,
+        self._gesture: Gesture | None = None
+        self._gestures: dict[Op, tuple[Callable[[], int], ...]] = {
+            Op.HELLO: (self._actions.Hello,),
+            Op.HEART: (self._actions.Heart,),
+            Op.BACKFLIP: (self._actions.BackFlip,),
+            Op.SIT: (self._actions.Sit,),
+            Op.STAND: (self._actions.RecoveryStand, self._actions.BalanceStand),
+            Op.STRETCH: (self._actions.Stretch,),
         }
 
     # ------------------------------------------------------------ the robot
@@ -172,45 +172,38 @@ class Go2:
     @property
     def _gesturing(self) -> bool:
         """Whether the robot has not answered its last gesture yet."""
-        return self._gesture is not None and self._gesture.is_alive()
+        return self._gesture is not None and self._gesture.running
 
     def _send_stop(self) -> bool:
         codes = [self._stopper._CallNoReply(STOP_MOVE, "{}"), self._stopper.Move(0.0, 0.0, 0.0)]
         return 0 in codes
 
     def _walk(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        gait, mode = self._gait, self.state().mode
-        if mode in ("sitting", "lying"):
-            return _refused(primitive, "posture", f"The robot is {mode}; it must stand up first.")
-        if mode in ("locked", "damping", "unknown"):
+        gait, state, started_s = self._gait, self.state(), time.monotonic()
+        if state.mode in ("sitting", "lying", "damping"):
+            return _refused(primitive, "posture", f"The robot is {state.mode}; it must stand up first.")
+        if reason := watch(state):  # before the robot is told anything
+            return not_begun(primitive, reason, started_s)
+        if state.mode in ("locked", "unknown"):
             if code := self._actions.BalanceStand():
                 return _failed(primitive, *_why(code, "It could not stand ready to walk"), time.monotonic())
             gait = replace(gait, start_s=START_AFTER_STANDING_S)
         return walk(self, primitive, gait, watch)
 
-    def _stand(self) -> int:
-        code: int = self._actions.RecoveryStand()
-        return code or int(self._actions.BalanceStand())
-
     def _do_gesture(self, primitive: Primitive, watch: Watch) -> ActionResult:
         """The robot's own motion: it runs to its end; a reason of the watch stops what follows, and is told."""
-        started_s, codes = time.monotonic(), list[int]()
+        started_s = time.monotonic()
         if reason := watch(self.state()):
-            message = f"Stopped before it began ({reason.replace('_', ' ')})."
+            return not_begun(primitive, reason, started_s)
+        gesture = self._gesture = Gesture(self._gestures[primitive.op], lambda: watch(self.state()))
+        gesture.follow()
+        if reason := gesture.reason:
+            self._send_stop()
+            message = f"Stopped ({reason.replace('_', ' ')}); the robot may end the gesture by itself."
             return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
-        call = self._gestures[primitive.op]
-        self._gesture = threading.Thread(target=lambda: codes.append(call()), name=str(primitive.op), daemon=True)
-        self._gesture.start()
-        while self._gesture.is_alive():
-            self._gesture.join(1 / RATE_HZ)
-            if self._gesture.is_alive() and (reason := watch(self.state())):
-                self._send_stop()
-                message = f"Stopped ({reason.replace('_', ' ')}); the robot may end the gesture by itself."
-                return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
-        code = codes[0] if codes else -1
         name = str(primitive.op).capitalize()
-        if code:
-            return _failed(primitive, *_why(code, f"{name} was not done"), started_s)
+        if gesture.code:
+            return _failed(primitive, *_why(gesture.code, f"{name} was not done"), started_s)
         animated = primitive.op is Op.BACKFLIP and self.capabilities.simulated
         return ActionResult(
             primitive, Outcome.DONE, {}, "", f"{name}: done.", started_s, time.monotonic(), animated=animated

@@ -8,7 +8,8 @@ Covered, before a step and 20 times a second while it runs:
 - state older than 0.5 s, a fall, the deadline, a halt, which holds until the owner releases it, also across restarts;
 - an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
   (a simulated robot that homes itself at start does so again once it stands still);
-- a mode or a motion that we did not command: that is a halt.
+- a mode or a motion that we did not command: that is a halt; damping always is, also during a gesture. A robot that is
+  damped already when we come is not moved until somebody made it stand.
 
 Not covered:
 - people, animals, and all that is below, above or between the four range beams: stairs, cables, glass, table edges;
@@ -33,7 +34,7 @@ from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primit
 from agentrob.robots.fence import Fence, ahead
 from agentrob.robots.halt import Halt
 from agentrob.robots.limits import beyond_limits
-from agentrob.robots.odometry import Hands, Odometry
+from agentrob.robots.odometry import DAMPING, Hands, Odometry
 from agentrob.robots.ranges import STOPPING_S, Ranges
 from agentrob.robots.robot import Robot, Watch
 
@@ -61,6 +62,7 @@ class Guard:
         self._stepping = threading.Lock()
         self._looking = threading.Lock()
         self._running: Primitive | None = None
+        self._stops = 0
         self._sentence = self._lost_home = ""
         self._closed = threading.Event()
         self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
@@ -72,17 +74,20 @@ class Guard:
 
     def step(self, primitive: Primitive, watch: Watch, deadline_s: float | None = None) -> ActionResult:
         """As any robot's; `deadline_s` is how long it may take, at most the limit of a command."""
+        stops = self._stops
+        attentive: Watch = lambda state: "stop" if self._stops != stops else watch(state)  # noqa: E731
         if not self._stepping.acquire(blocking=False):
             return _refused(primitive, "busy", "Another step is still running.")
         try:
             limit_s = self.capabilities.limits.command_s
-            return self._guarded(primitive, watch, limit_s if deadline_s is None else min(deadline_s, limit_s))
+            return self._guarded(primitive, attentive, limit_s if deadline_s is None else min(deadline_s, limit_s))
         finally:
             self._running = None
             self._stepping.release()
 
     def stop(self) -> StopResult:
         """Never waits for anything of the guard."""
+        self._stops += 1
         self._hands.ours(time.monotonic())
         return self._robot.stop()
 
@@ -162,6 +167,8 @@ class Guard:
             return "stale_state", f"The robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s."
         if state.mode == "fallen" or not state.upright:
             return "fallen", "The robot is not known to stand upright."
+        if state.mode == DAMPING:
+            return "posture", "The robot is damped, and not by us; somebody beside it must make it stand up first."
         return None
 
     def _misplaced(self, primitive: Primitive) -> Refusal | None:

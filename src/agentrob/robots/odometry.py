@@ -56,8 +56,10 @@ def _same_place(a: Pose, b: Pose) -> bool:
     return distance_m < 0.02 and angle_rad < 0.05
 
 
+#: Limp: only an operator or the robot's own hardware stop does that; no step of ours ever does.
+DAMPING = "damping"
 #: Modes into which a robot does not go by itself while we do nothing.
-FOREIGN_MODES = frozenset({"damping", "locked", "lying", "sitting", "gesture"})
+FOREIGN_MODES = frozenset({DAMPING, "locked", "lying", "sitting", "gesture"})
 #: Our own step may show in mode and speed for so long after it ended.
 OURS_S = 3.0
 #: Faster than this for `MOVED_S` without a step of ours is somebody else's hand.
@@ -76,12 +78,15 @@ class Hands:
 
     def see(self, now_s: float, state: RobotState, *, walking: bool, gesturing: bool) -> str | None:
         """A sentence when somebody else changed what the robot does."""
+        if not math.isfinite(state.age_s):
+            return None  # no state ever came
         before, self._mode = self._mode, state.mode
         if walking or gesturing:
             self.ours(now_s)
         ours = now_s < self._ours_until_s
         changed = bool(before) and state.mode != before and state.mode in FOREIGN_MODES
-        if changed and (walking or not ours) and not gesturing:
+        damped = bool(before) and state.mode != before and state.mode == DAMPING  # never ours, whatever we do meanwhile
+        if damped or (changed and (walking or not ours) and not gesturing):
             return f"the robot went from {before} to {state.mode}, which we did not command"
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
         if ours or speed_mps < MOVED_MPS or state.age_s > MOVED_S:

@@ -119,13 +119,14 @@ def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionRe
     if reason and track.points:
         _come_to_rest(body, track)
     if not track.points:
-        return _not_begun(primitive, reason, started_s)
+        return not_begun(primitive, reason, started_s)
     measured = track.measured(primitive)
     outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
     return ActionResult(primitive, outcome, measured, word, message, started_s, time.monotonic(), track.path())
 
 
-def _not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
+def not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
+    """The result of a step to which the watch objected before the body was commanded anything."""
     message = f"Stopped before it began ({reason.replace('_', ' ')})."
     return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
 
