@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 from pages_world import CARD, PASSWORD, World, running_world
@@ -300,6 +302,20 @@ def test_errors_of_the_server_are_pages_too(world: World) -> None:
     assert "a secret" not in wrong.text
     assert "Wait 8 seconds, then try again." in fast.text
     assert fast.headers["retry-after"] == "8"
+
+
+def test_an_error_of_the_database_does_not_sign_anybody_out(world: World) -> None:
+    surfer = world.browser("bob")
+    with closing(sqlite3.connect(str(world.settings.database_path))) as other:
+        other.execute("ALTER TABLE sessions RENAME TO away")
+        try:
+            broken = surfer.get("/")
+        finally:
+            other.execute("ALTER TABLE away RENAME TO sessions")
+    assert broken.status_code == 503
+    assert "set-cookie" not in broken.headers
+    assert surfer.get("/").status_code == 200
+    assert surfer.get("/u/bob").url.path == "/u/bob", "still signed in"
 
 
 def test_too_many_attempts_to_sign_in_say_how_long_to_wait(world: World) -> None:

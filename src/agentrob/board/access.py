@@ -146,8 +146,12 @@ def set_session(response: Response, services: Services, session: str) -> None:
 
 
 def keep(response: Response, services: Services, viewer: Viewer) -> None:
-    """Keep the cookie that an anonymous viewer's form token belongs to."""
-    if viewer.account is None and not viewer.by_token:
+    """Keep the cookie that an anonymous viewer's form token belongs to.
+
+    A viewer without a secret is one of whom nothing could be found out (the database cannot be read), perhaps signed
+    in: the cookie stays what it is.
+    """
+    if viewer.account is None and not viewer.by_token and viewer.secret:
         set_session(response, services, viewer.secret)
 
 
