@@ -65,6 +65,32 @@ def test_the_suspended_may_nothing_but_know_it(board: RunningBoard) -> None:
     assert browser.get("/api/v1/me").status_code == 401
 
 
+def test_a_suspension_can_be_taken_back(board: RunningBoard) -> None:
+    account = board.add("forgiven")
+    client = board.client("forgiven")
+    admin.change_account(board.settings, account, suspended=True)
+    assert client.get("/boards").status_code == 403
+    admin.change_account(board.settings, account, suspended=False)
+    assert client.get("/boards").status_code == 200
+
+
+def test_revoked_tokens_open_nothing_and_other_tokens_stay(board: RunningBoard) -> None:
+    account = board.add("program")
+    tokens = {"": board.tokens["program"]}
+    tokens |= {label: admin.issue_token(board.settings, account, label) for label in ("lost", "kept")}
+
+    def open_with() -> list[str]:
+        asks = {label: {"Authorization": f"Bearer {token}"} for label, token in tokens.items()}
+        return [label for label, ask in asks.items() if board.client().get("/me", headers=ask).status_code == 200]
+
+    assert admin.revoke_tokens(board.settings, account, "lost") == 1
+    assert open_with() == ["", "kept"]
+    assert admin.revoke_tokens(board.settings, account, "lost") == 0, "once is enough"
+    assert admin.revoke_tokens(board.settings, account) == 2
+    assert open_with() == []
+    assert board.client("op").get("/me").status_code == 200, "those of others stay"
+
+
 def test_a_cookie_needs_the_csrf_token_to_write(board: RunningBoard) -> None:
     browser = board.browser("op")
     (secret,) = browser.cookies.jar
@@ -243,11 +269,26 @@ def test_names_are_unique_whatever_their_case(board: RunningBoard) -> None:
     assert (caught.value.status, caught.value.code) == (409, "name_taken")
 
 
-def test_sign_up_is_on_by_itself_only_on_loopback(tmp_path: Path) -> None:
-    def sign_up(listen: str) -> bool:
-        return BoardSettings.from_config(BoardConfig(listen=listen), tmp_path).sign_up
+def sign_up_by_itself(folder: Path, **config: str) -> bool:
+    return BoardSettings.from_config(BoardConfig(**config), folder).sign_up
 
-    assert [sign_up(x) for x in ("127.0.0.1:1", "[::1]:1", "0.0.0.0:1", "192.168.1.2:1")] == [True, True, False, False]
+
+def test_sign_up_is_on_by_itself_only_on_loopback(tmp_path: Path) -> None:
+    found = [sign_up_by_itself(tmp_path, listen=x) for x in ("127.0.0.1:1", "[::1]:1", "0.0.0.0:1", "192.168.1.2:1")]
+    assert found == [True, True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("base_url", "on"),
+    [
+        *[("https://forum.example.org", False), ("http://192.168.1.2:8088", False), ("https://localhost.evil", False)],
+        *[("http://localhost:8088", True), ("http://[::1]:8088", True), ("https://127.0.0.1", True)],
+    ],
+)
+def test_sign_up_is_off_by_itself_behind_a_reverse_proxy(tmp_path: Path, base_url: str, on: bool) -> None:
+    assert sign_up_by_itself(tmp_path, listen="127.0.0.1:8088", base_url=base_url) is on
+    config = BoardConfig(listen="127.0.0.1:8088", base_url=base_url, sign_up=True)
+    assert BoardSettings.from_config(config, tmp_path).sign_up, "who says so, gets it"
 
 
 @pytest.mark.parametrize("listen", ["", "8088", "host:", "host:port", "host:70000"])

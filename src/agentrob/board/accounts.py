@@ -145,6 +145,15 @@ def new_token(connection: Connection, account: Account, label: str = "") -> str:
     return secret
 
 
+def revoke_tokens(connection: Connection, account: Account, label: str | None = None) -> int:
+    """End an account's tokens that are not ended yet, all or those of a label; returns how many."""
+    c = db.tokens.c
+    ended = update(db.tokens).where(c.account_id == int(account.id), c.revoked_us.is_(None))
+    if label is not None:
+        ended = ended.where(c.label == label[:64])
+    return connection.execute(ended.values(revoked_us=now_us())).rowcount
+
+
 def by_token(reader: Reader, secret: str) -> Account | None:
     """The account that a bearer token signs in."""
     row = reader.first(_BY_TOKEN, hash=hash_of(secret))

@@ -84,6 +84,12 @@ def issue_token(settings: BoardSettings, account: Account, label: str = "") -> s
         return accounts.new_token(connection, account, label)
 
 
+def revoke_tokens(settings: BoardSettings, account: Account, label: str | None = None) -> int:
+    """End the account's bearer tokens at once, with a label only those of that label; returns how many were ended."""
+    with _writing(settings) as connection:
+        return accounts.revoke_tokens(connection, account, label)
+
+
 def issue_link(settings: BoardSettings, account: Account) -> str:
     """The path of a page that signs in once, within ten minutes: put `settings.base_url` before it."""
     with _writing(settings) as connection:

@@ -38,7 +38,9 @@ class BoardSettings:
         parts = urlsplit(base_url)
         if parts.scheme not in ("http", "https") or not parts.netloc or parts.path or parts.query:
             raise ConfigError(f"board.base_url: {base_url!r} is not an address; valid: https://forum.example.org")
-        sign_up = is_loopback(host) if board.sign_up is None else board.sign_up
+        # A forum on loopback with a name of its own is behind a reverse proxy: the world reaches it.
+        local = is_loopback(host) and is_loopback(parts.hostname or "")
+        sign_up = local if board.sign_up is None else board.sign_up
         database = board.database or f"sqlite:///{data_dir / 'board' / 'board.sqlite3'}"
         if "://" not in database:
             database = f"sqlite:///{Path(database).expanduser()}"
