@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from agentrob.language.visible import MAX_CHARS, mentions, visible_text
@@ -124,3 +124,38 @@ def test_hostile_repetition_stays_quick(unit: str) -> None:
     start = time.process_time()
     mentions(visible_text(raw))
     assert time.process_time() - start < 1.0
+
+
+MARKUP = [
+    "<![",
+    "]]>",
+    "]>",
+    "<!--",
+    "-->",
+    "<!",
+    "<?",
+    "&#",
+    ";",
+    "<",
+    ">",
+    "</",
+    "/>",
+    "div",
+    "x",
+    "[",
+    "]",
+    "`",
+    "\n",
+    " ",
+]
+
+
+@given(st.lists(st.sampled_from(MARKUP) | st.characters(), max_size=40).map("".join))
+@example("hello\n\n<div>\n<![x[ y ]]>\n</div>")
+def test_no_markup_makes_it_raise(text: str) -> None:
+    assert isinstance(visible_text(text), str)
+
+
+def test_what_follows_markup_that_cannot_be_followed_is_hidden() -> None:
+    assert visible_text("hello\n\n<div>\n<![x[ y ]]>\n</div>\n\nwalk 5 m").startswith("hello")
+    assert "walk" not in visible_text("hello\n\n<div>\n<![x[ y ]]>\n</div>\n\nwalk 5 m")

@@ -137,11 +137,21 @@ class _OpenElements(HTMLParser):
     def __init__(self) -> None:
         super().__init__(convert_charrefs=False)
         self._open: list[str] = []
+        self._lost = False
 
     @property
     def depth(self) -> int:
         """How many elements are open; a comment, script or tag left unfinished counts as one."""
-        return len(self._open) + bool(self.rawdata)
+        return len(self._open) + bool(self.rawdata) + self._lost
+
+    def feed(self, data: str) -> None:
+        """Never raises: after markup that the parser cannot follow, all that comes is taken for hidden."""
+        if self._lost:
+            return
+        try:
+            super().feed(data)
+        except Exception:  # the parser asserts and fails on some malformed declarations
+            self._lost = True
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         if tag not in _VOID_TAGS:
