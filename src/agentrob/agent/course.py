@@ -151,9 +151,11 @@ class Course:
             case Intent.ASK_BACK:
                 return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
-                for other in self.line.end_before(job.command.posted_at, STOP):
+                ended = self.line.end_before(job.command.posted_at, STOP)
+                for other in ended:
                     other.stopped_by = job.command.author.name
                 stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
+                await self.journal.end([other.command.post_id for other in ended], STOP)
                 return self._report(job, "stopped", stop=stop)
         return self._report(job, "answered", message=say("nothing", language))
 

@@ -15,14 +15,12 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import fcntl
-import os
 import socket
 import sqlite3
 import threading
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from pathlib import Path
@@ -31,6 +29,7 @@ from typing import IO, Any, TypeVar
 from dbos import DBOS, DBOSClient, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
 from pydantic import TypeAdapter
 
+from agentrob.agent.rows import COLUMNS, COMMAND, TABLES, Claim, boot, boot_s, read_claim
 from agentrob.errors import JournalError
 from agentrob.model import Command, Plan
 
@@ -45,31 +44,7 @@ INTERRUPTED = "interrupted"
 CANCELLED = "cancelled"
 KEEP_S = 30 * 86400.0
 
-_COMMAND = TypeAdapter(Command)
 _PLAN = TypeAdapter(Plan)
-_TABLES = """
-CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS claim (
-    number INTEGER PRIMARY KEY AUTOINCREMENT, post TEXT NOT NULL UNIQUE, topic TEXT NOT NULL, command TEXT NOT NULL,
-    boot TEXT NOT NULL, accepted_s REAL NOT NULL, status_post TEXT, final TEXT, plan TEXT, at REAL NOT NULL);
-CREATE INDEX IF NOT EXISTS claim_topic ON claim (topic);
-CREATE TABLE IF NOT EXISTS motion (post TEXT PRIMARY KEY, state TEXT NOT NULL, result TEXT, at REAL NOT NULL);
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Claim:
-    """A post that this journal took. `new` is False when it had been taken before, perhaps by an earlier process.
-
-    `waited_s` is how long ago it was accepted by the machine's clock that nobody sets, infinite when the machine has
-    been started anew since. `final` is the state that its reply told, None while it is open.
-    """
-
-    command: Command
-    new: bool
-    waited_s: float
-    status_post: str | None = None
-    final: str | None = None
 
 
 class _Ended(BaseException):
@@ -114,7 +89,8 @@ class Journal:
             self._db = sqlite3.connect(path, timeout=30.0, isolation_level=None)
             self._db.execute("PRAGMA journal_mode=wal")
             self._db.execute("PRAGMA synchronous=FULL")
-            self._db.executescript(_TABLES)
+            self._db.executescript(TABLES)
+            self._migrate()
             self._prune()
         except BlockingIOError:
             raise JournalError(
@@ -122,6 +98,11 @@ class Journal:
             ) from None
         except (OSError, sqlite3.Error) as e:
             raise JournalError(f"the journal {path} cannot be opened: {e}") from None
+
+    def _migrate(self) -> None:
+        """Journals of earlier versions lack the column."""
+        if "ended" not in [column[1] for column in self._all("PRAGMA table_info(claim)")]:
+            self._do("ALTER TABLE claim ADD COLUMN ended TEXT")
 
     def _launch(self) -> None:
         if _open:
@@ -167,29 +148,50 @@ class Journal:
         self._starts.shutdown(wait=False)
 
     # ---------------------------------------------------------------- claims
-    async def claim(self, command: Command) -> Claim:
-        """Take a post, before anything about it is written on the forum. Taking it again changes nothing."""
-        return await self._in_rows(self._claim, command)
+    async def claim(self, command: Command, ended: str | None = None) -> Claim:
+        """Take a post, before anything about it is written on the forum. Taking it again changes nothing.
 
-    def _claim(self, command: Command) -> Claim:
+        `ended` is why it may never move; that is kept with it from the first moment on.
+        """
+        return await self._in_rows(self._claim, command, ended)
+
+    def _claim(self, command: Command, ended: str | None) -> Claim:
         before = self._claimed(command.post_id)
         if before is not None:
             return before
-        row = (command.post_id, command.topic_id, _COMMAND.dump_json(command).decode(), _boot(), _boot_s(), time.time())
-        self._do("INSERT INTO claim (post, topic, command, boot, accepted_s, at) VALUES (?, ?, ?, ?, ?, ?)", row)
-        return Claim(command, new=True, waited_s=0.0)
+        row = (command.post_id, command.topic_id, COMMAND.dump_json(command).decode(), boot(), boot_s(), time.time())
+        with self._together():
+            self._do("INSERT INTO claim (post, topic, command, boot, accepted_s, at) VALUES (?, ?, ?, ?, ?, ?)", row)
+            if ended is not None:
+                self._end_row(command.post_id, ended)
+        return Claim(command, new=True, waited_s=0.0, ended=ended)
 
     def _claimed(self, post_id: str) -> Claim | None:
-        found = self._one(f"SELECT {_CLAIM} FROM claim WHERE post = ?", (post_id,))
-        return _claim(found) if found else None
+        found = self._one(f"SELECT {COLUMNS} FROM claim WHERE post = ?", (post_id,))
+        return read_claim(found) if found else None
 
     async def claimed(self, post_id: str) -> Claim | None:
         return await self._in_rows(self._claimed, post_id)
 
     async def open_claims(self) -> Sequence[Claim]:
         """Claims without a final reply, in the order in which they were taken."""
-        found = await self._in_rows(self._all, f"SELECT {_CLAIM} FROM claim WHERE final IS NULL ORDER BY number")
-        return [_claim(row) for row in found]
+        found = await self._in_rows(self._all, f"SELECT {COLUMNS} FROM claim WHERE final IS NULL ORDER BY number")
+        return [read_claim(row) for row in found]
+
+    async def end(self, post_ids: Sequence[str], why: str) -> None:
+        """These commands may not begin to move any more, also after a restart. The first reason counts; what moves
+        already is ended by whoever moves it."""
+
+        def all_of_them() -> None:
+            with self._together():
+                for post_id in post_ids:
+                    self._end_row(post_id, why)
+
+        await self._in_rows(all_of_them)
+
+    def _end_row(self, post_id: str, why: str) -> None:
+        self._do("UPDATE claim SET ended = ? WHERE post = ? AND ended IS NULL", (why, post_id))
+        self._cancel(post_id)
 
     async def posted(self, post_id: str, status_post: str) -> None:
         """The status post of a claim is on the forum."""
@@ -270,8 +272,11 @@ class Journal:
 
     async def cancel(self, post_id: str) -> bool:
         """Make sure that a motion which has not begun never does; False when it has begun."""
+        return await self._in_rows(self._cancel, post_id)
+
+    def _cancel(self, post_id: str) -> bool:
         query = f"INSERT INTO motion (post, state, at) VALUES (?, '{CANCELLED}', ?) ON CONFLICT DO NOTHING"
-        return bool(await self._in_rows(self._do, query, (post_id, time.time())))
+        return bool(self._do(query, (post_id, time.time())))
 
     async def moved(self, post_id: str) -> bool:
         """Whether a motion of this post ever began."""
@@ -297,6 +302,18 @@ class Journal:
             return await asyncio.get_running_loop().run_in_executor(self._rows, partial(call, *args))
         except sqlite3.Error as e:
             raise JournalError(f"the journal cannot be used: {e}") from None
+
+    @contextlib.contextmanager
+    def _together(self) -> Iterator[None]:
+        """All writes within are on disk, or none."""
+        self._do("BEGIN IMMEDIATE")
+        try:
+            yield
+            self._do("COMMIT")
+        except BaseException:
+            with contextlib.suppress(sqlite3.Error):  # the disk that failed the write may fail this too
+                self._do("ROLLBACK")
+            raise
 
     def _do(self, query: str, args: Sequence[Any] = ()) -> int:
         """Write; returns how many rows changed."""
@@ -374,24 +391,3 @@ def _forget_unfinished(url: str, exists: bool) -> None:
             client.delete_workflows(ids)
     finally:
         client.destroy()
-
-
-_CLAIM = "command, boot, accepted_s, status_post, final"
-
-
-def _claim(row: tuple[str, str, float, str | None, str | None]) -> Claim:
-    command, boot, accepted_s, status_post, final = row
-    waited_s = _boot_s() - accepted_s if boot == _boot() else float("inf")
-    return Claim(_COMMAND.validate_json(command), False, waited_s, status_post, final)
-
-
-def _boot_s() -> float:
-    """Seconds since this machine started, sleep included: a clock that nobody sets."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
-
-
-def _boot() -> str:
-    """Which start of the machine this is."""
-    with contextlib.suppress(OSError):
-        return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
-    return f"{os.uname().nodename}"

@@ -29,6 +29,7 @@ from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
 from agentrob.agent.plot import warm_up
 from agentrob.agent.presence import Presence, reset_room
 from agentrob.agent.records import Records
+from agentrob.agent.rows import Claim
 from agentrob.agent.status import insist
 from agentrob.agent.stops import Stops
 from agentrob.config import RobotConfig
@@ -50,6 +51,7 @@ LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
 LAST_WORDS_S = 1.5
 DRIVER_WAIT_S = 5.0
+_TO_TAKE = frozenset({Call.READ, Call.STALE})
 _log = structlog.get_logger()
 
 
@@ -83,6 +85,9 @@ class RobotAgent:
         self._watermark_at = self._stopped_at = datetime.min
         self._inbox: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
         self._tasks: set[asyncio.Task[Any]] = set()
+        #: Commands that were heard and are not in line yet.
+        self._coming: dict[str, Post] = {}
+        self._claimed_topics: frozenset[str] = frozenset()
         self._accepting = True
         self._ending = False
 
@@ -103,16 +108,12 @@ class RobotAgent:
         """Handle what is new since the last time, then return. Stops are heard all the while."""
         try:
             await self._start()
-            while events := await insist(partial(self.forum.changes, self.channel.cursor)):
-                for event in events:
-                    self.channel.cursor = event.id
-                    self._hear(event)
             self._accepting = False
             helpers = [asyncio.create_task(work) for work in (self._listen(), *self._stage_work())]
             self.ready.set()
             try:
                 while not self._inbox.empty():
-                    await self._accept(*self._inbox.get_nowait())
+                    await self._take(*self._inbox.get_nowait(), save=True)
                 while self._tasks:
                     await asyncio.wait(set(self._tasks))
             finally:
@@ -142,10 +143,37 @@ class RobotAgent:
         self.channel.cursor = await self.journal.get("cursor") or newest
         self._spawn(asyncio.to_thread(warm_up))
         self._course = self._make_course()
-        for claim in await self.journal.open_claims():
-            self._take_up(Job(claim.command, known=True, waited_s=claim.waited_s))
+        await self._resume()
         if begun > self.channel.now() - LOOK_BACK:
             await self._look_back()
+
+    async def _resume(self) -> None:
+        """Hear what was missed, above all stops, and only then take up the commands that were left open."""
+        claims = await self.journal.open_claims()
+        self._claimed_topics = frozenset(claim.command.topic_id for claim in claims)
+        while events := await insist(partial(self.forum.changes, self.channel.cursor)):
+            for event in events:
+                self.channel.cursor = event.id
+                self._hear(event)
+        for claim in claims:
+            job = Job(claim.command, known=True, waited_s=claim.waited_s)
+            # A motion that was begun is never repeated, so its report only needs telling.
+            if not await self.journal.moved(claim.command.post_id) and (why := self._why_not(claim)):
+                job.end(why)
+                await self.journal.end([claim.command.post_id], why)
+            self._take_up(job)
+        self._claimed_topics = frozenset()
+
+    def _why_not(self, claim: Claim) -> str | None:
+        """Why a claim of an earlier process may not begin to move; None when the restart fell within its time."""
+        posted_at = claim.command.posted_at
+        if claim.ended is not None:
+            return claim.ended
+        if posted_at <= self._stopped_at:
+            return STOP
+        age_s = (self.channel.now() - posted_at).total_seconds()
+        fresh = posted_at > self._watermark_at and age_s <= self.settings.max_post_age_s
+        return None if fresh else "stale"
 
     async def _look_back(self) -> None:
         """Shortly after a first start: answer posts of before it, and find claims of a journal that was lost."""
@@ -153,7 +181,7 @@ class RobotAgent:
         with contextlib.suppress(ForumError):
             async for post in recent_posts(self.forum, self.settings.boards, since):
                 if post.created_at <= self._watermark_at:
-                    heard = perceive(post, self._ears())
+                    heard = self._perceive(post)
                     await self._accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
 
     async def _wind_down(self) -> None:
@@ -208,7 +236,7 @@ class RobotAgent:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
         heard = Heard(Call.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
-            heard = perceive(event.post, self._ears(), edited=event.kind is EventKind.POST_EDITED)
+            heard = self._perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
             if heard.call in (Call.STOP, Call.HALT):
                 self._stop(event, event.post.author, heard)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
@@ -218,14 +246,25 @@ class RobotAgent:
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
             self._spawn(self._reset(event.account, event.at))
         if self._accepting:
+            if event.post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
+                self._coming[event.post.id] = event.post
             self._inbox.put_nowait((event, heard))
+
+    def _perceive(self, post: Post, edited: bool = False) -> Heard:
+        """Whatever one post does to the reading of it, the next posts are heard."""
+        try:
+            return perceive(post, self._ears(), edited)
+        except Exception:
+            _log.error("post not understood", robot=self.name, post=post.id, trace=traceback.format_exc())
+            return Heard(Call.NOTHING)
 
     def _ears(self) -> Ears:
         assert self._me is not None
         names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
+        topics = self.line.topics() | {post.topic_id for post in self._coming.values()} | self._claimed_topics
         return Ears(
             self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
-            self.settings.max_post_age_s, self.line.topics(),
+            self.settings.max_post_age_s, topics,
         )  # fmt: skip
 
     def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:
@@ -241,9 +280,12 @@ class RobotAgent:
         stopping: asyncio.Task[StopResult | None] = self._spawn(self.stops.stop(author.name, at, halt))
         for job in ended:
             job.stop, job.stopped_by = stopping, author.name
-        if post is not None:
-            self._spawn(self.stops.answer(post, heard.language, stopping, len(ended), halt))
+        # On disk only now that the stop is on its way: nothing delays it.
         self._spawn(self.journal.put("stopped", self._stopped_at.isoformat()))
+        self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
+        if post is not None:
+            count = len(ended) + sum(coming.created_at <= at for coming in self._coming.values())
+            self._spawn(self.stops.answer(post, heard.language, stopping, count, halt))
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
@@ -251,9 +293,11 @@ class RobotAgent:
         if not self.settings.room_reset or not allowed:
             return
         if len(self.line):
-            for job in self.line.end_before(at, STOP):
+            ended = self.line.end_before(at, STOP)
+            for job in ended:
                 job.stopped_by = account.name
             await self.stops.stop(account.name, at)
+            await self.journal.end([job.command.post_id for job in ended], STOP)
             if (moving := self.line.moving) is not None and moving.task is not None:
                 await asyncio.wait({moving.task}, timeout=DRIVER_WAIT_S)
         try:
@@ -266,13 +310,21 @@ class RobotAgent:
         saved_s = 0.0
         while True:
             event, heard = await self._inbox.get()
-            try:
-                await self._accept(event, heard)
-                if event.id and (heard.call is not Call.NOTHING or time.monotonic() - saved_s > 1.0):
-                    await self.journal.put("cursor", event.id)
-                    saved_s = time.monotonic()
-            except JournalError as e:
-                _log.error("post not taken: nothing moves without the journal", robot=self.name, error=str(e))
+            save = heard.call is not Call.NOTHING or time.monotonic() - saved_s > 1.0
+            await self._take(event, heard, save)
+            saved_s = time.monotonic() if save else saved_s
+
+    async def _take(self, event: Event, heard: Heard, save: bool) -> None:
+        """Accept what was heard; `save`: after a restart go on after it."""
+        try:
+            await self._accept(event, heard)
+            if save and event.id:
+                await self.journal.put("cursor", event.id)
+        except JournalError as e:
+            _log.error("post not taken: nothing moves without the journal", robot=self.name, error=str(e))
+        finally:
+            if event.post is not None:
+                self._coming.pop(event.post.id, None)
 
     async def _accept(self, event: Event, heard: Heard) -> None:
         """Claim a post in the journal and begin its turn; end what was edited or removed."""
@@ -280,23 +332,36 @@ class RobotAgent:
         if post is None:
             return
         if event.kind is not EventKind.POST_CREATED:
-            job = self.line.find(post.id)
-            if job is not None and post.removed:
-                job.end("removed")
-            elif job is not None and not job.moving and post.content_hash != job.command.content_hash:
-                job.end("edited")
+            await self._amend(post)
             return
-        if heard.call not in (Call.READ, Call.STALE):
+        if heard.call not in _TO_TAKE:
             return
-        claim = await self.journal.claim(self._command(post, heard))
+        ended = None
+        if heard.call is Call.STALE or post.version > 1:
+            ended = "stale" if heard.call is Call.STALE else "edited"
+        elif post.created_at <= self._stopped_at:
+            ended = STOP
+        claim = await self.journal.claim(self._command(post, heard), ended)
         if not claim.new:
             return
-        job = Job(claim.command)
-        if heard.call is Call.STALE or post.version > 1:
-            job.end("stale" if heard.call is Call.STALE else "edited")
-        elif post.created_at <= self._stopped_at:
+        job = Job(claim.command, ended=ended)
+        if ended is None and post.created_at <= self._stopped_at:  # it came while the claim was written
             job.end(STOP)
+            self._spawn(self.journal.end([post.id], STOP))
         self._take_up(job)
+
+    async def _amend(self, post: Post) -> None:
+        """A post was edited or removed: what it had asked for is ended."""
+        if (job := self.line.find(post.id)) is None:
+            return
+        if post.removed:
+            why = "removed"
+        elif not job.moving and post.content_hash != job.command.content_hash:
+            why = "edited"
+        else:
+            return
+        job.end(why)
+        await self.journal.end([post.id], why)
 
     def _command(self, post: Post, heard: Heard) -> Command:
         return Command(

@@ -1,0 +1,62 @@
+"""The journal's own tables, a claim as it is read from them, and the clock that tells how old it is."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from agentrob.model import Command
+
+COMMAND = TypeAdapter(Command)
+TABLES = """
+CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS claim (
+    number INTEGER PRIMARY KEY AUTOINCREMENT, post TEXT NOT NULL UNIQUE, topic TEXT NOT NULL, command TEXT NOT NULL,
+    boot TEXT NOT NULL, accepted_s REAL NOT NULL, status_post TEXT, final TEXT, plan TEXT, at REAL NOT NULL,
+    ended TEXT);
+CREATE INDEX IF NOT EXISTS claim_topic ON claim (topic);
+CREATE TABLE IF NOT EXISTS motion (post TEXT PRIMARY KEY, state TEXT NOT NULL, result TEXT, at REAL NOT NULL);
+"""
+#: What `read_claim` wants to be given of a row.
+COLUMNS = "command, boot, accepted_s, status_post, final, ended"
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A post that this journal took. `new` is False when it had been taken before, perhaps by an earlier process.
+
+    `waited_s` is how long ago it was accepted by the machine's clock that nobody sets, infinite when the machine has
+    been started anew since. `final` is the state that its reply told, None while it is open. `ended` is why it may
+    never move (a stable word), None while it may.
+    """
+
+    command: Command
+    new: bool
+    waited_s: float
+    status_post: str | None = None
+    final: str | None = None
+    ended: str | None = None
+
+
+def read_claim(row: tuple[str, str, float, str | None, str | None, str | None]) -> Claim:
+    """A row of `COLUMNS`; its `waited_s` counts until now."""
+    command, taken_in, accepted_s, status_post, final, ended = row
+    waited_s = boot_s() - accepted_s if taken_in == boot() else float("inf")
+    return Claim(COMMAND.validate_json(command), False, waited_s, status_post, final, ended)
+
+
+def boot_s() -> float:
+    """Seconds since this machine started, sleep included: a clock that nobody sets."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+def boot() -> str:
+    """Which start of the machine this is."""
+    with contextlib.suppress(OSError):
+        return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+    return f"{os.uname().nodename}"
