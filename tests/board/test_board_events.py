@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import socket
 import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -17,6 +18,7 @@ from running_board import LIMIT_S, RunningBoard, running_board
 
 from agentrob.board import admin
 from agentrob.board.records import EventKind
+from agentrob.errors import BoardError
 
 
 def post_topic(client: httpx2.Client, body: str = "hello") -> dict:
@@ -149,10 +151,10 @@ def test_keys_in_events_are_shown_to_their_owner_only(board: RunningBoard) -> No
 
 
 @asynccontextmanager
-async def raw_stream(board: RunningBoard, **params: str) -> AsyncIterator[asyncio.StreamReader]:
+async def raw_stream(board: RunningBoard, who: str = "op", **params: str) -> AsyncIterator[asyncio.StreamReader]:
     query = "&".join(f"{k}={v}" for k, v in params.items())
     reader, writer = await asyncio.open_connection("127.0.0.1", board.settings.port)
-    request = f"GET /api/v1/events?{query} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {board.tokens['op']}"
+    request = f"GET /api/v1/events?{query} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {board.tokens[who]}"
     writer.write(request.encode() + b"\r\n\r\n")
     await reader.readuntil(b"retry: 1000\n\n")
     try:
@@ -164,7 +166,8 @@ async def raw_stream(board: RunningBoard, **params: str) -> AsyncIterator[asynci
 async def test_two_hundred_listeners_hear_everything_in_order(board: RunningBoard) -> None:
     posts = 20
     async with AsyncExitStack() as stack:
-        readers = [await stack.enter_async_context(raw_stream(board, heartbeat="30")) for _ in range(200)]
+        people = [board.add(f"reader{n}").name for n in range(5)] * 40
+        readers = [await stack.enter_async_context(raw_stream(board, who, heartbeat="30")) for who in people]
         op = board.client("op")
         made = await asyncio.to_thread(lambda: [post_topic(op, str(n))["post"]["raw"] for n in range(posts)])
 
@@ -215,6 +218,56 @@ def test_a_listener_that_does_not_read_is_cut_off_and_misses_nothing(
         assert [e["data"]["post"]["raw"] for e in until(events, wanted + 1)][1:] == [str(n) for n in range(wanted)]
 
 
+def test_a_listener_whose_socket_is_full_is_let_go(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its sender waits for a socket that nobody reads: it is cancelled, and nothing of it is kept."""
+    monkeypatch.setattr("agentrob.board.events.MAX_PENDING", 10)
+    hub = board.services.hub
+    wait_for(lambda: hub.listeners == 0)
+    with socket.socket() as stalled:
+        stalled.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        stalled.connect(("127.0.0.1", board.settings.port))
+        ask = f"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {board.tokens['op']}\r\n\r\n"
+        stalled.sendall(ask.encode())
+        wait_for(lambda: hub.listeners == 1)
+        (listener,) = hub._listeners
+        op = board.client("op")
+        topic = post_topic(op)["topic"]["id"]
+        for _ in range(200):
+            op.post(f"/topics/{topic}/posts", json={"body": "x" * 60_000})
+            if listener.closed:
+                break
+        wait_for(lambda: hub.listeners == 0)
+        assert not listener._pending
+
+
+async def test_an_error_while_receiving_ends_the_stream(board: RunningBoard) -> None:
+    hub = board.services.hub
+    wait_for(lambda: hub.listeners == 0)
+    reader, writer = await asyncio.open_connection("127.0.0.1", board.settings.port)
+    head = f"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {board.tokens['op']}\r\n"
+    writer.write(head.encode() + b"Transfer-Encoding: chunked\r\n\r\n")
+    async with asyncio.timeout(LIMIT_S):
+        await reader.readuntil(b"retry: 1000\n\n")
+        assert hub.listeners == 1
+        writer.write(b"100000\r\n" + b"x" * 0x100000)  # more than any request may have
+        await asyncio.to_thread(wait_for, lambda: hub.listeners == 0)
+    writer.close()
+
+
+def test_no_account_takes_the_streams_of_others(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agentrob.board.events.MAX_PER_ACCOUNT", 2)
+    greedy = [board.services.hub.listen(None, "1") for _ in range(2)]
+    with pytest.raises(BoardError, match="this account has too many event streams") as caught:
+        board.services.hub.listen(None, "1")
+    assert (caught.value.status, caught.value.code) == (429, "too_many_streams")
+    with stream(board.client("quadruped"), heartbeat=0.25) as events:
+        assert next(events)["event"] == "heartbeat"
+    board.services.hub.leave(greedy.pop())
+    greedy.append(board.services.hub.listen(None, "1"))
+    for listener in greedy:
+        board.services.hub.leave(listener)
+
+
 def test_the_server_ends_soon_though_streams_are_open(tmp_path: Path) -> None:
     ended: list[float] = []
     with running_board(tmp_path) as board:
@@ -233,7 +286,7 @@ def test_the_server_ends_soon_though_streams_are_open(tmp_path: Path) -> None:
 
 
 def test_a_lost_right_ends_the_stream(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("agentrob.board.events.RECHECK_S", 0.0)
+    monkeypatch.setattr("agentrob.board.streams.RECHECK_S", 0.05)
     account = board.add("leaver")
     with stream(board.client("leaver"), heartbeat=0.25) as events:
         next(events)

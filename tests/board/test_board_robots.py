@@ -12,7 +12,8 @@ import pytest
 from PIL import Image
 from running_board import LIMIT_S, RunningBoard
 
-from agentrob.board import images
+from agentrob.board import admin, images
+from agentrob.board.stage import LIVE_FOR
 from agentrob.errors import BoardError
 
 
@@ -118,13 +119,32 @@ def test_viewers_are_counted_and_see_each_new_picture(fresh_board: Callable[...,
         assert robot.put(path, content=first).json() == {"viewers": 1}
         with board.client("member").stream("GET", "/robots/quadruped/camera.mjpg") as two:
             shown, other = pictures(one), pictures(two)
-            assert (next(shown), next(other)) == (first, first)
+            assert next(shown) == first
             assert robot.put(path, content=second).json() == {"viewers": 2}
-            assert (next(shown), next(other)) == (second, second)
+            assert (next(shown), next(other)) == (second, second), "the other came after the first"
     stage = board.services.stage
     wait_for(lambda: stage.robot("quadruped").viewers == 0)
     events = op.get("/changes", params={"after": "0"}).json()["items"]
     assert [(e["kind"], e["robot"], e["account"]) for e in events] == [("robot.watch", "quadruped", None)]
+
+
+def test_an_old_picture_is_nobodys_to_see(fresh_board: Callable[..., RunningBoard]) -> None:
+    board = fresh_board()
+    board.client("quadruped").put("/robots/quadruped/frame", content=picture())
+    op = board.client("op")
+    assert op.get("/robots/quadruped/frame.jpg").status_code == 200
+    board.services.stage.robot("quadruped").frame_s -= LIVE_FOR.total_seconds()
+    assert op.get("/robots/quadruped/frame.jpg").json()["code"] == "no_such_picture"
+    assert op.get("/robots/quadruped").json()["has_frame"] is False
+
+
+def test_a_lost_right_ends_the_live_picture(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agentrob.board.streams.RECHECK_S", 0.05)
+    account = board.add("onlooker")
+    with board.client("onlooker").stream("GET", "/robots/quadruped/camera.mjpg") as response:
+        admin.change_account(board.settings, account, suspended=True)
+        assert list(pictures(response)) == [], "it ends, and whole"
+    wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
 
 
 # -------------------------------------------------------------------- images in posts

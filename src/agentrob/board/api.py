@@ -201,7 +201,7 @@ async def changes(request: Request, who: Reading, after: After = None, limit: Li
 @router.get(
     "/events",
     response_class=Response,
-    responses=NOT_FOUND | {200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}},
+    responses=documented(404, 429) | {200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}},
 )
 async def events(
     request: Request,
@@ -216,11 +216,11 @@ async def events(
     resume = last_event_id if last_event_id is not None else after
     start = parts.store.known_event(resume) if resume is not None else parts.store.reader.newest_event_id()
     topic_id = parts.store.topic(topic).id if topic is not None else None
-    listener = parts.hub.listen(topic_id)
-    return EventStream(parts.hub, listener, who.account, start, heartbeat, _still_allowed(parts, who))
+    listener = parts.hub.listen(topic_id, who.account.id if who.account else None)
+    return EventStream(parts.hub, listener, who.account, start, heartbeat, still_allowed(parts, who))
 
 
-def _still_allowed(parts: Services, who: Viewer) -> Callable[[], bool]:
+def still_allowed(parts: Services, who: Viewer) -> Callable[[], bool]:
     """Whether whoever opened a stream may still read: not signed out, not suspended, the token not revoked."""
     if who.account is None:
         return lambda: True

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request, UploadFile
 from starlette.responses import FileResponse, Response
 
 from agentrob.board import buttons, images
-from agentrob.board.api import Key, Member, Reading, out, shaper
+from agentrob.board.api import Key, Member, Reading, out, shaper, still_allowed
 from agentrob.board.api_models import EventOut, ImageOut, Items, RobotIn, RobotOut, Viewers, robot_out
 from agentrob.board.problem import documented
 from agentrob.board.reader import not_found
@@ -66,7 +66,7 @@ async def show(request: Request, name: str, by: Member) -> Response:
 async def frame(request: Request, name: str, who: Reading) -> Response:
     """The last live picture."""
     parts = services(request)
-    jpeg = parts.stage.robot(buttons.known_robot(parts, name).name).frame
+    jpeg = parts.stage.live_frame(buttons.known_robot(parts, name).name)
     if jpeg is None:
         raise not_found("picture", name, "there is one while somebody looks at the camera")
     return Response(jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
@@ -83,7 +83,7 @@ async def camera(request: Request, name: str, who: Reading) -> Response:
     name = buttons.known_robot(parts, name).name
     if parts.stage.robot(name).viewers == 0:
         await buttons.watch(parts, name)
-    return CameraStream(parts.stage, name)
+    return CameraStream(parts.stage, name, still_allowed(parts, who))
 
 
 @router.post("/robots/{name}/stop", response_model=EventOut)
@@ -100,7 +100,7 @@ async def reset(request: Request, name: str, by: Member, key: Key = None) -> Res
 
 def _robot(parts: Services, account: Account) -> RobotOut:
     now = parts.stage.robot(account.name)
-    return robot_out(now.name, now.card, now.seen_at, now.viewers, now.frame is not None)
+    return robot_out(now.name, now.card, now.seen_at, now.viewers, parts.stage.live_frame(account.name) is not None)
 
 
 def _own(by: Account, name: str) -> None:

@@ -7,7 +7,6 @@ last id it got; nothing is ever dropped from the middle of a stream.
 from __future__ import annotations
 
 import asyncio
-import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import structlog
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
+from agentrob.board import streams
 from agentrob.board.api_models import EventOut, Shaper, time_out
 from agentrob.board.reader import Reader
 from agentrob.board.records import Event, EventKind
@@ -26,8 +26,9 @@ from agentrob.model import Account
 #: A listener with more than this waiting does not read.
 MAX_PENDING = 1000
 MAX_LISTENERS = 2000
-#: How often a stream asks whether its listener may still listen.
-RECHECK_S = 10.0
+#: Nobody may take the streams that others, above all the robots' agents, need to hear of a stop.
+MAX_PER_ACCOUNT = 50
+MAX_ANONYMOUS = MAX_LISTENERS // 2
 
 log = structlog.get_logger(__name__)
 
@@ -62,23 +63,32 @@ def _frame(event: EventOut) -> bytes:
 
 
 class Listener:
-    """One open stream: what waits to be sent to it, of one topic or of all."""
+    """One open stream of an account (None: not signed in): what waits to be sent to it, of one topic or of all.
 
-    def __init__(self, topic_id: str | None = None) -> None:
-        self.topic_id = topic_id
-        self.closed = False
+    `ended` is set when the stream is to end: it is closed, or too much waits since its listener does not read.
+    """
+
+    def __init__(self, topic_id: str | None = None, account_id: str | None = None) -> None:
+        self.topic_id, self.account_id = topic_id, account_id
+        self.ended = asyncio.Event()
         self._pending: deque[Happening] = deque()
         self._waiter: asyncio.Future[None] | None = None
 
+    @property
+    def closed(self) -> bool:
+        return self.ended.is_set()
+
     def offer(self, happening: Happening) -> None:
-        if self.topic_id is None or self.topic_id == happening.topic_id:
-            self._pending.append(happening)
-            if len(self._pending) > MAX_PENDING:
-                self.closed = True
-            self._wake()
+        if self.closed or self.topic_id not in (None, happening.topic_id):
+            return
+        self._pending.append(happening)
+        if len(self._pending) > MAX_PENDING:
+            self.close()
+        self._wake()
 
     def close(self) -> None:
-        self.closed = True
+        self._pending.clear()
+        self.ended.set()
         self._wake()
 
     async def next(self, timeout_s: float) -> Happening | None:
@@ -92,7 +102,7 @@ class Listener:
             finally:
                 timer.cancel()
                 self._waiter = None
-        return self._pending.popleft() if self._pending and not self.closed else None
+        return self._pending.popleft() if self._pending else None
 
     def _wake(self) -> None:
         if self._waiter is not None and not self._waiter.done():
@@ -141,11 +151,16 @@ class Hub:
         """
         self._tell(event, written=False)
 
-    def listen(self, topic_id: str | None = None) -> Listener:
-        """Begin to listen; give the listener back with `leave`. 503 when too many do."""
+    def listen(self, topic_id: str | None = None, account_id: str | None = None) -> Listener:
+        """Begin to listen; give the listener back with `leave`. 503 when too many do, 429 when this account does."""
         if self.closed or len(self._listeners) >= MAX_LISTENERS:
             raise BoardError(503, "no_more_streams", "no more event streams now", "poll /api/v1/changes", 5.0)
-        listener = Listener(topic_id)
+        most = MAX_ANONYMOUS if account_id is None else MAX_PER_ACCOUNT
+        if sum(other.account_id == account_id for other in self._listeners) >= most:
+            who = "visitors who are not signed in have" if account_id is None else "this account has"
+            hint = f"at most {most}: close one, or poll /api/v1/changes"
+            raise BoardError(429, "too_many_streams", f"{who} too many event streams open", hint, 5.0)
+        listener = Listener(topic_id, account_id)
         self._listeners.add(listener)
         return listener
 
@@ -187,18 +202,17 @@ class EventStream(Response):
         self._after, self._heartbeat_s, self._allowed = after, heartbeat_s, allowed
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        watcher = asyncio.ensure_future(_until_gone(receive, self._listener))
         try:
-            await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
-            await _send(send, b"retry: 1000\n\n")
-            await self._replay(send)
-            await self._live(send)
-            await send({"type": "http.response.body", "body": b"", "more_body": False})
-        except OSError:
-            pass  # the listener is gone
+            await streams.run(self._send(send), receive, send, self._allowed, self._listener.ended)
         finally:
-            watcher.cancel()
+            self._listener.close()
             self._hub.leave(self._listener)
+
+    async def _send(self, send: Send) -> None:
+        await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
+        await streams.part(send, b"retry: 1000\n\n")
+        await self._replay(send)
+        await self._live(send)
 
     async def _replay(self, send: Send) -> None:
         assert self._hub.reader is not None
@@ -207,38 +221,23 @@ class EventStream(Response):
             if not events:
                 return
             for event in events:
-                await _send(send, self._bytes(encode(event, self._hub.base_url)))
+                await streams.part(send, self._bytes(encode(event, self._hub.base_url)))
                 self._after = int(event.id)
 
     async def _live(self, send: Send) -> None:
-        checked_s = time.monotonic()
         while not self._listener.closed:
             happening = await self._listener.next(self._heartbeat_s)
-            if time.monotonic() - checked_s > RECHECK_S:
-                checked_s = time.monotonic()
-                if not self._allowed():
-                    return
             if happening is not None:
                 if happening.number > self._after or not happening.written:
-                    await _send(send, self._bytes(happening))
+                    await streams.part(send, self._bytes(happening))
                     self._after = max(self._after, happening.number)
             elif not self._listener.closed:
-                await _send(send, _heartbeat())
+                await streams.part(send, _heartbeat())
 
     def _bytes(self, happening: Happening) -> bytes:
         post = happening.event.post
         mine = post is not None and self._viewer is not None and post.author.id == self._viewer.id
         return happening.frame_for_author if mine else happening.frame
-
-
-async def _send(send: Send, body: bytes) -> None:
-    await send({"type": "http.response.body", "body": body, "more_body": True})
-
-
-async def _until_gone(receive: Receive, listener: Listener) -> None:
-    while (await receive())["type"] != "http.disconnect":
-        pass
-    listener.close()
 
 
 def _heartbeat() -> bytes:

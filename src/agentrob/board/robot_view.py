@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from typing import Any
 
 from agentrob.board.buttons import known_robot
 from agentrob.board.services import Services
+from agentrob.board.stage import LIVE_FOR
 from agentrob.model import Account
 
-#: An agent renews its card at least every 5 s; three missed ones in a row mean that it is gone.
-LIVE_FOR = timedelta(seconds=15)
 _KNOWN = {"model", "ops", "limits", "state", "battery_percent", "board", "simulated", "can_reset"}
 _LIMITS = {
     "speed_mps": ("Speed", "m/s"),

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Mapping
+import time
+from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
+from agentrob.board import streams
+
 BOUNDARY = b"frame"
+#: An agent renews its card at least every 5 s; three missed ones in a row mean that it is gone.
+LIVE_FOR = timedelta(seconds=15)
 
 
 @dataclass(slots=True)
 class RobotNow:
-    """One robot as its agent last told. `seen_at` is None before it did."""
+    """One robot as its agent last told. `seen_at` is None before it did; `frame_s` is monotonic."""
 
     name: str
     card: Mapping[str, Any] = field(default_factory=dict)
     seen_at: datetime | None = None
     frame: bytes | None = None
+    frame_s: float = 0.0
     frames: int = 0
     viewers: int = 0
     waiters: set[asyncio.Future[None]] = field(default_factory=set)
@@ -31,7 +37,7 @@ class Stage:
     """All robots that were told of since the server started. Lives on the event loop."""
 
     def __init__(self) -> None:
-        self.closed = False
+        self.closed = asyncio.Event()
         self._robots: dict[str, RobotNow] = {}
 
     def robot(self, name: str) -> RobotNow:
@@ -46,21 +52,25 @@ class Stage:
     def show(self, name: str, jpeg: bytes) -> int:
         """A new picture for those who look; returns how many do."""
         robot = self.robot(name)
-        robot.frame, robot.seen_at = jpeg, datetime.now(UTC)
+        robot.frame, robot.frame_s, robot.seen_at = jpeg, time.monotonic(), datetime.now(UTC)
         robot.frames += 1
         _wake(robot)
         return robot.viewers
 
     def close(self) -> None:
         """End all live pictures now."""
-        self.closed = True
-        for robot in self._robots.values():
-            _wake(robot)
+        self.closed.set()
 
-    async def frames(self, name: str) -> AsyncIterator[bytes]:
-        """The newest picture, each once; those that come too fast for the viewer are left out."""
-        robot, seen = self.robot(name), 0
-        while not self.closed:
+    def live_frame(self, name: str) -> bytes | None:
+        """The last picture while it is live: what a camera saw long ago is nobody's to see."""
+        robot = self.robot(name)
+        return robot.frame if time.monotonic() - robot.frame_s < LIVE_FOR.total_seconds() else None
+
+    async def frames(self, name: str, seen: int) -> AsyncIterator[bytes]:
+        """The newest picture after the first `seen` ones, each once, without end; those that come too fast for the
+        viewer are left out."""
+        robot = self.robot(name)
+        while True:
             if robot.frame is not None and robot.frames != seen:
                 seen = robot.frames
                 yield robot.frame
@@ -84,38 +94,24 @@ class CameraStream(Response):
 
     media_type = "multipart/x-mixed-replace; boundary=" + BOUNDARY.decode()
 
-    def __init__(self, stage: Stage, name: str) -> None:
+    def __init__(self, stage: Stage, name: str, allowed: Callable[[], bool]) -> None:
         super().__init__(headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
         del self.headers["content-length"]
-        self._stage, self._name = stage, name
+        self._stage, self._name, self._allowed = stage, name, allowed
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         robot = self._stage.robot(self._name)
         robot.viewers += 1
-        sending = asyncio.ensure_future(self._send(send))
-        gone = asyncio.ensure_future(_gone(receive))
         try:
-            await asyncio.wait((sending, gone), return_when=asyncio.FIRST_COMPLETED)
+            # Only what comes after the viewer: the last picture may be from hours ago.
+            await streams.run(self._send(send, robot.frames), receive, send, self._allowed, self._stage.closed)
         finally:
             robot.viewers -= 1
-            for task in (sending, gone):
-                task.cancel()
-            await asyncio.gather(sending, gone, return_exceptions=True)
 
-    async def _send(self, send: Send) -> None:
+    async def _send(self, send: Send, seen: int) -> None:
         await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
-        await _part(send, b"--" + BOUNDARY + b"\r\n")
-        async for jpeg in self._stage.frames(self._name):
+        await streams.part(send, b"--" + BOUNDARY + b"\r\n")
+        async for jpeg in self._stage.frames(self._name, seen):
             head = b"Content-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg)
             # The boundary right after the picture: a browser shows a part when it sees the next one begin.
-            await _part(send, head + jpeg + b"\r\n--" + BOUNDARY + b"\r\n")
-        await send({"type": "http.response.body", "body": b"", "more_body": False})
-
-
-async def _part(send: Send, body: bytes) -> None:
-    await send({"type": "http.response.body", "body": body, "more_body": True})
-
-
-async def _gone(receive: Receive) -> None:
-    while (await receive())["type"] != "http.disconnect":
-        pass
+            await streams.part(send, head + jpeg + b"\r\n--" + BOUNDARY + b"\r\n")

@@ -1,0 +1,54 @@
+"""Answers that go on until something ends them: what event streams and live pictures have in common."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from contextlib import suppress
+
+from starlette.types import Receive, Send
+
+#: How often a stream asks whether its viewer may still look.
+RECHECK_S = 10.0
+#: How long the end of a stream may wait for a viewer that does not read.
+ENDING_S = 0.5
+
+
+async def run(
+    sending: Coroutine[None, None, None],
+    receive: Receive,
+    send: Send,
+    allowed: Callable[[], bool],
+    ended: asyncio.Event,
+) -> None:
+    """Send until all is sent, the viewer is gone, `ended` is set or the viewer is not `allowed` any more.
+
+    Whatever happens, the sender is cancelled also where it waits for a viewer that does not read. What it raises is
+    raised here, except that the viewer is gone (`OSError`).
+    """
+    sender = asyncio.ensure_future(sending)
+    tasks = (sender, asyncio.ensure_future(_gone(receive)), asyncio.ensure_future(ended.wait()))
+    try:
+        while not (await asyncio.wait(tasks, timeout=RECHECK_S, return_when=asyncio.FIRST_COMPLETED))[0]:
+            if not allowed():
+                break
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+    with suppress(OSError):
+        if not sender.cancelled():
+            sender.result()
+    with suppress(OSError):  # TimeoutError is one
+        async with asyncio.timeout(ENDING_S):
+            await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+
+async def part(send: Send, body: bytes) -> None:
+    """Send a piece of a stream."""
+    await send({"type": "http.response.body", "body": body, "more_body": True})
+
+
+async def _gone(receive: Receive) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass
