@@ -167,7 +167,7 @@ def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) ->
         (["drive", "dragon", "fly"], "there are: fake, go2"),
         (["sim", "--domain", "go2"], "is not ROBOT=DOMAIN"),
         (["drive", "go2", "walk forward"], ""),
-        (["demo", "--port", "70000"], "70000"),
+        (["demo", "--port", "70000"], "less than or equal to 65535"),
     ],
 )
 def test_what_cannot_be_is_answered_with_what_can(tmp_path: Path, args: list[str], says: str) -> None:
