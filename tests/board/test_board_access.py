@@ -189,6 +189,16 @@ def test_guessing_names_from_one_address_is_stopped() -> None:
     attempts.count("one-more", "2.2.2.2")
 
 
+def test_newcomers_do_not_shut_out_each_other() -> None:
+    attempts = Attempts(lambda: 0.0)
+    for n in range(PER_NAME * 2):
+        attempts.count("", f"10.0.0.{n}")
+    for _ in range(PER_ADDRESS):
+        attempts.count("", "1.1.1.1")
+    with pytest.raises(BoardError):
+        attempts.count("", "1.1.1.1")
+
+
 def test_a_right_password_starts_the_count_anew() -> None:
     attempts = Attempts(lambda: 0.0)
     for n in range(PER_NAME * 2):

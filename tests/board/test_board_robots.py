@@ -44,6 +44,24 @@ def test_a_card_is_shown_as_it_is(board: RunningBoard) -> None:
     assert seen["seen_at"] is not None
 
 
+@pytest.mark.parametrize(
+    ("card", "status", "code"),
+    [
+        *[('{"a": NaN}', 422, "bad_card"), ('{"a": [-Infinity]}', 422, "bad_card")],
+        *[('{"a": 1' + "0" * 400 + "}", 422, "bad_card"), ('{"a": {"b": "\\ud800"}}', 422, "bad_card")],
+        ('{"a": ' + "[" * 300 + "]" * 300 + "}", 422, "bad_card"),
+        ('{"a": "' + "x" * 16_384 + '"}', 413, "card_too_large"),
+    ],
+)
+def test_a_card_that_cannot_be_shown_is_refused(board: RunningBoard, card: str, status: int, code: str) -> None:
+    robot = board.client("quadruped")
+    robot.put("/robots/quadruped", json={"card": {"model": "go2"}})
+    headers = {"Content-Type": "application/json"}
+    answer = robot.put("/robots/quadruped", content=f'{{"card": {card}}}', headers=headers)
+    assert (answer.status_code, answer.json()["code"]) == (status, code)
+    assert robot.get("/robots/quadruped").json()["card"] == {"model": "go2"}
+
+
 @pytest.mark.parametrize(("who", "name"), [("op", "quadruped"), ("admin", "quadruped"), ("quadruped", "humanoid")])
 def test_only_the_robots_own_agent_tells_of_it(board: RunningBoard, who: str, name: str) -> None:
     client = board.client(who)
@@ -222,6 +240,16 @@ def test_what_a_camera_wrote_about_place_and_owner_is_taken_out() -> None:
     assert (image.width, image.height) == (48, 64)
     with Image.open(io.BytesIO(data)) as upright:
         assert upright.size == (48, 64)
+
+
+def test_a_picture_with_more_behind_it_becomes_a_plain_one() -> None:
+    out = io.BytesIO()
+    first, second = (Image.new("RGB", (64, 48), colour) for colour in ("red", "blue"))
+    first.save(out, format="MPO", save_all=True, append_images=[second])
+    image, data = images.check(out.getvalue())
+    assert (image.width, image.height, image.media_type) == (64, 48, "image/jpeg")
+    with Image.open(io.BytesIO(data)) as plain:
+        assert plain.format == "JPEG"
 
 
 def test_a_folder_that_cannot_be_written_is_503(tmp_path: object) -> None:

@@ -9,6 +9,7 @@ from contextlib import closing
 
 import pytest
 from pages_world import CARD, PASSWORD, World, running_world
+from structlog.testing import capture_logs
 
 from agentrob.board import admin
 from agentrob.errors import BoardError
@@ -316,6 +317,21 @@ def test_an_error_of_the_database_does_not_sign_anybody_out(world: World) -> Non
     assert "set-cookie" not in broken.headers
     assert surfer.get("/").status_code == 200
     assert surfer.get("/u/bob").url.path == "/u/bob", "still signed in"
+
+
+def test_the_log_tells_no_secret_of_a_one_time_link(world: World) -> None:
+    secret = world.link("bob").removeprefix("/enter/")
+    surfer = world.browser()
+    csrf = surfer.csrf(f"/enter/{secret}")
+    with closing(sqlite3.connect(str(world.settings.database_path))) as other:
+        other.execute("ALTER TABLE links RENAME TO away")
+        try:
+            with capture_logs() as logs:
+                broken = surfer.client.post(f"/enter/{secret}", data={"csrf": csrf})
+        finally:
+            other.execute("ALTER TABLE away RENAME TO links")
+    assert broken.status_code == 503
+    assert [entry["path"] for entry in logs if "path" in entry] == ["/enter/…"]
 
 
 def test_too_many_attempts_to_sign_in_say_how_long_to_wait(world: World) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import json
+from typing import Any
 
 from fastapi import APIRouter, Request, UploadFile
 from starlette.responses import FileResponse, Response
@@ -21,6 +23,8 @@ router = APIRouter(prefix="/api/v1", responses=documented(404))
 #: Pictures in posts, beside the API since pages show them.
 files = APIRouter()
 
+#: Bytes of JSON and levels of nesting that a robot's card may have.
+CARD_BYTES, CARD_DEPTH = 16 * 1024, 20
 _JPEG = {"content": {"image/jpeg": {"schema": {"type": "string", "format": "binary"}}}}
 
 
@@ -44,6 +48,7 @@ async def publish(request: Request, name: str, told: RobotIn, by: Member) -> Res
     """The robot's agent tells of it, at least every 5 s while it lives."""
     parts = services(request)
     _own(by, name)
+    _check_card(told.card)
     parts.stage.publish(name, told.card)
     return out(_robot(parts, by))
 
@@ -101,6 +106,27 @@ async def reset(request: Request, name: str, by: Member, key: Key = None) -> Res
 def _robot(parts: Services, account: Account) -> RobotOut:
     now = parts.stage.robot(account.name)
     return robot_out(now.name, now.card, now.seen_at, now.viewers, parts.stage.live_frame(account.name) is not None)
+
+
+def _check_card(card: dict[str, Any]) -> None:
+    """413 for a card that is too large, 422 for what is no JSON or cannot be shown."""
+    try:
+        size = len(json.dumps(card, allow_nan=False, ensure_ascii=False).encode())
+        if not _plain(card, CARD_DEPTH):
+            raise ValueError("nested too deeply, or a number that is too large")
+    except (ValueError, RecursionError) as e:
+        reason = "a broken character" if isinstance(e, UnicodeError) else str(e)
+        hint = f"finite numbers below 2^53, whole characters, at most {CARD_DEPTH} levels"
+        raise BoardError(422, "bad_card", f"that card cannot be shown: {reason}"[:200], hint) from None
+    if size > CARD_BYTES:
+        raise BoardError(413, "card_too_large", f"the card has {size} bytes", f"at most {CARD_BYTES} bytes")
+
+
+def _plain(value: object, depth: int) -> bool:
+    if isinstance(value, (dict, list)):
+        inside = value.values() if isinstance(value, dict) else value
+        return depth > 0 and all(_plain(v, depth - 1) for v in inside)
+    return not isinstance(value, int) or abs(value) < 2**53
 
 
 def _own(by: Account, name: str) -> None:

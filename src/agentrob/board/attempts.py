@@ -22,9 +22,14 @@ class Attempts:
         self._seen: dict[tuple[str, str], deque[float]] = {}
 
     def count(self, name: str, address: str) -> None:
-        """Count one attempt. 429 when there were too many; that one then does not count."""
+        """Count one attempt. 429 when there were too many; that one then does not count.
+
+        Without a name (signing up) only the address counts: else a few newcomers would shut out all others.
+        """
         now = self._clock()
-        limits = ((("name", name.lower()[:64]), PER_NAME), (("address", address), PER_ADDRESS))
+        limits = [(("address", address), PER_ADDRESS)]
+        if name:
+            limits.insert(0, (("name", name.lower()[:64]), PER_NAME))
         for key, limit in limits:
             times = self._recent(key, now)
             if len(times) >= limit:

@@ -32,8 +32,10 @@ def check(data: bytes) -> tuple[Image, bytes]:
         with _open(data) as picture:
             picture.load()
             width, height = picture.size
-            kind = str(picture.format)
-            if any(picture.info.get(k) for k in ("exif", "xmp", "comment", "photoshop")):
+            # A JPEG with more pictures behind the first one (phones make them) becomes a plain JPEG of the first.
+            several = picture.format == "MPO"
+            kind = "JPEG" if several else str(picture.format)
+            if several or any(picture.info.get(k) for k in ("exif", "xmp", "comment", "photoshop")):
                 data, (width, height) = _without_metadata(picture, kind)
     except BoardError:
         raise

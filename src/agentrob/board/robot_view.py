@@ -101,12 +101,18 @@ def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:
 
 def _limit(name: str, value: object) -> tuple[str, str]:
     label, unit = _LIMITS.get(name, (str(name)[:40].replace("_", " ").capitalize(), ""))
-    shown = f"{value:g}" if isinstance(value, (int, float)) and not isinstance(value, bool) else _words(value)
+    try:
+        shown = f"{value:g}" if isinstance(value, (int, float)) and not isinstance(value, bool) else _words(value)
+    except OverflowError:
+        shown = "?"
     return label, f"{shown}{'' if unit in ('°', '°/s', '') else ' '}{unit}"
 
 
 def _percent(value: object) -> int | None:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    try:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            return None
+    except OverflowError:
         return None
     return round(min(max(value, 0), 100))
 

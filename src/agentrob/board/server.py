@@ -86,7 +86,7 @@ def _add_pages(app: FastAPI) -> None:
 def _add_errors(app: FastAPI) -> None:
     async def answer(request: Request, error: BoardError) -> Response:
         if error.status >= 500:
-            log.error("board.request_failed", path=request.url.path, code=error.code, error=str(error))
+            log.error("board.request_failed", path=_logged(request), code=error.code, error=str(error))
         if request.url.path.startswith("/api/"):
             return problem(error)
         from agentrob.board.pages import error_page
@@ -108,13 +108,19 @@ def _add_errors(app: FastAPI) -> None:
         return response
 
     async def unexpected(request: Request, error: Exception) -> Response:
-        log.exception("board.unexpected", path=request.url.path, exc_info=error)
+        log.exception("board.unexpected", path=_logged(request), exc_info=error)
         return await answer(request, BoardError(500, "internal", "something went wrong; it is in the server's log"))
 
     app.add_exception_handler(BoardError, board_error)
     app.add_exception_handler(RequestValidationError, not_valid)
     app.add_exception_handler(HTTPException, http_error)
     app.add_exception_handler(Exception, unexpected)
+
+
+def _logged(request: Request) -> str:
+    """The path without the secret of a one-time link."""
+    path = request.url.path
+    return "/enter/…" if path.startswith("/enter/") else path
 
 
 def _describe(app: FastAPI, settings: BoardSettings) -> None:
