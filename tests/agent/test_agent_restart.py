@@ -5,17 +5,20 @@ from __future__ import annotations
 import asyncio
 import sqlite3
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
-from agent_scene import ROBOT, Driver, Scene, make_scene
+from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 from agentrob.agent import turn
 from agentrob.agent.journal import Journal
+from agentrob.errors import ForumError, RobotUnreachable
+from agentrob.forums.memory import MemoryForum
 from agentrob.minds.mind import Listener
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Account, AccountKind, Command, Plan, Role, Understanding
+from agentrob.model import Account, AccountKind, Command, Plan, Role, StopResult, Understanding
+from agentrob.robots.client import DriverClient
 
 STILL_M = 0.02
 
@@ -100,11 +103,11 @@ async def test_law_5_a_command_left_open_moves_after_a_restart_only_while_it_is_
     async with scene.agent() as agent:
         assert (await scene.final(posts[0])).card.state == "done"
         await scene.final(posts[1])
-        late = replace(await agent.journal.claimed(posts[0].id), ended=None)
-        assert agent._why_not(late) is None
-        scene.world.clock_offset_s = scene.settings.max_post_age_s + 5
+        claim = await agent.journal.claimed(posts[0].id)
+        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent._stopped_at, 120) is None
+        scene.world.clock_offset_s = 125
         await agent.channel.set_clock()
-        assert agent._why_not(late) == "stale"
+        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent._stopped_at, 120) == "stale"
 
 
 async def test_law_14_a_bare_stop_counts_while_its_command_is_still_in_the_inbox(scene: Scene) -> None:
@@ -171,3 +174,140 @@ async def test_a_journal_of_an_earlier_version_is_read_and_can_keep_an_end(tmp_p
     assert not await journal.cancel("7")  # the motion was cancelled with it
     assert not await journal.moved("7")
     await journal.close()
+
+
+async def test_an_agent_whose_forum_was_replaced_begins_anew_and_moves_nothing_older(scene: Scene) -> None:
+    async with scene.agent() as agent:
+        for _ in range(3):
+            await scene.final(await scene.post("alice", "@quadruped turn left 90 degrees"))
+        await agent.journal.put("cursor", agent.channel.cursor)
+    scene.world = other = MemoryForum.world()
+    for name in ("alice", "bob"):
+        scene.person(name)
+    scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
+    old = await scene.post("alice", "@quadruped walk forward 1 metre")
+    stood = await place(scene.driver)
+    async with scene.agent():
+        post = await scene.post("alice", "@quadruped turn right 90 degrees")
+        assert (await scene.final(post)).card.state == "done"
+        assert [r.card.state for r in scene.replies(old)] == ["expired"]
+    assert other.posts[post.id].raw.startswith("@quadruped turn right")
+    assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+
+
+async def test_a_forum_replaced_while_the_agent_runs_ends_what_it_did_and_is_served(scene: Scene) -> None:
+    async with scene.agent() as agent:
+        for _ in range(3):
+            await scene.final(await scene.post("alice", "@quadruped turn left 90 degrees"))
+        scene.world = MemoryForum.world()
+        for name in ("alice", "bob"):
+            scene.person(name)
+        scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
+        agent.forum._world = scene.world
+        await scene.until(lambda: agent.channel.cursor == "0")
+        post = await scene.post("alice", "@quadruped turn right 90 degrees")
+        assert (await scene.final(post)).card.state == "done"
+
+
+async def test_a_single_run_goes_on_after_what_it_accepted(scene: Scene) -> None:
+    await started(scene)
+    await scene.post("alice", "@quadruped turn left 90 degrees")
+    agent = scene.make()
+    await asyncio.wait_for(agent.once(), 20)
+    await agent.close()
+    heard: list[str] = []
+    again = scene.make()
+    hear = again._hear
+
+    def listen(event):  # type: ignore[no-untyped-def]
+        heard.append(event.post.raw if event.post else "")
+        hear(event)
+
+    again._hear = listen  # type: ignore[method-assign]
+    await asyncio.wait_for(again.once(), 20)
+    await again.close()
+    assert "@quadruped turn left 90 degrees" not in heard
+
+
+async def test_law_14_a_stop_that_the_forum_knows_nothing_of_ends_what_was_accepted_before_it(scene: Scene) -> None:
+    class Late(RulesMind):
+        asked, let = asyncio.Event(), asyncio.Event()
+
+        async def understand(self, *more):  # type: ignore[no-untyped-def]
+            self.asked.set()
+            await self.let.wait()
+            return await super().understand(*more)
+
+    mind = Late()
+    stood = await place(scene.driver)
+    async with scene.agent(mind=mind):
+        post = await scene.post("alice", "@quadruped walk forward 1 metre")
+        await asyncio.wait_for(mind.asked.wait(), 10)
+        async with scene.driver.client() as client:
+            await client.stop("somebody at the robot")
+        mind.let.set()
+        assert (await scene.final(post)).card.state == "stopped"
+        later = await scene.post("alice", "@quadruped turn left 90 degrees")
+        assert (await scene.final(later)).card.state == "done"
+    assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+
+
+async def test_no_step_begins_while_the_agent_is_being_ended(scene: Scene) -> None:
+    stood = await place(scene.driver)
+    async with scene.agent() as agent:
+        agent._ending = True
+        post = await scene.post("alice", "@quadruped walk forward 1 metre")
+        assert (await scene.final(post)).card.state == "interrupted"
+    assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+
+
+@pytest.mark.parametrize("max_edits", [None, 0])
+async def test_law_6_a_picture_that_the_forum_refuses_does_not_cost_the_final_reply(
+    driver: Driver, tmp_path: Path, max_edits: int | None
+) -> None:
+    scene = make_scene(driver, tmp_path, MemoryForum.world(max_edits=max_edits))
+
+    def refuse(post_id, images):  # type: ignore[no-untyped-def]
+        if images:
+            raise ForumError("415 this is no picture")
+        return ()
+
+    scene.world.keep = refuse  # type: ignore[method-assign]
+    async with scene.agent():
+        post = await scene.post("alice", "@quadruped take a photo")
+        reply = await scene.final(post)
+    assert (reply.card.state, reply.images) == ("done", ())
+
+
+async def test_a_press_of_the_reset_button_that_is_old_resets_nothing(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    resets: list[str] = []
+
+    async def reset_room(driver: object, settings: object, by: str) -> None:
+        resets.append(by)
+
+    monkeypatch.setattr(turn, "reset_room", reset_room)
+    scene.settings = robot_settings(room_reset="http://127.0.0.1:9/reset")
+    async with scene.agent() as agent:
+        alice = await scene.world.sign_in("alice").me()
+        await agent._reset(alice, agent.channel.now() - timedelta(seconds=scene.settings.max_post_age_s + 5))
+        assert resets == []
+        await agent._reset(alice, agent.channel.now())
+        assert resets == ["alice"]
+
+
+async def test_law_17_a_halt_that_only_stopped_is_not_called_a_halt(driver: Driver, tmp_path: Path) -> None:
+    scene = make_scene(driver, tmp_path)
+
+    class Cut(DriverClient):
+        """The first channel is gone; the second still stops."""
+
+        async def halt(self, by: str) -> StopResult:
+            raise RobotUnreachable("no driver")
+
+    async with scene.agent(driver=Cut(driver.name, driver.socket)):
+        post = await scene.post("bob", "@quadruped emergency stop!")
+        (reply,) = await scene.until(lambda: scene.replies(post))
+    assert "It is **not halted**" in reply.raw
+    assert "refuses all motion" not in reply.raw

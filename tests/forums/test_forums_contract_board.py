@@ -121,7 +121,7 @@ async def test_a_picture_is_fetched_from_this_board_only(world: BoardWorld) -> N
     [
         (b"HTTP/1.1 429 Too Many\r\nRetry-After: 7\r\nContent-Length: 0\r\n\r\n", ForumLimited),
         (b"HTTP/1.1 503 Busy\r\nContent-Length: 5\r\n\r\nproxy", ForumUnreachable),
-        (b"HTTP/1.1 500 Oops\r\nContent-Length: 0\r\n\r\n", ForumError),
+        (b"HTTP/1.1 500 Oops\r\nContent-Length: 0\r\n\r\n", ForumUnreachable),
         (b"HTTP/1.1 200 OK\r\nContent-Length: 4\r\n\r\nhuh?", ForumError),
         (b"HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n{}", ForumError),
         (b"nonsense\r\n\r\n", ForumUnreachable),

@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 
 import structlog
 
-from agentrob.errors import ForumError, ForumLimited
+from agentrob.errors import ForumError, ForumLimited, ForumNotFound
 from agentrob.forums.forum import Event, EventKind, Forum
 from agentrob.model import Post
 
@@ -88,7 +88,7 @@ class Channel:
 
     # ---------------------------------------------------------------- events
     async def events(self) -> AsyncIterator[Event]:
-        """Every event once and in order, heartbeats left out, for ever."""
+        """Every event once and in order, heartbeats left out, for ever. `ForumNotFound`: the cursor is of no event."""
         wait_s, longest_s = _BACKOFF_S
         while True:
             try:
@@ -100,6 +100,8 @@ class Channel:
                     if event.kind is not EventKind.HEARTBEAT:
                         self.cursor = event.id
                         yield event
+            except ForumNotFound:
+                raise
             except ForumError as e:
                 wait_s = max(wait_s, e.retry_after_s) if isinstance(e, ForumLimited) else wait_s
                 _log.warning("forum events cut, trying again", after_s=round(wait_s, 1), error=str(e))

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 
 from agentrob.agent import report as words
 from agentrob.agent.channel import Channel
-from agentrob.agent.execute import STOP, Execution, Reins, execute
+from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, execute
 from agentrob.agent.extract import Thought, extract
 from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
@@ -48,7 +48,8 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True)
 class Course:
-    """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins."""
+    """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins;
+    when `ending` says that the agent is being ended, no step begins."""
 
     name: str
     names: Collection[str]
@@ -62,6 +63,7 @@ class Course:
     stops: Stops
     records: Records
     on_motion: Callable[[], None]
+    ending: Callable[[], bool]
 
     async def run(self, job: Job) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""
@@ -207,8 +209,9 @@ class Course:
         self.on_motion()
         allowed = partial(permission, self.forum, self.driver, job.command, plan, self.settings.allow_flip)
         reins = Reins(
+            since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
-            ended=lambda: job.ended,
+            ended=lambda: job.ended or (SHUTDOWN if self.ending() else None),
             alive=self.channel.prove,
             silent_s=lambda: self.channel.silent_s,
             on_step=lambda number: self._show_step(job, plan, number),

@@ -36,11 +36,13 @@ _BY_US = frozenset({SHUTDOWN, SILENT, "lease_lapsed"})
 class Reins:
     """How the agent holds a running command.
 
-    `permit` judges the command anew on today's state. `ended` gives a stable word as soon as the command must end
+    `since` tells since when (monotonic seconds) no stop may have come. `permit` judges the command anew on today's
+    state. `ended` gives a stable word as soon as the command must end
     (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent_s` is for
     how long it has been silent. `on_step` hears which step (from 0) begins.
     """
 
+    since: Callable[[], Awaitable[float]]
     permit: Callable[[], Awaitable[tuple[Verdict, Capabilities | None]]]
     ended: Callable[[], str | None]
     alive: Callable[[], Awaitable[bool]]
@@ -166,8 +168,11 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Rei
     run = _Run(driver, command, plan, reins)
     status, message = "failed", ""
     try:
-        async with driver.lease(f"agent {command.trace_id}") as lease:
+        async with driver.lease(f"agent {command.trace_id}", await reins.since()) as lease:
             status = await run.steps(lease)
+    except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum knows nothing of
+        stopped = _lost(str(e)) in _BY_PEOPLE
+        status, message = ("stopped", "") if stopped else ("failed", str(e))
     except (RobotBusy, RobotUnreachable, RobotError) as e:
         message = str(e)
     return run.execution(status, message)

@@ -26,9 +26,10 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
-from dbos import DBOS, DBOSClient, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
+from dbos import DBOS, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
 from pydantic import TypeAdapter
 
+from agentrob.agent.leftovers import KEEP_S, forget_unfinished
 from agentrob.agent.rows import COLUMNS, COMMAND, TABLES, Claim, boot, boot_s, read_claim
 from agentrob.errors import JournalError
 from agentrob.model import Command, Plan
@@ -42,7 +43,6 @@ VERSION = "agentrob-1"
 INTERRUPTED = "interrupted"
 #: What `move` answers when it was cancelled before it began.
 CANCELLED = "cancelled"
-KEEP_S = 30 * 86400.0
 
 _PLAN = TypeAdapter(Plan)
 
@@ -65,6 +65,7 @@ class Journal:
         self._starts = ThreadPoolExecutor(16, thread_name_prefix=f"{robot}-workflows")
         self._deeds: dict[str, Deed] = {}
         self._ended = threading.Event()
+        self._era = ""
 
     # ---------------------------------------------------------------- open and close
     @classmethod
@@ -91,6 +92,7 @@ class Journal:
             self._db.execute("PRAGMA synchronous=FULL")
             self._db.executescript(TABLES)
             self._migrate()
+            self._era = (self._one("SELECT value FROM meta WHERE key = 'era'") or ("",))[0]
             self._prune()
         except BlockingIOError:
             raise JournalError(
@@ -121,7 +123,7 @@ class Journal:
             "console_log_level": "ERROR",
         }
         try:
-            _forget_unfinished(url, self._has_workflows())
+            forget_unfinished(url, self._has_workflows())
             DBOS(config=config)
             DBOS.launch()
         except Exception as e:
@@ -220,6 +222,7 @@ class Journal:
         return await self._run(_move, f"post-{post_id}:motion", deed)
 
     async def _run(self, workflow: Callable[[str], str], workflow_id: str, deed: Deed) -> str:
+        workflow_id = self._era + workflow_id
         self._deeds[workflow_id] = deed
         try:
             return await self._loop.run_in_executor(self._starts, partial(self._start, workflow, workflow_id))
@@ -296,6 +299,19 @@ class Journal:
         found = await self.get(key)
         return datetime.fromisoformat(found) if found else None
 
+    async def set_aside(self) -> None:
+        """The forum was replaced and its ids mean other posts now: what was kept counts no more, open claims end."""
+
+        def rows() -> None:
+            era = f"before-{time.time_ns()}-"
+            with self._together():
+                self._do("UPDATE claim SET post = ? || post, topic = '', final = coalesce(final, 'replaced')", (era,))
+                self._do("UPDATE motion SET post = ? || post", (era,))
+                self._do("INSERT OR REPLACE INTO meta (key, value) VALUES ('era', ?)", (era,))
+            self._era = era
+
+        await self._in_rows(rows)
+
     # ---------------------------------------------------------------- inside
     async def _in_rows(self, call: Callable[..., T], *args: Any) -> T:
         try:
@@ -365,7 +381,7 @@ def _perform(workflow_id: str) -> str:
 def _perform_motion(workflow_id: str) -> str:
     """Steps run at least once, motion at most once: between the two stands the motion row."""
     journal = _journal()
-    post_id = workflow_id.removeprefix("post-").removesuffix(":motion")
+    post_id = workflow_id.partition("post-")[2].removesuffix(":motion")
     instead = journal._rows.submit(journal._begin, post_id).result()
     if instead is not None:
         return instead
@@ -376,18 +392,3 @@ def _perform_motion(workflow_id: str) -> str:
 
 async def _awaited(deed: Deed) -> str:
     return await deed()
-
-
-def _forget_unfinished(url: str, exists: bool) -> None:
-    """Drop workflows that were left unfinished, of this version or another, and those long finished."""
-    if not exists:
-        return
-    client = DBOSClient(system_database_url=url, serializer=DBOSPortableJSONSerializer())
-    try:
-        left = client.list_workflows(status=["PENDING", "ENQUEUED", "DELAYED", "ERROR"], load_input=False)
-        before = datetime.fromtimestamp(time.time() - KEEP_S).astimezone().isoformat()
-        done = client.list_workflows(status=["SUCCESS"], end_time=before, load_input=False, load_output=False)
-        if ids := [w.workflow_id for w in (*left, *done)]:
-            client.delete_workflows(ids)
-    finally:
-        client.destroy()

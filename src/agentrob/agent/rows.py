@@ -6,6 +6,7 @@ import contextlib
 import os
 import time
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 from pydantic import TypeAdapter
@@ -41,6 +42,16 @@ class Claim:
     status_post: str | None = None
     final: str | None = None
     ended: str | None = None
+
+    def why_not(self, now_at: datetime, watermark_at: datetime, stopped_at: datetime, max_age_s: float) -> str | None:
+        """Why an earlier process's claim may not begin to move; None when the restart fell within its time."""
+        posted_at = self.command.posted_at
+        if self.ended is not None:
+            return self.ended
+        if posted_at <= stopped_at:
+            return "stop"
+        fresh = posted_at > watermark_at and (now_at - posted_at).total_seconds() <= max_age_s
+        return None if fresh else "stale"
 
 
 def read_claim(row: tuple[str, str, float, str | None, str | None, str | None]) -> Claim:

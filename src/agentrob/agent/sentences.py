@@ -55,6 +55,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "I could not check whether the command still holds, so nothing moved.",
         "无法确认命令是否仍然有效，所以没有动作。",
     ),
+    "because.replaced": (
+        "The forum is no longer the one that this was posted on.",
+        "论坛已被替换，不再是发帖时的那个论坛。",
+    ),
     "because.before": ("It was cancelled before it began.", "在开始之前已被取消。"),
     "because.shutdown": ("My agent was ended.", "我的代理程序被关闭。"),
     "because.driver": ("The robot cannot be used: {message}", "机器人无法使用：{message}"),
@@ -152,6 +156,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "stop.halted": (
         "It refuses all motion until its owner releases it.",
         "在主人解除之前，它拒绝一切动作。",
+    ),
+    "stop.not_halted": (
+        "It is **not halted**: its driver could only be told to stop, and a later command may move it.",
+        "**没有进入急停**：只能让驱动停住，之后的命令仍可能使它移动。",
     ),
     "stop.cancelled": ("Commands ended or cancelled: {count}.", "结束或取消的命令数：{count}。"),
     "stop.folded": ("Stops since then: {count}.", "此后又收到停止：{count} 次。"),

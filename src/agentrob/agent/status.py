@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -18,6 +19,8 @@ T = TypeVar("T")
 #: Where a forum limits edits, at most so many are used, the last of them for the end.
 MAX_EDITS = 3
 _BACKOFF_S = (0.2, 30.0)
+#: A forum that fails so often (for some 50 s) with pictures is told without: it may be they that it cannot bear.
+PICTURE_TRIES = 9
 _log = structlog.get_logger()
 
 
@@ -86,7 +89,7 @@ class StatusLine:
             await asyncio.wait({self._sending}, timeout=10.0)
         if self._post_id is not None and not self._limited:
             with contextlib.suppress(ForumDenied, ForumNotFound):
-                await insist(lambda: self._tell(final, images))
+                await _illustrated(lambda pictures: self._tell(final, pictures), images)
                 return
         await self._tell_in_reply(final, images, short)
 
@@ -101,10 +104,11 @@ class StatusLine:
         command = self._command
         key = f"reply:{command.post_id}"
         try:
-            await insist(
-                lambda: self._forum.reply(
-                    command.topic_id, final.text, key=key, reply_to=command.post_id, images=images, card=final.card
-                )
+            await _illustrated(
+                lambda pictures: self._forum.reply(
+                    command.topic_id, final.text, key=key, reply_to=command.post_id, images=pictures, card=final.card
+                ),
+                images,
             )
             if self._post_id is not None and self._edits_left:
                 await self._forum.edit(self._post_id, short or final.text, card=final.card)
@@ -112,15 +116,28 @@ class StatusLine:
             _log.warning("final reply not told", post=command.post_id, error=str(e))
 
 
-async def insist(write: Callable[[], Awaitable[T]]) -> T:
-    """Repeat a write that is safe to repeat until the forum answers. Other errors come through."""
+async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images: Sequence[bytes]) -> T:
+    """Write with pictures; the words matter more, so where the forum does not take the pictures, without them."""
+    if images:
+        try:
+            return await insist(lambda: write(images), PICTURE_TRIES)
+        except ForumError as e:
+            _log.warning("told without pictures", error=str(e))
+    return await insist(lambda: write(()))
+
+
+async def insist(write: Callable[[], Awaitable[T]], tries: float = math.inf) -> T:
+    """Repeat a write that is safe to repeat until the forum answers, or `tries` times. Other errors come through."""
     wait_s, longest_s = _BACKOFF_S
     while True:
+        tries -= 1
         try:
             return await write()
         except ForumLimited as e:
             await asyncio.sleep(e.retry_after_s)
         except ForumUnreachable as e:
+            if tries <= 0:
+                raise
             _log.info("forum does not answer, trying again", after_s=wait_s, error=str(e))
             await asyncio.sleep(wait_s)
             wait_s = min(longest_s, wait_s * 2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -20,8 +21,11 @@ from agentrob.robots.stop import stop_robot
 #: A reply that is folded is brought up to date at most this often.
 FOLD_S = 1.0
 _log = structlog.get_logger()
-#: (what the stop did, language, commands ended, halted, stops folded into it) to Markdown.
-Render = Callable[[StopResult | None, Language, int, bool, int], str]
+#: What the second channel's answer to a halt says: it can only stop.
+ONLY_STOPPED = "only stopped"
+#: (what the stop did, language, commands ended, halted, stops folded into it) to Markdown; halted is None when that
+#: was asked for and could not be done.
+Render = Callable[[StopResult | None, Language, int, bool | None, int], str]
 
 
 @dataclass
@@ -32,7 +36,7 @@ class _Reply:
     language: Language
     result: StopResult | None
     ended: int
-    halted: bool
+    halted: bool | None
     folded: int = 0
     edits: int = 0
     updating: asyncio.Task[None] | None = None
@@ -49,6 +53,8 @@ class Stops:
         self._settings = settings
         self._now = now
         self._render = render
+        self._under_way: set[asyncio.Future[None]] = set()
+        self._done_s = -math.inf
         self._replies: dict[str, asyncio.Task[_Reply | None]] = {}
 
     async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
@@ -56,6 +62,23 @@ class Stops:
 
         None when no driver could be reached on either of its two channels.
         """
+        done = asyncio.get_running_loop().create_future()
+        self._under_way.add(done)
+        try:
+            return await self._stop(by, at, halt)
+        finally:
+            self._under_way.discard(done)
+            self._done_s = time.monotonic()
+            done.set_result(None)
+
+    async def since(self, accepted_s: float) -> float:
+        """Since when the driver may know of no stop, for a command accepted at `accepted_s` (monotonic) that we did
+        not end: waits for our own stops, which were for earlier commands, and counts after them."""
+        if self._under_way:
+            await asyncio.wait(tuple(self._under_way))
+        return max(accepted_s, self._done_s)
+
+    async def _stop(self, by: str, at: datetime, halt: bool) -> StopResult | None:
         late_ms = max(0.0, (self._now() - at).total_seconds() * 1000)
         sent_s = time.monotonic()
         try:
@@ -65,6 +88,7 @@ class Stops:
             late_ms += (time.monotonic() - sent_s) * 1000
             try:
                 result = await asyncio.to_thread(stop_robot, self._driver.robot, self._settings, by)
+                result = replace(result, message=ONLY_STOPPED) if halt else result
             except RobotError as second:
                 _log.error("robot not stopped", robot=self._driver.robot, error=str(second))
                 return None
@@ -92,13 +116,14 @@ class Stops:
         self, post: Post, language: Language, stopping: asyncio.Task[StopResult | None], ended: int, halted: bool
     ) -> _Reply | None:
         result = await asyncio.shield(stopping)
-        text = self._render(result, language, ended, halted, 0)
+        done = None if halted and result is not None and result.message == ONLY_STOPPED else halted
+        text = self._render(result, language, ended, done, 0)
         try:
             written = await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
         except ForumError as e:
             _log.warning("stop not answered", post=post.id, error=str(e))
             return None
-        return _Reply(written.post.id, language, result, ended, halted)
+        return _Reply(written.post.id, language, result, ended, done)
 
     async def _update(self, reply: _Reply) -> None:
         await asyncio.sleep(FOLD_S)

@@ -29,21 +29,14 @@ from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
 from agentrob.agent.plot import warm_up
 from agentrob.agent.presence import Presence, reset_room
 from agentrob.agent.records import Records
-from agentrob.agent.rows import Claim
 from agentrob.agent.status import insist
 from agentrob.agent.stops import Stops
 from agentrob.config import RobotConfig
-from agentrob.errors import ForumError, JournalError, RobotError
+from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.judge.rights import may
 from agentrob.minds.mind import Mind
-from agentrob.model import (
-    Account,
-    Command,
-    Decision,
-    Post,
-    StopResult,
-)
+from agentrob.model import Account, Command, Decision, Post, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -151,29 +144,23 @@ class RobotAgent:
         """Hear what was missed, above all stops, and only then take up the commands that were left open."""
         claims = await self.journal.open_claims()
         self._claimed_topics = frozenset(claim.command.topic_id for claim in claims)
-        while events := await insist(partial(self.forum.changes, self.channel.cursor)):
-            for event in events:
-                self.channel.cursor = event.id
-                self._hear(event)
-        for claim in claims:
+        try:
+            while events := await insist(partial(self.forum.changes, self.channel.cursor)):
+                for event in events:
+                    self.channel.cursor = event.id
+                    self._hear(event)
+        except ForumNotFound:
+            await self._begin_anew()
+        for claim in await self.journal.open_claims():
             job = Job(claim.command, known=True, waited_s=claim.waited_s)
             # A motion that was begun is never repeated, so its report only needs telling.
-            if not await self.journal.moved(claim.command.post_id) and (why := self._why_not(claim)):
+            begun = await self.journal.moved(claim.command.post_id)
+            limits = self._watermark_at, self._stopped_at, self.settings.max_post_age_s
+            if not begun and (why := claim.why_not(self.channel.now(), *limits)):
                 job.end(why)
                 await self.journal.end([claim.command.post_id], why)
             self._take_up(job)
         self._claimed_topics = frozenset()
-
-    def _why_not(self, claim: Claim) -> str | None:
-        """Why a claim of an earlier process may not begin to move; None when the restart fell within its time."""
-        posted_at = claim.command.posted_at
-        if claim.ended is not None:
-            return claim.ended
-        if posted_at <= self._stopped_at:
-            return STOP
-        age_s = (self.channel.now() - posted_at).total_seconds()
-        fresh = posted_at > self._watermark_at and age_s <= self.settings.max_post_age_s
-        return None if fresh else "stale"
 
     async def _look_back(self) -> None:
         """Shortly after a first start: answer posts of before it, and find claims of a journal that was lost."""
@@ -210,7 +197,7 @@ class RobotAgent:
     def _make_course(self) -> Course:
         return Course(
             self.name, self._ears().names, self.settings, self.forum, self.driver, self.mind, self.journal,
-            self.channel, self.line, self.stops, self.records, self._line_changed,
+            self.channel, self.line, self.stops, self.records, self._line_changed, lambda: self._ending,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
@@ -229,8 +216,36 @@ class RobotAgent:
 
     # ------------------------------------------------------------------ hear
     async def _listen(self) -> None:
-        async for event in self.channel.events():
-            self._hear(event)
+        while True:
+            try:
+                async for event in self.channel.events():
+                    self._hear(event)
+            except ForumNotFound:
+                with contextlib.suppress(ForumError):
+                    await self._begin_anew()
+                await asyncio.sleep(1.0)
+
+    async def _begin_anew(self) -> None:
+        """If the forum was replaced by another (it does not know our last event): end all, let nothing older move."""
+        newest = await insist(self.channel.set_clock)
+        with contextlib.suppress(ForumNotFound):
+            await insist(partial(self.forum.changes, self.channel.cursor))
+            return
+        _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
+        self._watermark_at = self.channel.now()
+        while not self._inbox.empty():
+            self._inbox.get_nowait()
+        self._coming.clear()
+        for job in self.line:
+            job.end("replaced")
+        if tasks := {job.task for job in self.line if job.task}:
+            _, late = await asyncio.wait(tasks, timeout=DRIVER_WAIT_S)
+            for task in late:
+                task.cancel()
+        await self.journal.set_aside()
+        await self.journal.put("watermark", self._watermark_at.isoformat())
+        await self.journal.put("cursor", newest)
+        self.channel.cursor = newest
 
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
@@ -290,7 +305,8 @@ class RobotAgent:
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
         allowed = obeyed(account, self._me) and may(account, "command").decision is Decision.ALLOW
-        if not self.settings.room_reset or not allowed:
+        fresh = (self.channel.now() - at).total_seconds() <= self.settings.max_post_age_s
+        if not self.settings.room_reset or not allowed or not fresh:
             return
         if len(self.line):
             ended = self.line.end_before(at, STOP)

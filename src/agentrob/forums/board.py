@@ -211,7 +211,7 @@ async def _raise_for(response: httpx2.Response) -> None:
             raise ForumNotFound(said)
         case 429:
             raise ForumLimited(said, _retry_after_s(response))
-        case 502 | 503 | 504:
+        case code if code >= 500:
             raise ForumUnreachable(said)
     raise ForumError(said)
 

@@ -202,6 +202,15 @@ class ForumContract:
         assert await bob.changes(events[-1].id) == ()
         assert len(await bob.changes(after, limit=1)) == 1
 
+    async def test_a_watermark_of_another_forum_is_not_found(self, world: World) -> None:
+        bob = await world.sign_in("bob")
+        await _topic(bob)
+        with pytest.raises(ForumNotFound):
+            await bob.changes("999999")
+        if bob.live:
+            with pytest.raises(ForumNotFound):
+                await _collect(bob, "999999", 1)
+
     async def test_the_stream_brings_new_and_edited_posts_and_resumes_after_an_id(self, world: World) -> None:
         alice, bob = await world.sign_in("alice"), await world.sign_in("bob")
         if not bob.live:

@@ -155,7 +155,9 @@ class Events(Protocol):
         """The id of the newest event (a watermark) and the forum's clock."""
         ...
 
-    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]: ...
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        """Events after one; `ForumNotFound` when it is newer than all, so of another forum. So is `stream`."""
+        ...
 
     def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         """Events as they happen, and a heartbeat when nothing does. Ends with `ForumUnreachable` when cut."""

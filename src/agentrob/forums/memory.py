@@ -132,6 +132,8 @@ class MemoryWorld:
 
     def after(self, event_id: str, limit: int) -> tuple[Event, ...]:
         start = int(event_id or 0)
+        if start > len(self.events):
+            raise ForumNotFound(f"there is no event {event_id}; the newest is {len(self.events)}")
         return tuple(self._delivered(e) for e in self.events[start : start + limit])
 
     def _delivered(self, event: Event) -> Event:
