@@ -66,6 +66,15 @@ def test_pose_ranges_and_speed_are_read() -> None:
     assert found.ranges_m == (1.0, 2.0, 3.0, None)
 
 
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_law_9_odometry_that_is_no_number_is_unknown(bad: float) -> None:
+    for position in ([bad, 0.0, 0.3], [0.0, bad, 0.3]):
+        assert read(message(position=position)).pose is None
+    turned = message(velocity=[0.1, bad, 0.0], yaw_speed=bad)
+    turned.imu_state.rpy = [0.0, 0.0, bad]  # type: ignore[attr-defined]
+    assert (read(turned).pose, read(turned).velocity_mps, read(turned).yaw_rate_rps) == (None, None, None)
+
+
 @pytest.mark.parametrize("code", [*CODES, 9999])
 def test_every_code_reads_as_a_sentence_with_its_number(code: int) -> None:
     assert str(code) in explain(code)

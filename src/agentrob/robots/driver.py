@@ -211,7 +211,7 @@ def _refuse_when_served(path: Path) -> None:
 
 # ------------------------------------------------------------------ the stop channel
 def serve_stops(channel: socket.socket, driver: Driver) -> None:
-    """Accept `stop <who>` on the host lock's socket until it is closed; each connection has a thread of its own."""
+    """Serve `stop <who>` and `halt <who>` on the lock's socket until it is closed, each in a thread of its own."""
     while True:
         try:
             connection, _ = channel.accept()
@@ -224,9 +224,10 @@ def _serve_stop(connection: socket.socket, driver: Driver) -> None:
     with connection, contextlib.suppress(OSError):
         connection.settimeout(LINE_S)
         word, _, who = connection.makefile("r", encoding="utf-8", errors="replace").readline(200).strip().partition(" ")
-        if word == "stop":
-            answer = encode(driver.stop(who.strip()[:100] or "somebody local"))
+        who = who.strip()[:100] or "somebody local"
+        if word in ("stop", "halt"):
+            answer = encode(driver.stop(who) if word == "stop" else driver.halt(who))
         else:
-            answer = {"error": "say: stop <who>"}
+            answer = {"error": "say: stop <who>, or halt <who>"}
         connection.settimeout(LINE_S)
         connection.sendall((json.dumps(answer) + "\n").encode())

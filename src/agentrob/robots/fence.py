@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from agentrob.config import FenceConfig
 from agentrob.model import Op, Pose, Primitive
 from agentrob.robots.motion import rotate
@@ -22,21 +24,25 @@ class Fence:
         return rotate(x_m - self.home.x_m, y_m - self.home.y_m, -self.home.yaw_rad)
 
     def outside_m(self, x_m: float, y_m: float) -> float:
-        """How far an odometry point is outside; negative inside (then the distance to the nearest side)."""
+        """How far an odometry point is outside; negative inside (then the distance to the nearest side).
+
+        Infinite when a number is none (NaN, infinite): such a point is not known to be inside.
+        """
         x, y = self.at_home(x_m, y_m)
         c = self.config
-        return max(c.x_min_m - x, x - c.x_max_m, c.y_min_m - y, y - c.y_max_m)
+        beyond = (c.x_min_m - x, x - c.x_max_m, c.y_min_m - y, y - c.y_max_m)
+        return max(beyond) if all(map(math.isfinite, beyond)) else math.inf
 
     def refusal(self, pose: Pose, primitive: Primitive) -> str | None:
         """A sentence when the step may not be begun from here. A rectangle is convex: both ends inside is enough."""
-        if (outside_m := self.outside_m(pose.x_m, pose.y_m)) > 0:
+        if not (outside_m := self.outside_m(pose.x_m, pose.y_m)) <= 0:
             return (
                 f"The robot stands {outside_m:.2f} m outside its fence; its owner must bring it back or set a new home."
             )
         if primitive.op is not Op.MOVE:
             return None
         end = ahead(pose, primitive, primitive.distance_m or 0.0)
-        if (outside_m := self.outside_m(*end) + MARGIN_M) > 0:
+        if not (outside_m := self.outside_m(*end) + MARGIN_M) <= 0:
             x, y = self.at_home(*end)
             c = self.config
             return (

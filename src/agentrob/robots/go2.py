@@ -16,7 +16,7 @@ from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import unitree
 from agentrob.robots.gesture import Gesture
-from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Gait, Rest, Velocity
+from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Gait, Rest, Velocity, known
 from agentrob.robots.robot import Watch, limits_of
 from agentrob.robots.walk import REST_LIMIT_S, not_begun, walk
 
@@ -224,16 +224,18 @@ class Go2:
 def read(message: Any) -> RobotState:
     """A `SportModeState_` as a state of age 0."""
     w, x, y, z = (float(v) for v in message.imu_state.quaternion)
-    known = w * w + x * x + y * y + z * z > 0.5
-    upright = 1.0 - 2.0 * (x * x + y * y) > UPRIGHT if known else None
+    attitude = w * w + x * x + y * y + z * z > 0.5
+    upright = 1.0 - 2.0 * (x * x + y * y) > UPRIGHT if attitude else None
     code = int(message.error_code)
     mode = MODES_BY_CODE.get(code) or (MODES_BY_MODE.get(int(message.mode), "unknown") if code == 0 else "unknown")
+    pose = Pose(float(message.position[0]), float(message.position[1]), float(message.imu_state.rpy[2]))
+    vx, vy, turning = float(message.velocity[0]), float(message.velocity[1]), float(message.yaw_speed)
     front, left, back, right = (float(r) if math.isfinite(r) else None for r in message.range_obstacle)
     return RobotState(
         age_s=0.0,
-        pose=Pose(float(message.position[0]), float(message.position[1]), float(message.imu_state.rpy[2])),
-        velocity_mps=(float(message.velocity[0]), float(message.velocity[1])),
-        yaw_rate_rps=float(message.yaw_speed),
+        pose=known(pose),
+        velocity_mps=(vx, vy) if math.isfinite(vx) and math.isfinite(vy) else None,
+        yaw_rate_rps=turning if math.isfinite(turning) else None,
         mode="fallen" if upright is False else mode,
         ranges_m=(front, left, back, right),
         upright=upright,

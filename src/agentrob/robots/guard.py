@@ -6,6 +6,7 @@ Covered, before a step and 20 times a second while it runs:
 - obstacles in the direction of motion by the robot's own four range readings; readings that are missing, zero or never
   change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so;
 - state older than 0.5 s, a fall, the deadline, a halt, which holds until the owner releases it, also across restarts;
+- a position that is no number: unknown, as one that is missing;
 - an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
   (a simulated robot that homes itself at start does so again once it stands still);
 - a mode or a motion that we did not command: that is a halt; damping always is, also during a gesture. A robot that is
@@ -34,6 +35,7 @@ from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primit
 from agentrob.robots.fence import Fence, ahead
 from agentrob.robots.halt import Halt
 from agentrob.robots.limits import beyond_limits
+from agentrob.robots.motion import known
 from agentrob.robots.odometry import DAMPING, Hands, Odometry
 from agentrob.robots.ranges import STOPPING_S, Ranges
 from agentrob.robots.robot import Robot, Watch
@@ -70,7 +72,7 @@ class Guard:
 
     # ------------------------------------------------------------ the robot
     def state(self) -> RobotState:
-        return replace(self._robot.state(), homed=self._fence is not None, halted=self._halt.why is not None)
+        return replace(sound(self._robot.state()), homed=self._fence is not None, halted=self._halt.why is not None)
 
     def step(self, primitive: Primitive, watch: Watch, deadline_s: float | None = None) -> ActionResult:
         """As any robot's; `deadline_s` is how long it may take, at most the limit of a command."""
@@ -98,8 +100,8 @@ class Guard:
     # ------------------------------------------------------------ home and halt
     def home(self, by: str) -> Pose:
         """The robot's place and heading now are its home: the fence lies around it. Raises `RobotError`."""
-        state = self._robot.state()
-        if state.pose is None or state.age_s >= STATE_AGE_S:
+        state = sound(self._robot.state())
+        if state.pose is None or not state.age_s < STATE_AGE_S:
             raise RobotError(
                 f"cannot set home: the robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s"
             )
@@ -158,7 +160,7 @@ class Guard:
 
     def _unfit(self, primitive: Primitive) -> Refusal | None:
         self._see()
-        state = self._robot.state()
+        state = sound(self._robot.state())
         if (why := self._halt.why) is not None:
             return "halted", f"{why} No motion until the owner releases it."
         if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
@@ -174,7 +176,7 @@ class Guard:
     def _misplaced(self, primitive: Primitive) -> Refusal | None:
         if self._fence is None:
             return "not_homed", "The robot has no home, so its fence is unknown; its owner must set home first."
-        pose = self._robot.state().pose
+        pose = sound(self._robot.state()).pose
         sentence = self._fence.refusal(pose, primitive) if pose else "The robot gives no position."
         return ("fence", sentence) if sentence else None
 
@@ -211,7 +213,7 @@ class Guard:
     def _prepare(self) -> None:
         """Wait a moment for what a driver that has just started does not know yet."""
         end_s = time.monotonic() + PREPARE_S
-        while time.monotonic() < end_s and self._robot.state().age_s < STATE_AGE_S:
+        while time.monotonic() < end_s and sound(self._robot.state()).age_s < STATE_AGE_S:
             if self._ranges.enough and (self._fence is not None or not self._homes_itself):
                 return
             self._closed.wait(1 / OBSERVE_HZ)
@@ -222,6 +224,7 @@ class Guard:
         return word
 
     def _danger(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
+        state = sound(state)
         self._see(state)
         if self._halt.why is not None:
             return "halted", self._halt.why
@@ -235,7 +238,7 @@ class Guard:
             return "deadline", "The time for this step was over."
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
         x_m, y_m = ahead(state.pose, primitive, speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0)
-        if (outside_m := self._fence.outside_m(x_m, y_m)) > 0:
+        if not (outside_m := self._fence.outside_m(x_m, y_m)) <= 0:
             return "fence", f"It would have come to rest {outside_m:.2f} m outside its fence."
         if self._ranges.unknown(primitive) and (primitive.speed_mps or math.inf) > BLIND_MPS:
             return "ranges_unknown", "Its range readings stopped changing or went missing on the way."
@@ -253,7 +256,7 @@ class Guard:
     def _see(self, state: RobotState | None = None) -> None:
         """Take in a state (the newest when none is given), in order: one look at a time."""
         with self._looking:
-            state, now_s = state or self._robot.state(), time.monotonic()
+            state, now_s = state or sound(self._robot.state()), time.monotonic()
             if state.age_s < STATE_AGE_S:
                 self._ranges.see(now_s, state)
             if (why := self._odometry.see(now_s, state)) and self._fence is not None:
@@ -268,6 +271,15 @@ class Guard:
         fit = state.pose is not None and state.age_s < STATE_AGE_S and state.upright
         if self._homes_itself and self._fence is None and running is None and fit and self._odometry.still(now_s):
             self.home("the simulation")
+
+
+def sound(state: RobotState) -> RobotState:
+    """The state without numbers that are none (NaN, infinite), whatever robot gave them: those are unknown."""
+    velocity_mps, age_s = state.velocity_mps, state.age_s
+    if velocity_mps is not None and not all(map(math.isfinite, velocity_mps)):
+        velocity_mps = None
+    age_s = age_s if age_s >= 0 else math.inf
+    return replace(state, pose=known(state.pose), velocity_mps=velocity_mps, age_s=age_s)
 
 
 def _age(state: RobotState) -> str:

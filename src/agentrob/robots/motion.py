@@ -86,6 +86,13 @@ def wrap(angle_rad: float) -> float:
     return (angle_rad + math.pi) % (2 * math.pi) - math.pi
 
 
+def known(pose: Pose | None) -> Pose | None:
+    """The pose, or None when a number of it is none (NaN, infinite): nothing compares with such a number."""
+    if pose is None or not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
+        return None
+    return pose
+
+
 def rotate(x: float, y: float, angle_rad: float) -> tuple[float, float]:
     """A vector turned counter-clockwise."""
     c, s = math.cos(angle_rad), math.sin(angle_rad)

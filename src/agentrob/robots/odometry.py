@@ -23,22 +23,25 @@ class Odometry:
 
     def __init__(self) -> None:
         self._last: tuple[float, Pose] | None = None
+        self._came_s: float | None = None  # when the newest state came
         self._anchor: tuple[float, Pose] | None = None
 
     def see(self, now_s: float, state: RobotState) -> str | None:
         """A sentence when the odometry cannot be trusted to go on from where it was."""
         if state.pose is None or state.age_s > REBOOT_GAP_S:
             return None
+        came_s = now_s - state.age_s
+        silent_s = 0.0 if self._came_s is None else came_s - self._came_s
+        self._came_s = came_s
         last, self._last = self._last, (now_s, state.pose)
         if self._anchor is None or not _same_place(self._anchor[1], state.pose):
             self._anchor = self._last
         if last is None:
             return None
-        gap_s = now_s - last[0]
-        if gap_s > REBOOT_GAP_S:
-            return f"no state came for {gap_s:.0f} s, and the robot may have been restarted"
+        if silent_s > REBOOT_GAP_S:
+            return f"no state came for {silent_s:.0f} s, and the robot may have been restarted"
         distance_m, angle_rad = _apart(last[1], state.pose)
-        dt = min(gap_s, LOOK_S)
+        dt = min(now_s - last[0], LOOK_S)
         if distance_m > SLACK_M + PLAUSIBLE_MPS * dt or angle_rad > SLACK_RAD + PLAUSIBLE_RPS * dt:
             return f"its odometry jumped by {distance_m:.2f} m and {math.degrees(angle_rad):.0f}°"
         return None

@@ -21,11 +21,20 @@ def stop_robot(name: str, settings: RobotConfig, by: str) -> StopResult:
     return stop_driver(lock_name(name, settings), by)
 
 
+def halt_robot(name: str, settings: RobotConfig, by: str) -> StopResult:
+    """Stop one robot and let it refuse all motion until its owner releases it. Raises as `stop_robot`."""
+    return _tell(lock_name(name, settings), "halt", by)
+
+
 def stop_driver(lock: str, by: str) -> StopResult:
     """Stop the robot whose driver holds this lock (`driver/lo/1`)."""
+    return _tell(lock, "stop", by)
+
+
+def _tell(lock: str, word: str, by: str) -> StopResult:
     try:
         with hostlock.connect(lock, ANSWER_S) as s:
-            s.sendall(f"stop {' '.join(by.split())[:100]}\n".encode())
+            s.sendall(f"{word} {' '.join(by.split())[:100]}\n".encode())
             line = s.makefile("r", encoding="utf-8").readline()
     except OSError as e:
         raise RobotUnreachable(f"no driver answers at {lock} ({type(e).__name__}): use the robot's own stop") from None

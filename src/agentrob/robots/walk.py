@@ -9,7 +9,18 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
-from agentrob.robots.motion import RATE_HZ, REST_WINDOW_S, STOPPED_WINDOW_S, Gait, Motion, Rest, Velocity, rotate, wrap
+from agentrob.robots.motion import (
+    RATE_HZ,
+    REST_WINDOW_S,
+    STOPPED_WINDOW_S,
+    Gait,
+    Motion,
+    Rest,
+    Velocity,
+    known,
+    rotate,
+    wrap,
+)
 from agentrob.robots.robot import BODY_RADIUS_M, Watch
 
 #: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %).
@@ -138,11 +149,11 @@ def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
         state = body.state()
         if reason := watch(state):
             return reason
-        if state.pose is None:
+        if (pose := known(state.pose)) is None:
             return "stale_state"
         now_s = body.now_s()
-        track.add(now_s, state.pose)
-        velocity = motion.step(now_s, state.pose)
+        track.add(now_s, pose)
+        velocity = motion.step(now_s, pose)
         if velocity is None:
             return ""
         body.command(velocity)
@@ -155,7 +166,7 @@ def _come_to_rest(body: Body, track: _Track) -> None:
     rest, end_s = Rest(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
     while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)
-        if (pose := body.state().pose) is None:
+        if (pose := known(body.state().pose)) is None:
             return
         track.add(body.now_s(), pose)
         rest.see(body.now_s(), pose)
