@@ -311,3 +311,14 @@ async def test_law_17_a_halt_that_only_stopped_is_not_called_a_halt(driver: Driv
         (reply,) = await scene.until(lambda: scene.replies(post))
     assert "It is **not halted**" in reply.raw
     assert "refuses all motion" not in reply.raw
+
+
+async def test_a_running_command_that_is_removed_does_not_take_the_next_one_with_it(scene: Scene) -> None:
+    async with scene.agent():
+        first = await scene.post("alice", "@quadruped walk forward 5 metres, then walk backward 5 metres")
+        second = await scene.post("alice", "@quadruped turn left 90 degrees")
+        await scene.state(second, "queued")
+        await scene.state(first, "running")
+        scene.world.remove(first.id)
+        assert (await scene.final(first)).card.state in ("interrupted", "failed", "stopped", "cancelled")
+        assert (await scene.final(second)).card.state == "done"

@@ -214,6 +214,7 @@ class Course:
             ended=lambda: job.ended or (SHUTDOWN if self.ending() else None),
             alive=self.channel.prove,
             silent_s=lambda: self.channel.silent_s,
+            stop=self.stops.quietly,
             on_step=lambda number: self._show_step(job, plan, number),
         )
         try:

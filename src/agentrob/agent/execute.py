@@ -39,7 +39,7 @@ class Reins:
     `since` tells since when (monotonic seconds) no stop may have come. `permit` judges the command anew on today's
     state. `ended` gives a stable word as soon as the command must end
     (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent_s` is for
-    how long it has been silent. `on_step` hears which step (from 0) begins.
+    how long it has been silent. `stop` stops the robot at our own wish, `on_step` hears which step (from 0) begins.
     """
 
     since: Callable[[], Awaitable[float]]
@@ -47,6 +47,7 @@ class Reins:
     ended: Callable[[], str | None]
     alive: Callable[[], Awaitable[bool]]
     silent_s: Callable[[], float]
+    stop: Callable[[str], Awaitable[object]]
     on_step: Callable[[int], None]
 
 
@@ -142,7 +143,7 @@ class _Run:
 
     async def _stop(self, why: str) -> None:
         with contextlib.suppress(RobotError):  # then the lease lapses, and the driver stops the robot by itself
-            await self.driver.stop(f"agent: {why}")
+            await self.reins.stop(why)
 
     def _status_of(self, result: ActionResult) -> str:
         if result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED):

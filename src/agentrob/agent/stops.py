@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -62,10 +63,20 @@ class Stops:
 
         None when no driver could be reached on either of its two channels.
         """
+        with self._counted():
+            return await self._stop(by, at, halt)
+
+    async def quietly(self, why: str) -> None:
+        """Stop because a command of ours ended before its time; raises `RobotError`."""
+        with self._counted():
+            await self._driver.stop(f"agent: {why}")
+
+    @contextlib.contextmanager
+    def _counted(self) -> Iterator[None]:
         done = asyncio.get_running_loop().create_future()
         self._under_way.add(done)
         try:
-            return await self._stop(by, at, halt)
+            yield
         finally:
             self._under_way.discard(done)
             self._done_s = time.monotonic()
