@@ -33,7 +33,10 @@ class _Section(BaseModel):
 
 
 class BoardConfig(_Section):
-    """The embedded forum. `base_url` is what browsers see; https there makes cookies Secure."""
+    """The embedded forum. `base_url` is what browsers see; https there makes cookies Secure.
+
+    Behind a reverse proxy it must be set: whoever comes through the proxy seems to come from this machine.
+    """
 
     listen: str = DEFAULT_LISTEN
     base_url: str = ""
