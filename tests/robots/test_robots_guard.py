@@ -23,6 +23,7 @@ from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
 from agentrob.robots.motion import known
 from agentrob.robots.odometry import Hands, Odometry
+from agentrob.robots.ranges import Ranges
 
 F, B, L, R = Direction
 Make = Callable[..., Guard]
@@ -548,3 +549,15 @@ def test_whatever_is_asked_the_robot_keeps_off_the_walls(make: Make) -> None:
 
     property_holds()
     assert sum(done) > 20
+
+
+def test_law_8_old_states_are_no_readings_so_what_a_dead_robot_said_last_proves_nothing() -> None:
+    ranges = Ranges()
+    for n in range(20):
+        ranges.see(n * 0.05, RobotState(age_s=0.0, ranges_m=(2.0 + n / 1000, 2.0, 2.0, 2.0)))
+    assert ranges.known()[0] is not None
+    for n in range(20, 60):  # the robot is gone; its last words are looked at again and again
+        ranges.see(n * 0.05, RobotState(age_s=n * 0.05 - 0.95, ranges_m=(2.019, 2.0, 2.0, 2.0)))
+    assert not ranges.enough
+    assert not ranges.settled
+    assert ranges.known() == (None,) * 4

@@ -139,7 +139,7 @@ class Guard:
         if not primitive.moves:
             return self._robot.step(primitive, watch)
         until_s = time.monotonic() + deadline_s
-        self._prepare()
+        self._prepare(primitive)
         if refusal := self._unfit(primitive) or self._misplaced(primitive):
             return _refused(primitive, *refusal)
         careful, note = self._careful(primitive)
@@ -210,11 +210,12 @@ class Guard:
             )
         return None
 
-    def _prepare(self) -> None:
-        """Wait a moment for what a driver that has just started does not know yet."""
+    def _prepare(self, primitive: Primitive) -> None:
+        """Wait a moment for what is not known yet: the driver, or the robot, has just started."""
         end_s = time.monotonic() + PREPARE_S
         while time.monotonic() < end_s and sound(self._robot.state()).age_s < STATE_AGE_S:
-            if self._ranges.enough and (self._fence is not None or not self._homes_itself):
+            seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
+            if seen and (self._fence is not None or not self._homes_itself):
                 return
             self._closed.wait(1 / OBSERVE_HZ)
 

@@ -13,6 +13,8 @@ from agentrob.robots.robot import BODY_RADIUS_M
 
 #: A reading must have changed within this time: a sensor that lives is never perfectly still.
 WINDOW_S = 1.0
+#: A state older than this carries no new reading.
+FRESH_S = 0.2
 #: So many readings are needed before anything is believed, and so many are kept.
 SAMPLES, MOST_SAMPLES = 5, 100
 #: From the middle of the body to its hull: front, left, back, right (Go2).
@@ -40,12 +42,18 @@ class Ranges:
         self._seen: tuple[tuple[float, tuple[float | None, ...]], ...] = ()
 
     def see(self, now_s: float, state: RobotState) -> None:
-        kept = (s for s in self._seen[-MOST_SAMPLES:] if s[0] >= now_s - WINDOW_S)
-        self._seen = (*kept, (now_s, state.ranges_m))
+        """Remember the readings of a state; an old one only repeats what was seen before, and does not count."""
+        kept = tuple(s for s in self._seen[-MOST_SAMPLES:] if s[0] >= now_s - WINDOW_S)
+        self._seen = (*kept, (now_s, state.ranges_m)) if state.age_s < FRESH_S else kept
 
     @property
     def enough(self) -> bool:
         return len(self._seen) >= SAMPLES
+
+    @property
+    def settled(self) -> bool:
+        """Whether a whole window was seen: what is unknown now will not become known by waiting."""
+        return self.enough and self._seen[-1][0] - self._seen[0][0] >= 0.8 * WINDOW_S
 
     def known(self) -> tuple[float | None, ...]:
         """The newest reading of each side; None when it is missing, zero, or did not change within the window."""

@@ -99,7 +99,9 @@ class Ranges:
             along = self._cast(np.array([x, y, height]), rays)
             nearest = np.minimum(nearest, along.min(axis=1) - self._outline)
         noisy = nearest + self._rng.normal(0, self._noise, 4) if self._noise else nearest
-        return np.asarray(np.clip(noisy, 0.01, RANGE_LIMIT_M))
+        return np.asarray(
+            np.maximum(noisy, 0.01)
+        )  # noisy at the limit too: a reading that never changes is a dead sensor
 
     def _cast(self, origin: Array, rays: Array) -> Array:
         body = self._body
