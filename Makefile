@@ -3,7 +3,7 @@
 #   make demo ARGS='--post "@quadruped wave" --json'
 #   make test               what every change must pass (under 15 minutes)
 #   make test-all           that, and what is slow (under 45 minutes)
-#   make check              format, lint, types, contracts, fast tests (about a minute)
+#   make check              format, lint, types, contracts, fast tests (one to two minutes)
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
