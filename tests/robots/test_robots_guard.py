@@ -561,3 +561,12 @@ def test_law_8_old_states_are_no_readings_so_what_a_dead_robot_said_last_proves_
     assert not ranges.enough
     assert not ranges.settled
     assert ranges.known() == (None,) * 4
+
+
+def test_law_8_a_robot_that_falls_silent_leaves_no_readings_behind(make: Make) -> None:
+    guard = make({"faults": {"stale": True, "after_m": 0.5}, "time_scale": 1.0})
+    until(lambda: guard.state().homed and guard._ranges.enough)
+    result = guard.step(move(2.0), go_on)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+    until(lambda: not guard._ranges.enough)  # so the first word after the silence is not judged by what was before
+    assert guard._ranges.known() == (None,) * 4

@@ -46,8 +46,8 @@ STATE_AGE_S = 0.5
 #: At most this fast where ranges are unknown (law 8).
 BLIND_MPS = 0.2
 OBSERVE_HZ = 20.0
-#: A first step waits so long for range readings and for the simulated home.
-PREPARE_S = 1.5
+#: A first step waits so long for a state that comes steadily, for range readings and for the simulated home.
+PREPARE_S = 3.0
 
 Refusal = tuple[str, str]  # (stable word, sentence)
 
@@ -191,6 +191,8 @@ class Guard:
 
     def _blocked(self, primitive: Primitive) -> Refusal | None:
         if self._ranges.unknown(primitive) and not self._settings.allow_unknown_ranges:
+            if not self._ranges.enough:
+                return "stale_state", "The robot's state comes too seldom to know what is free around it."
             return (
                 "ranges_unknown",
                 "The range readings that this step needs are missing, zero or never change, so free space is unknown; "
@@ -213,7 +215,7 @@ class Guard:
     def _prepare(self, primitive: Primitive) -> None:
         """Wait a moment for what is not known yet: the driver, or the robot, has just started."""
         end_s = time.monotonic() + PREPARE_S
-        while time.monotonic() < end_s and sound(self._robot.state()).age_s < STATE_AGE_S:
+        while time.monotonic() < end_s and sound(self._robot.state()).age_s < PREPARE_S:
             seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
             if seen and (self._fence is not None or not self._homes_itself):
                 return
@@ -258,8 +260,7 @@ class Guard:
         """Take in a state (the newest when none is given), in order: one look at a time."""
         with self._looking:
             state, now_s = state or sound(self._robot.state()), time.monotonic()
-            if state.age_s < STATE_AGE_S:
-                self._ranges.see(now_s, state)
+            self._ranges.see(now_s, state)  # an old state too: what was seen before it must not stay
             if (why := self._odometry.see(now_s, state)) and self._fence is not None:
                 self._fence, self._lost_home = None, f"Home is void: {why}."
                 log.warning("%s", self._lost_home)
