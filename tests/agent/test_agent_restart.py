@@ -322,3 +322,32 @@ async def test_a_running_command_that_is_removed_does_not_take_the_next_one_with
         scene.world.remove(first.id)
         assert (await scene.final(first)).card.state in ("interrupted", "failed", "stopped", "cancelled")
         assert (await scene.final(second)).card.state == "done"
+
+
+@pytest.mark.parametrize("told", [True, False])
+async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(scene: Scene, told: bool) -> None:
+    """The copy knows the claim and no motion; the forum knows that the motion ended, or that it runs."""
+    await started(scene)
+    mind = StuckMind()
+    async with scene.agent(mind=mind):
+        post = await scene.post("alice", "@quadruped walk forward 1 metre")
+        await mind.asked.wait()
+        await scene.state(post, "seen")
+    copy = {file.name: file.read_bytes() for file in (scene.folder / "agents" / ROBOT).glob("journal.sqlite*")}
+    async with scene.agent() as agent:
+        running = await scene.state(post, "running")
+        if told:
+            assert (await scene.final(post)).card.state == "done"  # type: ignore[union-attr]
+            await scene.until(lambda: not agent.line)
+    if not told:  # as a crash leaves it: nobody told the end
+        scene.world.posts[running.id] = running
+    for name, content in copy.items():
+        (scene.folder / "agents" / ROBOT / name).write_bytes(content)
+    before = await place(scene.driver)
+    async with scene.agent():
+        last = await scene.post("alice", "@quadruped turn left 10 degrees")
+        assert (await scene.final(last)).card.state == "done"  # type: ignore[union-attr]
+        reply = await scene.final(post)
+    assert reply.card is not None
+    assert reply.card.state == ("done" if told else "interrupted")
+    assert max(abs(a - b) for a, b in zip(before, await place(scene.driver), strict=True)) < STILL_M

@@ -133,8 +133,13 @@ class Course:
         written = await job.status.claim(Shown(words.seen(command.language, command.trace_id), card))
         job.note("seen", self.channel.now())
         now = written.post
-        if not written.created and command.trace_id not in (now.raw, now.card.trace_id if now.card else ""):
-            return False, now.card is not None and now.card.state in FINAL
+        if not written.created:
+            state = now.card.state if now.card else ""
+            known = command.trace_id in (now.raw, now.card.trace_id if now.card else "")
+            # A journal that knows of no motion may be an old copy: then the forum knows more.
+            moved = known and await self.journal.moved(command.post_id)
+            if not moved and (not known or state == "running" or state in FINAL):
+                return False, state in FINAL
         await self.journal.posted(command.post_id, now.id)
         return True, False
 
