@@ -1,0 +1,405 @@
+"""How long from an accepted stop to zero velocity commanded: all processes of the demo, a simulated Go2 over DDS.
+
+    python benchmarks/stop.py [--trials 200] [--condition quiet …] [--json]
+
+A trial: a post makes the robot walk, and within 0.7 s of its first command of velocity a stop is posted. Time counts
+from the moment at which the board accepted the stop, by the board's clock. It ends on DDS, outside the driver: when a
+bystander on the robot's domain (a second reader of `rt/api/sport/request`, in this process) has received StopMove, or
+Move with zero velocity, after which no other velocity came. That is the command; how soon the body rests is another
+figure. The bystander is one reader more for the driver to serve and shares the machine, so the figures are rather too
+long than too short. All processes are on one host; the board's wall clock is brought to this process's monotonic one
+each time. No trial is left out; a command that ends otherwise than stopped ends the benchmark.
+
+Conditions:
+  quiet    nothing else happens
+  flood    another account writes talk into another thread, 50 posts a second as far as the board takes them
+  camera   the command begins with a photo and the walk waits for it; pictures are drawn without GL, so they take long
+  disk     the disk of the agent's journal becomes full while the robot walks: a tmpfs of its own is filled; where we
+           may not mount one, the agent may not make its files longer instead (RLIMIT_FSIZE: an error too, but EFBIG)
+  frozen   no stop is posted: the agent is frozen (SIGSTOP) while the robot walks; counts from the signal
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import errno
+import json
+import math
+import os
+import resource
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import AsyncIterator, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, Self
+
+import httpx2
+
+from agentrob import app
+from agentrob.demo import FINAL, ROBOT, VISITOR, Demo, DemoSettings, sigterm_interrupts
+from agentrob.forums.forum import Forum
+from agentrob.model import AccountKind, Post, Role
+from agentrob.sim.services import Node  # before any type of the SDK
+
+# isort: split
+from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_
+
+CONDITIONS = ("quiet", "flood", "camera", "disk", "frozen")
+#: What must not be exceeded: a stop post (no law gives a number: half a second is what people do not notice as a
+#: delay), and an agent that is gone (the lease of 1 s, and half a second to notice).
+LIMIT_MS = {"frozen": 1500.0}
+STOP_LIMIT_MS = 500.0
+STOP_MOVE, MOVE, GET_IMAGE = 1003, 1008, 1001
+WAIT_S = 30.0
+#: Beyond this place or heading (true ones) the room is put back before the next trial.
+STRAY_M, STRAY_DEG = 0.8, 25.0
+FLOOD_PER_S = 50.0
+DISK_BYTES = 24 * 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """`what`: go, zero, asked (for a picture), picture; `at_s` by the monotonic clock."""
+
+    at_s: float
+    what: str
+
+
+@cache
+def node(domain: int) -> Node:
+    """This process's participant: a domain can be joined once only, and the next condition may use the same."""
+    return Node(domain, "lo")
+
+
+class Wire:
+    """Overhears what the driver and the robot say to each other on DDS."""
+
+    def __init__(self, domain: int) -> None:
+        self.heard: list[Heard] = []
+        self._more = threading.Condition()
+        bystander = node(domain)
+        self._readers: tuple[Any, ...] = (
+            bystander.reader("rt/api/sport/request", Request_, self._sport),
+            bystander.reader("rt/api/videohub/request", Request_, lambda r: self._video(r, "asked")),
+            bystander.reader("rt/api/videohub/response", Response_, lambda r: self._video(r, "picture")),
+        )
+
+    def close(self) -> None:
+        self._readers = ()
+
+    def _sport(self, request: Any) -> None:
+        now_s, api = time.monotonic(), request.header.identity.api_id
+        if api == STOP_MOVE:
+            self._note(now_s, "zero")
+        elif api == MOVE:
+            velocity = json.loads(request.parameter)
+            self._note(now_s, "go" if any(velocity[k] for k in "xyz") else "zero")
+
+    def _video(self, message: Any, what: str) -> None:
+        if message.header.identity.api_id == GET_IMAGE:
+            self._note(time.monotonic(), what)
+
+    def _note(self, at_s: float, what: str) -> None:
+        with self._more:
+            self.heard.append(Heard(at_s, what))
+            self._more.notify_all()
+
+    async def wait(self, what: str, mark: int, after_s: float = -math.inf, times: int = 1) -> None:
+        """Until `what` was heard so often after the first `mark` things and a moment; `TimeoutError` after `WAIT_S`."""
+
+        def there() -> bool:
+            return sum(h.what == what and h.at_s >= after_s for h in self.heard[mark:]) >= times
+
+        def wait() -> bool:
+            with self._more:
+                return self._more.wait_for(there, WAIT_S)
+
+        if not await asyncio.to_thread(wait):
+            raise TimeoutError(f"{what!r} was not heard on DDS within {WAIT_S:.0f} s")
+
+    def zero_s(self, mark: int, after_s: float) -> float:
+        """When the first zero after a moment came, or, where velocities came after that, the first zero after those."""
+        found = math.inf
+        for heard in self.heard[mark:]:
+            if heard.at_s >= after_s and heard.what == "zero":
+                found = min(found, heard.at_s)
+            elif heard.what == "go" and heard.at_s > found:
+                found = math.inf
+        return found
+
+
+@dataclass(slots=True)
+class Row:
+    """What came of one condition."""
+
+    condition: str
+    limit_ms: float
+    found_ms: list[float] = field(default_factory=list)
+    note: str = ""
+
+    def figures(self) -> dict[str, Any]:
+        shares = {"p50_ms": 0.5, "p95_ms": 0.95, "p99_ms": 0.99, "worst_ms": 1.0}
+        named = {name: round(percentile(self.found_ms, share), 1) for name, share in shares.items()}
+        ok = max(self.found_ms) <= self.limit_ms
+        row = {"condition": self.condition, "trials": len(self.found_ms), **named, "limit_ms": self.limit_ms, "ok": ok}
+        return {**row, "note": self.note}
+
+
+def percentile(values: Sequence[float], share: float) -> float:
+    """The nearest rank: the smallest value that this share of all does not exceed."""
+    return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
+
+
+class Scene:
+    """A running demo, the wire of its robot, and a person who posts."""
+
+    def __init__(self, demo: Demo, forum: Forum) -> None:
+        self.demo, self.forum = demo, forum
+        self.domain = app.load(demo.data / "agentrob.toml").robot(ROBOT).domain
+        self.wire = Wire(self.domain)
+        self.agent = next(child for child in demo.children if child.name == "agent").process
+        self._posts = 0
+        self.late = 0  # stops that came only after what they should have come before
+
+    @classmethod
+    @contextlib.asynccontextmanager
+    async def of(cls, demo: Demo) -> AsyncIterator[Self]:
+        config = app.load(demo.data / "agentrob.toml")
+        forum = app.make_forum(config, demo.tokens[VISITOR])
+        scene = cls(demo, forum)
+        try:
+            yield scene
+        finally:
+            scene.wire.close()
+            await forum.close()
+
+    async def walk(self, first: str = "") -> Post:
+        """Post a command: to and fro, so that it stays in the middle of the room."""
+        async with httpx2.AsyncClient(trust_env=False, timeout=10) as http:
+            truth = (await http.get(f"{self.demo.room_url}/truth")).json()["robots"]["go2"]
+            if math.hypot(truth["x_m"], truth["y_m"]) > STRAY_M or abs(truth["yaw_deg"]) > STRAY_DEG:
+                (await http.post(f"{self.demo.room_url}/reset")).raise_for_status()
+        self._posts += 1
+        way = "forward" if truth["x_m"] < 0 else "backward"
+        text = f"@{ROBOT} {first}walk {way} 2 metres"
+        return (await self.forum.create_topic("robots", f"Trial {self._posts}", text, key=f"walk-{self._posts}")).post
+
+    async def walking(self, mark: int) -> None:
+        """Until the robot walks: another time each trial, from the first command of velocity to 0.7 s later."""
+        await self.wire.wait("go", mark, times=1 + self._posts % 15)
+
+    async def stop(self, command: Post) -> float:
+        """Post a stop; when the board accepted it, by the monotonic clock."""
+        post = (await self.forum.reply(command.topic_id, "stop", key=f"stop-{command.id}")).post
+        return post.created_at.timestamp() - (time.time() - time.monotonic())
+
+    async def ended(self, command: Post) -> str:
+        """The final state of a command."""
+        end_s = time.monotonic() + WAIT_S
+        while time.monotonic() < end_s:
+            self.demo.check()
+            for post in (await self.forum.posts(command.topic_id)).items:
+                if post.reply_to == command.id and post.card and post.card.state in FINAL:
+                    return str(post.card.state)
+            await asyncio.sleep(0.1)
+        raise TimeoutError(f"no final answer to post {command.id} within {WAIT_S:.0f} s")
+
+
+# ---------------------------------------------------------------------- trials
+async def stopped(scene: Scene) -> float:
+    """One stop by a post while the robot walks; milliseconds."""
+    mark = len(scene.wire.heard)
+    command = await scene.walk()
+    await scene.walking(mark)
+    accepted_s = await scene.stop(command)
+    await scene.wire.wait("zero", mark, accepted_s)
+    return await _settled(scene, command, mark, accepted_s)
+
+
+async def frozen(scene: Scene) -> float:
+    """One agent frozen while its robot walks; milliseconds."""
+    mark = len(scene.wire.heard)
+    command = await scene.walk()
+    await scene.walking(mark)
+    asked_s = time.monotonic()
+    scene.agent.send_signal(signal.SIGSTOP)
+    try:
+        await scene.wire.wait("zero", mark, asked_s)
+    finally:
+        scene.agent.send_signal(signal.SIGCONT)
+    return await _settled(scene, command, mark, asked_s)
+
+
+async def _settled(scene: Scene, command: Post, mark: int, since_s: float) -> float:
+    """Once the command has ended, so that a velocity after the zero would have been heard."""
+    state = await scene.ended(command)
+    if state not in ("stopped", "interrupted"):
+        raise RuntimeError(f"the walk was not stopped, it is {state}: the trial says nothing")
+    return 1000 * (scene.wire.zero_s(mark, since_s) - since_s)
+
+
+async def waiting_for_camera(scene: Scene) -> float:
+    """One stop while the walk waits for a photo; milliseconds. A photo that is there before the zero is counted."""
+    mark = len(scene.wire.heard)
+    command = await scene.walk("take a photo and ")
+    await scene.wire.wait("asked", mark)
+    accepted_s = await scene.stop(command)
+    await scene.wire.wait("zero", mark, accepted_s)
+    found_ms = await _settled(scene, command, mark, accepted_s)
+    zero_s = accepted_s + found_ms / 1000
+    scene.late += any(heard.what == "picture" and heard.at_s < zero_s for heard in scene.wire.heard[mark:])
+    return found_ms
+
+
+async def flood(scene: Scene, over: asyncio.Event) -> float:
+    """Write talk until it is over; posts a second that the board took."""
+    config = app.load(scene.demo.data / "agentrob.toml")
+    app.board_account(config, "chatter", AccountKind.HUMAN, Role.MEMBER)
+    forum = app.make_forum(config, app.board_token(config, "chatter"))
+    count, begun_s = 0, time.monotonic()
+    try:
+        topic = (await forum.create_topic("robots", "Talk", "Let us talk", key="talk")).post.topic_id
+        while not over.is_set():
+            await forum.reply(topic, f"Number {count} is a nice number", key=f"talk-{count}")
+            count += 1
+            await asyncio.sleep(max(0.0, begun_s + count / FLOOD_PER_S - time.monotonic()))
+    finally:
+        await forum.close()
+    return count / (time.monotonic() - begun_s)
+
+
+@contextlib.contextmanager
+def small_disk(folder: Path) -> Iterator[None]:
+    """A disk of its own for the agent, where that is permitted."""
+    folder.mkdir(parents=True)
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={DISK_BYTES},mode=700", "agentrob-stop", str(folder)]
+    mounted = subprocess.run(mount, check=False, stderr=subprocess.DEVNULL).returncode == 0
+    try:
+        yield
+    finally:
+        if mounted:
+            subprocess.run(["umount", "-l", folder], check=True)
+
+
+@contextlib.contextmanager
+def full(folder: Path, agent: int) -> Iterator[None]:
+    """No room on the agent's disk meanwhile."""
+    if not folder.is_mount():
+        before = resource.prlimit(agent, resource.RLIMIT_FSIZE)
+        resource.prlimit(agent, resource.RLIMIT_FSIZE, (0, before[1]))
+        try:
+            yield
+        finally:
+            resource.prlimit(agent, resource.RLIMIT_FSIZE, before)
+        return
+    filler = folder / "filler"
+    try:
+        fill(filler)
+        yield
+    finally:
+        filler.unlink()
+
+
+def fill(path: Path) -> None:
+    """Write until the disk is really full."""
+    with path.open("wb", buffering=0) as file:
+        for size in (2**20, 2**12, 1):
+            try:
+                while file.write(b"\0" * size):
+                    pass
+            except OSError as e:
+                if e.errno != errno.ENOSPC:
+                    raise
+
+
+async def full_disk(scene: Scene) -> float:
+    """One stop after the journal's disk became full; it has room again after the zero, or no command would end."""
+    mark = len(scene.wire.heard)
+    command = await scene.walk()
+    await scene.walking(mark)
+    with full(scene.demo.data / "agents", scene.agent.pid):
+        accepted_s = await scene.stop(command)
+        await scene.wire.wait("zero", mark, accepted_s)
+    return await _settled(scene, command, mark, accepted_s)
+
+
+# ---------------------------------------------------------------------- all of it
+async def measure(demo: Demo, condition: str, trials: int) -> Row:
+    """All trials of one condition."""
+    row = Row(condition, LIMIT_MS.get(condition, STOP_LIMIT_MS))
+    trial = {"camera": waiting_for_camera, "disk": full_disk, "frozen": frozen}.get(condition, stopped)
+    over = asyncio.Event()
+    async with Scene.of(demo) as scene:
+        flooding = asyncio.create_task(flood(scene, over)) if condition == "flood" else None
+        for _ in range(trials):
+            row.found_ms.append(await trial(scene))
+        over.set()
+        if flooding:
+            row.note = f"{await flooding:.0f} posts/s"
+        if condition == "camera":
+            row.note = f"{scene.late} after the photo"
+        if condition == "disk":
+            row.note = "tmpfs" if (demo.data / "agents").is_mount() else "RLIMIT_FSIZE"
+    return row
+
+
+def run(condition: str, trials: int) -> Row:
+    """Start everything anew for one condition, measure, end everything."""
+    with contextlib.ExitStack() as stack:
+        data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-stop-")))
+        if condition == "disk":
+            stack.enter_context(small_disk(data / "agents"))
+        if condition == "camera":
+            stack.enter_context(_environment("MUJOCO_GL", "off"))
+        demo = stack.enter_context(Demo(DemoSettings(data, port=None)))
+        demo.start()
+        return asyncio.run(measure(demo, condition, trials))
+
+
+@contextlib.contextmanager
+def _environment(name: str, value: str) -> Iterator[None]:
+    before = os.environ.get(name)
+    os.environ[name] = value
+    try:
+        yield
+    finally:
+        os.environ.pop(name)
+        if before is not None:
+            os.environ[name] = before
+
+
+def table(rows: Sequence[Row]) -> str:
+    lines = ["| condition | trials | p50 | p95 | p99 | worst | limit | ok |", "|---|---|---|---|---|---|---|---|"]
+    for row in rows:
+        f = row.figures()
+        name = f"{row.condition} ({row.note})" if row.note else row.condition
+        times = " | ".join(f"{f[k]:.0f} ms" for k in ("p50_ms", "p95_ms", "p99_ms", "worst_ms", "limit_ms"))
+        lines.append(f"| {name} | {f['trials']} | {times} | {'yes' if f['ok'] else 'NO'} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trials", type=int, default=200, help="of each condition (default 200)")
+    parser.add_argument("--condition", nargs="+", choices=CONDITIONS, default=CONDITIONS)
+    parser.add_argument("--json", action="store_true", help="print JSON with every single time")
+    given = parser.parse_args()
+    with sigterm_interrupts():
+        rows = [run(condition, given.trials) for condition in given.condition]
+    if given.json:
+        print(json.dumps([{**row.figures(), "found_ms": [round(x, 2) for x in row.found_ms]} for row in rows]))
+    else:
+        print(table(rows))
+    missed = [row.condition for row in rows if not row.figures()["ok"]]
+    raise SystemExit(f"missed: {', '.join(missed)}" if missed else 0)
+
+
+if __name__ == "__main__":
+    main()
