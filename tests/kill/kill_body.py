@@ -1,0 +1,102 @@
+"""The body of `kill_robot.FarRobot`, a process that nobody kills: it moves as commanded, and writes down what it did.
+
+`python kill_body.py SOCKET LEDGER`. As a real robot it holds a velocity for one second after the last command. The
+ledger has one JSON object a line: `at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `moves`, `rests`)
+and `walked_m`, the length of all ways so far.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import socket
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from agentrob.config import RobotConfig
+from agentrob.robots import wire
+from agentrob.robots.fake import FakeRobot
+from agentrob.robots.motion import Velocity
+
+FAR = 2000.0
+#: Slower than this is standing still: a tenth of the speed limit. Below it a body that coasts only fades.
+STILL_MPS = 0.05
+
+
+class Body:
+    def __init__(self, ledger: Path) -> None:
+        self.robot = FakeRobot(RobotConfig(model="fake", options={"room": [-FAR, FAR, -FAR, FAR]}))
+        self.ledger = ledger.open("a", encoding="utf-8")
+        self.lock = threading.Lock()
+        self.walked_m, self.pose, self.moving = 0.0, self.robot.pose, False
+
+    def look(self) -> None:
+        """Write down when it begins to move and when it stands still again."""
+        with self.lock:
+            state, last = self.robot.state(), self.pose
+            assert state.pose is not None
+            self.pose = state.pose
+            self.walked_m += math.hypot(self.pose.x_m - last.x_m, self.pose.y_m - last.y_m)
+            assert state.velocity_mps is not None
+            moving = math.hypot(*state.velocity_mps) > STILL_MPS
+            if moving != self.moving:
+                self.moving = moving
+                self.note("moves" if moving else "rests")
+
+    def note(self, event: str, **facts: Any) -> None:
+        line = {"at_s": time.monotonic(), "event": event, "walked_m": round(self.walked_m, 4), **facts}
+        self.ledger.write(json.dumps(line) + "\n")
+        self.ledger.flush()
+
+    def answer(self, asked: dict[str, Any]) -> Any:
+        self.look()
+        match asked["what"]:
+            case "state":
+                return wire.encode(self.robot.state())
+            case "moving":
+                return self.moving
+            case "step":
+                with self.lock:
+                    self.note("step", op=asked["op"])
+            case "command":
+                self.robot.command(Velocity(*asked["velocity"]))
+            case "rest":
+                self.robot.rest()
+        return None
+
+    def serve(self, connection: socket.socket) -> None:
+        lines = connection.makefile("rw", encoding="utf-8")
+        try:
+            for line in lines:
+                lines.write(json.dumps(self.answer(json.loads(line))) + "\n")
+                lines.flush()
+        except OSError:
+            pass  # a killed driver
+
+    def accept(self, listener: socket.socket) -> None:
+        while True:
+            connection, _ = listener.accept()
+            threading.Thread(target=self.serve, args=(connection,), daemon=True).start()
+
+
+def main(path: str, ledger: str) -> None:
+    body = Body(Path(ledger))
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    listener.bind(path)
+    listener.listen()
+    threading.Thread(target=body.accept, args=(listener,), daemon=True).start()
+    sys.stdout.write(json.dumps({"ready": True}) + "\n")
+    sys.stdout.flush()
+    while True:
+        body.look()
+        time.sleep(0.01)
+
+
+if __name__ == "__main__":
+    from agentrob.child import follow_parent
+
+    follow_parent()
+    main(*sys.argv[1:])

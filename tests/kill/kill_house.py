@@ -1,0 +1,231 @@
+"""A board, a driver and an agent as processes that may be killed one by one, and a robot that outlives them."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import shutil
+import sqlite3
+import tempfile
+import threading
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import httpx2
+from kill_process import AGENTROB, HERE, Mortal, wait_for
+
+from agentrob import app, demo
+from agentrob.config import BoardConfig, Config, FenceConfig, ForumConfig, RobotConfig
+from agentrob.model import AccountKind, Role
+
+ROBOT, PERSON = "quadruped", "visitor"
+WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
+#: An agent, a driver or a board is back within seconds; what waits longest is the agent for a board, with its backoff.
+END_S = 45.0
+ENTRY = "[agentrob.robots]\nfar = kill_robot:FarRobot\n"
+
+
+@dataclass
+class Asked:
+    """One command on its way: who posts it, and the ledger and the time when it began."""
+
+    text: str
+    began: int
+    key: str = field(default_factory=lambda: secrets.token_hex(8))
+    post: dict[str, Any] | None = None
+    thread: threading.Thread | None = None
+
+
+class House:
+    """All on loopback, in one folder. `kinds` of processes that may be killed: board, driver, agent."""
+
+    kinds: tuple[str, ...] = ("board", "driver", "agent")
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-kill-"))  # sockets want short paths
+        self.ledger_path = folder / "ledger.jsonl"
+        self.running: dict[str, Mortal] = {}
+        self.tokens: dict[str, str] = {}
+        self._plug_in()
+        self.world = self.start_world()
+        port = demo.free_port()
+        self.url = f"http://127.0.0.1:{port}"
+        self.config = Config(
+            data=str(folder),
+            board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=self.url),
+            forum=ForumConfig(url=self.url),
+            robots={ROBOT: self.robot()},
+        )
+        self.config_path = folder / "agentrob.toml"
+        self.config.write(self.config_path)
+        app.board_account(self.config, ROBOT, AccountKind.ROBOT_AGENT, Role.MEMBER)
+        app.board_account(self.config, PERSON, AccountKind.HUMAN, Role.OPERATOR)
+        self.tokens = {name: app.board_token(self.config, name) for name in (ROBOT, PERSON)}
+        headers = {"Authorization": f"Bearer {self.tokens[PERSON]}"}
+        self.http = httpx2.Client(base_url=self.url + "/api/v1", headers=headers, timeout=5.0)
+        for kind in self.kinds:
+            self.start(kind)
+
+    def _plug_in(self) -> None:
+        """Where a stranger's robot would be installed."""
+        info = self.folder / "plugins" / "far_robot-1.dist-info"
+        info.mkdir(parents=True)
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: far-robot\nVersion: 1\n")
+        (info / "entry_points.txt").write_text(ENTRY)
+
+    # ------------------------------------------------------------ the robot
+    def start_world(self) -> Mortal:
+        args = [str(HERE / "kill_body.py"), str(self.runtime / "body"), str(self.ledger_path)]
+        return Mortal(args, self.folder / "world.log")
+
+    def robot(self) -> RobotConfig:
+        fence = FenceConfig(x_min_m=-900, x_max_m=900, y_min_m=-900, y_max_m=900)
+        options = {"body": str(self.runtime / "body")}
+        # its driver's host lock must be no other test's
+        interface = f"kill-{secrets.token_hex(4)}"
+        return RobotConfig(
+            model="far", interface=interface, simulated=True, home_on_start=True, fence=fence, options=options
+        )
+
+    def ledger(self, since: int = 0) -> list[dict[str, Any]]:
+        if not self.ledger_path.exists():
+            return []
+        return [json.loads(line) for line in self.ledger_path.read_text().splitlines()[since:]]
+
+    def moves(self, since: int) -> bool:
+        return self.still_since(since) is None
+
+    def still_since(self, since: int) -> float | None:
+        """CLOCK_MONOTONIC when it last came to rest; 0 when it has not moved, None while it moves."""
+        ways = [line for line in self.ledger(since) if line["event"] in ("moves", "rests")]
+        if not ways:
+            return 0.0
+        return float(ways[-1]["at_s"]) if ways[-1]["event"] == "rests" else None
+
+    def motions(self, since: int) -> int:
+        """How many steps a driver began."""
+        return sum(line["event"] == "step" for line in self.ledger(since))
+
+    def walked_m(self, since: int) -> float:
+        before = self.ledger()[:since]
+        lines = self.ledger(since)
+        start_m = before[-1]["walked_m"] if before else 0.0
+        return float(lines[-1]["walked_m"] - start_m) if lines else 0.0
+
+    # ------------------------------------------------------------ the mortals
+    def start(self, kind: str) -> None:
+        env = {
+            "AGENTROB_DATA": str(self.folder),
+            "AGENTROB_RUNTIME": str(self.runtime),
+            "AGENTROB_TOKEN": self.tokens[ROBOT],
+        }
+        words = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]
+        args = [*AGENTROB, *words, "--config", str(self.config_path)]
+        self.running[kind] = Mortal(args, self.folder / f"{kind}.log", env)
+
+    def arm(self, kind: str, point: Mapping[str, Any]) -> None:
+        self.running[kind].arm(point)
+
+    def died(self, kind: str, limit_s: float = 30.0) -> float:
+        return self.running[kind].died(limit_s)
+
+    def release(self) -> None:
+        """As the owner does after a look: a driver that comes back while the robot still moves halts it (law 12)."""
+        transport = httpx2.HTTPTransport(uds=str(self.runtime / "agentrob" / f"{ROBOT}.sock"))
+        with httpx2.Client(transport=transport, base_url="http://driver", timeout=5.0) as driver:
+            if driver.get("/state").json()["halted"]:
+                assert driver.post("/release", json={"by": PERSON}).is_success
+
+    def close(self) -> None:
+        self.http.close()
+        for process in (*reversed(self.running.values()), self.world):
+            process.end()
+        shutil.rmtree(self.runtime, ignore_errors=True)
+
+    # ------------------------------------------------------------ what people do and see
+    def ask(self, text: str) -> Asked:
+        """Post a command, as a person does who posts again under the same key when the forum does not answer."""
+        asked = Asked(f"@{ROBOT} {text}", len(self.ledger()))
+        topic = {"board": "robots", "title": text, "body": asked.text}
+        asked.thread = threading.Thread(target=self._post, args=(asked, "/topics", topic), daemon=True)
+        asked.thread.start()
+        return asked
+
+    def _post(self, asked: Asked, path: str, body: dict[str, Any]) -> None:
+        answer = self._insist("POST", path, json=body, headers={"Idempotency-Key": asked.key})
+        asked.post = answer["post"]
+
+    def _insist(self, method: str, path: str, **more: Any) -> Any:
+        """Until the board answers; it may be dead for a while."""
+
+        def tried() -> list[Any]:
+            try:
+                answer = self.http.request(method, path, **more)
+            except httpx2.TransportError:
+                return []
+            if answer.status_code == 503:
+                return []
+            assert answer.is_success, answer.text
+            return [answer.json()]
+
+        return wait_for(f"{method} {path}", tried, 30.0)[0]
+
+    def stop(self, asked: Asked) -> None:
+        """Write "stop" under a command."""
+        path = f"/topics/{self.posted(asked)['topic_id']}/posts"
+        key = {"Idempotency-Key": secrets.token_hex(8)}
+        self._insist("POST", path, json={"body": f"@{ROBOT} stop"}, headers=key)
+
+    def posted(self, asked: Asked) -> dict[str, Any]:
+        return dict(wait_for("the command is posted", lambda: asked.post, 30.0))
+
+    def answers(self, asked: Asked) -> list[dict[str, Any]]:
+        """The robot's posts that answer the command, oldest first."""
+        post = self.posted(asked)
+        found = self._insist("GET", f"/topics/{post['topic_id']}/posts")["items"]
+        return [p for p in found if p["author"]["name"] == ROBOT and p["reply_to"] == post["id"]]
+
+    def final(self, asked: Asked) -> dict[str, Any]:
+        """The final reply, once it is there, the agent has closed its journal over it, and the robot stands."""
+
+        def told() -> list[dict[str, Any]]:
+            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in demo.FINAL]
+
+        wait_for(f"a final reply to {asked.text!r}", told, END_S)
+        wait_for("the journal is closed over the command", lambda: self.journal(asked), 15.0)
+        wait_for("the robot stands", lambda: not self.moves(asked.began), 10.0)
+        finals = told()
+        assert len(finals) == 1, finals
+        return finals[0]
+
+    def journal(self, asked: Asked) -> str:
+        """How the agent's journal says that the command ended; empty while it is open."""
+        path = self.folder / "agents" / ROBOT / "journal.sqlite"
+        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=10.0)) as db:
+            found = db.execute("SELECT final FROM claim WHERE post = ?", (self.posted(asked)["id"],)).fetchone()
+        return str(found[0] or "") if found else ""
+
+    def ends_told(self, post: dict[str, Any]) -> int:
+        """In how many versions of a status post an end was told: an end has paragraphs, a status has one."""
+        path = app.board_settings(self.config).database_path
+        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=10.0)) as db:
+            older = db.execute("SELECT raw FROM post_versions WHERE post_id = ?", (int(post["id"]),)).fetchall()
+        return sum("\n\n" in raw for raw in (*(row[0] for row in older), post["raw"]))
+
+
+def check(house: House, asked: Asked) -> str:
+    """What must be true after any death: one final reply, one motion at most, nothing told twice. Its state."""
+    final = house.final(asked)
+    state = str(final["card"]["state"])
+    assert len(house.answers(asked)) == 1, "a claim, status or final post is there twice"
+    assert house.ends_told(final) == 1, "the end was told twice"
+    assert house.motions(asked.began) <= 1, "the motion was begun again"
+    assert len(final["images"]) == len(set(image["id"] for image in final["images"])) <= 2
+    if state == "done":
+        assert house.motions(asked.began) == 1
+        assert abs(house.walked_m(asked.began) - 0.3) < 0.05, "done, and not what was asked"
+    return state

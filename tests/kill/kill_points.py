@@ -1,0 +1,78 @@
+"""Runs inside a process that is to be killed: `agentrob`, and a thread that takes orders where to die.
+
+Nothing in the product knows of this. An order (a line of JSON on standard input) names a function by where it is looked
+up, whether to die before or after it, at which call, and what the call's arguments must contain. It is answered by a
+line on standard output, and so is the death, right before it.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import inspect
+import json
+import os
+import signal
+import threading
+import time
+from typing import Any
+
+
+def say(**facts: Any) -> None:
+    os.write(1, (json.dumps(facts) + "\n").encode())
+
+
+def arm(target: str, when: str, nth: int = 1, containing: str = "") -> None:
+    """From now on SIGKILL this process when `module:Class.name` is reached, `before` or `after`, for the nth time."""
+    module, _, path = target.partition(":")
+    *owners, name = path.split(".")
+    owner: Any = importlib.import_module(module)
+    for part in owners:
+        owner = getattr(owner, part)
+    original = vars(owner)[name]
+    calls, counting = 0, threading.Lock()
+
+    def reached(at: str, args: object, kwargs: object) -> None:
+        nonlocal calls
+        if at != when or (containing and containing not in f"{args!r} {kwargs!r}"):
+            return
+        with counting:
+            calls += 1
+            if calls == nth:
+                say(killed=target, at_s=time.monotonic())
+                os.kill(os.getpid(), signal.SIGKILL)
+
+    @functools.wraps(original)
+    def call(*args: Any, **kwargs: Any) -> Any:
+        reached("before", args, kwargs)
+        result = original(*args, **kwargs)
+        reached("after", args, kwargs)
+        return result
+
+    @functools.wraps(original)
+    async def awaited(*args: Any, **kwargs: Any) -> Any:
+        reached("before", args, kwargs)
+        result = await original(*args, **kwargs)
+        reached("after", args, kwargs)
+        return result
+
+    setattr(owner, name, awaited if inspect.iscoroutinefunction(original) else call)
+
+
+def take_orders() -> None:
+    left = b""
+    while data := os.read(0, 4096):
+        *lines, left = (left + data).split(b"\n")
+        for line in lines:
+            try:
+                arm(**json.loads(line))
+                say(armed=True)
+            except Exception as e:
+                say(armed=False, why=repr(e))
+
+
+def main() -> None:
+    from agentrob.__main__ import main
+
+    threading.Thread(target=take_orders, name="orders", daemon=True).start()
+    main()

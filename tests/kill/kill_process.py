@@ -1,0 +1,104 @@
+"""A process that can be told where to die, and heard dying."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import agentrob
+
+START_S = 60.0
+HERE = Path(__file__).parent
+SOURCE = Path(agentrob.__file__).parents[1]
+AGENTROB = ("-c", "from kill_points import main; main()")
+
+
+def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:
+    """What `condition` gives as soon as it gives something."""
+    end_s = time.monotonic() + limit_s
+    while not (found := condition()):
+        assert time.monotonic() < end_s, f"not within {limit_s:.0f} s: {what}"
+        time.sleep(0.02)
+    return found
+
+
+class Mortal:
+    """`python <args>`, ready when this returns. `killed` is what it said in the moment of its death."""
+
+    def __init__(self, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
+        path = os.pathsep.join((str(HERE), str(SOURCE), str(log.parent / "plugins")))
+        environment = {**os.environ, **(env or {}), "PYTHONPATH": path, "AGENTROB_PARENT": str(os.getpid())}
+        self.log = log
+        self.lines: list[dict[str, Any]] = []
+        self._changed = threading.Condition()
+        with log.open("ab") as errors:
+            self.process = subprocess.Popen(
+                [sys.executable, *args],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                env=environment,
+                start_new_session=True,
+            )
+        threading.Thread(target=self._listen, daemon=True).start()
+        self.heard("ready", START_S)
+
+    def _listen(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            if line.startswith(b"{"):
+                with self._changed:
+                    self.lines.append(json.loads(line))
+                    self._changed.notify_all()
+
+    def heard(self, word: str, limit_s: float) -> dict[str, Any]:
+        """The last line with this word in it, once it has said one."""
+
+        def found() -> list[dict[str, Any]]:
+            return [line for line in self.lines if word in line]
+
+        with self._changed:
+            assert self._changed.wait_for(found, limit_s), f"never said {word!r}; see {self.log}\n{self.last_words()}"
+            return found()[-1]
+
+    def last_words(self) -> str:
+        return "\n".join(self.log.read_text(errors="replace").splitlines()[-15:])
+
+    def arm(self, point: Mapping[str, Any]) -> None:
+        """Have it die at a point; returns when it is armed."""
+        assert self.process.stdin is not None
+        self.process.stdin.write((json.dumps(dict(point)) + "\n").encode())
+        self.process.stdin.flush()
+        answer = self.heard("armed", 10.0)
+        assert answer["armed"], answer
+
+    def died(self, limit_s: float) -> float:
+        """CLOCK_MONOTONIC of its death at its point. A point that is never reached fails the test."""
+        at_s = float(self.heard("killed", limit_s)["at_s"])
+        assert self.process.wait(5.0) == -signal.SIGKILL
+        return at_s
+
+    def kill(self) -> float:
+        """Kill it now, wherever it is."""
+        assert self.process.poll() is None, f"had ended by itself; see {self.log}\n{self.last_words()}"
+        self.process.kill()
+        at_s = time.monotonic()
+        self.process.wait(5.0)
+        return at_s
+
+    def end(self) -> None:
+        if self.process.poll() is None:
+            self.process.terminate()
+            try:
+                self.process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()

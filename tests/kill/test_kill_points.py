@@ -1,0 +1,206 @@
+"""Law 6 where it is hardest: agent, driver and board die by SIGKILL at each point of the way from a post to its reply.
+
+A point is a function of the product, before or after it. Whoever reaches it is dead in that instant, and is started
+again. Then the command must have exactly one final reply and at most one motion, by the ledger of a robot's body that
+nobody killed. A point that is never reached fails.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from kill_house import LONG_WALK, PHOTO, WALK, House, check
+from kill_process import wait_for
+
+pytestmark = pytest.mark.timeout(120)
+#: What was asked, and what a velocity that is held for a second and then coasts out can add.
+MOST_M = 0.3 + 0.6
+#: Within this time after its agent's death a robot stands still: the lease's second, and coming to rest.
+STILL_S = 1.5
+
+DONE = frozenset({"done"})
+INTERRUPTED = frozenset({"interrupted"})
+#: The agent knows of a dead driver that it does not know what happened, and says so.
+FAILED = frozenset({"failed"})
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where who dies, what was posted, and the states in which the command may end then."""
+
+    name: str
+    kind: str
+    target: str
+    when: str
+    ends: frozenset[str]
+    motions: int | None = None
+    nth: int = 1
+    containing: str = ""
+    text: str = WALK
+
+    @property
+    def order(self) -> dict[str, Any]:
+        return {"target": self.target, "when": self.when, "nth": self.nth, "containing": self.containing}
+
+
+def agent(name: str, target: str, when: str, ends: frozenset[str], motions: int | None = None, **more: Any) -> Point:
+    return Point(f"agent, {name}", "agent", "agentrob." + target, when, ends, motions, **more)
+
+
+def driver(name: str, target: str, when: str, motions: int | None = None, **more: Any) -> Point:
+    return Point(f"driver, {name}", "driver", target, when, FAILED, motions, **more)
+
+
+def board(name: str, target: str, when: str, ends: frozenset[str] = DONE, **more: Any) -> Point:
+    return Point(f"board, {name}", "board", "agentrob.board." + target, when, ends, **more)
+
+
+TURN, COURSE, JOURNAL, CLIENT = "agent.turn:", "agent.course:", "agent.journal:Journal.", "robots.client:DriverClient."
+FORUM = "forums.board:BoardForum."
+#: Nothing has moved yet, so it is all done after the restart, once.
+BEFORE_MOTION = [
+    agent("post not heard yet", TURN + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
+    agent("post heard", TURN + "RobotAgent._hear", "after", DONE, 1, containing="post.created"),
+    agent("post perceived", TURN + "perceive", "after", DONE, 1),
+    agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
+    agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
+    agent("taken, cursor saved", JOURNAL + "put", "after", DONE, 1, containing="cursor"),
+    agent("to be planned", COURSE + "extract", "before", DONE, 1),
+    agent("planned", COURSE + "extract", "after", DONE, 1),
+    agent("to be screened", COURSE + "judge", "before", DONE, 1),
+    agent("screened", COURSE + "judge", "after", DONE, 1),
+    agent("thought kept", JOURNAL + "once", "after", DONE, 1),
+    agent("not claimed on the forum yet", FORUM + "reply", "before", DONE, 1, containing="claim:"),
+    agent("claimed on the forum", FORUM + "reply", "after", DONE, 1, containing="claim:"),
+    agent("claim noted in the journal", JOURNAL + "posted", "after", DONE, 1),
+    agent("first in line", "agent.line:Line.turn", "after", DONE, 1),
+    agent("attempt not committed yet", JOURNAL + "_begin", "before", DONE, 1),
+]
+#: Begun and not known to be finished: never again, whatever had moved.
+BEGUN = [
+    agent("attempt committed", JOURNAL + "_begin", "after", INTERRUPTED, 0),
+    agent("allowed again", COURSE + "permission", "after", INTERRUPTED, 0),
+    agent("lease taken", CLIENT + "_call", "after", INTERRUPTED, 0, containing="'POST', '/lease'"),
+    agent("step told", "agent.status:StatusLine.show", "after", INTERRUPTED, 0, containing="state='running'"),
+    agent("step about to be sent", CLIENT + "step", "before", INTERRUPTED, 0),
+    agent("status to be updated", FORUM + "edit", "before", INTERRUPTED, containing="state='running'"),
+    agent("status updated", FORUM + "edit", "after", INTERRUPTED, containing="state='running'"),
+    agent("walking", "agent.execute:_Run._must_end", "before", INTERRUPTED, 1, nth=5),
+    agent("step's result there", CLIENT + "step", "after", INTERRUPTED, 1),
+    agent("photo there", CLIENT + "step", "after", INTERRUPTED, 1, nth=2, text=PHOTO),
+    agent("pictures kept", "agent.records:Records.keep_pictures", "after", INTERRUPTED, 1, text=PHOTO),
+    agent("motion's end not committed yet", JOURNAL + "_end", "before", INTERRUPTED, 1),
+]
+#: The end is on disk: it is told as it was.
+ENDED = [
+    agent("motion's end committed", JOURNAL + "_end", "after", DONE, 1),
+    agent("record written", "agent.records:Records.write", "after", DONE, 1),
+    agent("pictures to be uploaded", FORUM + "_upload", "before", DONE, 1, containing="xff", text=PHOTO),
+    agent("pictures uploaded", FORUM + "_upload", "after", DONE, 1, containing="xff", text=PHOTO),
+    agent("final reply to be told", FORUM + "edit", "before", DONE, 1, containing="state='done'"),
+    agent("final reply told", FORUM + "edit", "after", DONE, 1, containing="state='done'"),
+    agent("journal not closed yet", JOURNAL + "finish", "before", DONE, 1),
+    agent("journal closed", JOURNAL + "finish", "after", DONE, 1),
+]
+DRIVER = [
+    driver("lease asked for", "agentrob.robots.driver:Driver.take", "before", 0),
+    driver("lease given", "agentrob.robots.driver:Driver.take", "after", 0),
+    driver("lease renewed", "agentrob.robots.lease:Leases.renew", "after", nth=3),
+    driver("step asked for", "agentrob.robots.driver:Driver.step", "before", 0),
+    driver("step begun", "kill_robot:FarRobot.step", "before", 0),
+    driver("first velocity commanded", "kill_robot:FarRobot.command", "after", 1),
+    driver("walking", "kill_robot:FarRobot.command", "before", 1, nth=8),
+    driver("to rest", "kill_robot:FarRobot.rest", "before", 1),
+    driver("at rest", "kill_robot:FarRobot.rest", "after", 1),
+    driver("step measured", "kill_robot:FarRobot.step", "after", 1),
+    driver("result to be sent", "agentrob.robots.driver:Driver.step", "after", 1),
+]
+#: While the board is away nobody could stop the robot, so a motion may be interrupted, or not begin.
+AWAY = frozenset({"done", "interrupted"})
+BOARD = [
+    board("command to be written", "writes:create_topic", "before"),
+    board("command in the transaction", "writes:create_topic", "after"),
+    board("command committed, not published", "writer:Writer._answer", "before"),
+    board("command being published", "events:Hub._tell", "before"),
+    board("command published", "events:Hub._tell", "after"),
+    board("claim to be written", "writes:reply", "before", AWAY, containing="claim:"),
+    board("claim in the transaction", "writes:reply", "after", AWAY, containing="claim:"),
+    board("claim committed, not answered", "writer:Writer._answer", "before", AWAY, nth=2),
+    board("claim answered", "writer:Writer._answer", "after", AWAY, nth=2),
+    board("status in the transaction", "writes:edit", "after", AWAY, containing="'running'"),
+    board("picture kept", "images:keep", "after", text=PHOTO),
+    board("picture registered", "writes:add_image", "after", text=PHOTO),
+    board("final reply to be written", "writes:edit", "before", containing="'done'"),
+    board("final reply in the transaction", "writes:edit", "after", containing="'done'"),
+]
+POINTS = [*BEFORE_MOTION, *BEGUN, *ENDED, *DRIVER, *BOARD]
+#: One of each kind of process is killed before every change.
+FAST = {"agent, walking", "driver, walking", "board, claim committed, not answered"}
+assert {p.name for p in POINTS} >= FAST
+assert len({p.name for p in POINTS}) == len(POINTS)
+
+
+def case(point: Point) -> Any:
+    return pytest.param(point, id=point.name, marks=() if point.name in FAST else pytest.mark.slow)
+
+
+@pytest.mark.parametrize("point", map(case, POINTS))
+def test_law_6_killed_at(point: Point, house: House) -> None:
+    house.arm(point.kind, point.order)
+    asked = house.ask(point.text)
+    died_s = house.died(point.kind)
+    house.start(point.kind)
+    state = check(house, asked)
+    house.release()
+    assert state in point.ends, house.answers(asked)[0]["raw"]
+    if point.motions is not None:
+        assert house.motions(asked.began) == point.motions
+    assert house.walked_m(asked.began) < MOST_M
+    if point.kind == "agent" and state == "interrupted":
+        assert (house.still_since(asked.began) or 0.0) - died_s < STILL_S
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("nth", [3, 11, 23])
+def test_law_11_the_agent_is_killed_on_a_long_walk_and_the_robot_stands_within_1_5_s(house: House, nth: int) -> None:
+    house.arm("agent", {"target": "agentrob.agent.execute:_Run._must_end", "when": "before", "nth": nth})
+    asked = house.ask(LONG_WALK)
+    died_s = house.died("agent")
+    house.start("agent")
+    assert check(house, asked) == "interrupted"
+    assert house.motions(asked.began) == 1
+    still_s = house.still_since(asked.began)
+    assert still_s is not None
+    assert 0.0 < still_s - died_s < STILL_S
+    assert house.walked_m(asked.began) < 2.5, "it did not walk to the end"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("target", "when"),
+    [
+        ("agentrob.robots.driver:Driver.stop", "before"),
+        ("agentrob.robots.guard:Guard.stop", "before"),
+        ("kill_robot:FarRobot.stop", "after"),
+        ("agentrob.robots.driver:Driver.stop", "after"),
+    ],
+)
+def test_law_14_a_driver_killed_in_a_stop_leaves_a_robot_that_stands_and_never_goes_on(
+    house: House, target: str, when: str
+) -> None:
+    house.arm("driver", {"target": target, "when": when})
+    asked = house.ask(LONG_WALK)
+    wait_for("the robot walks", lambda: house.moves(asked.began), 20.0)
+    house.stop(asked)
+    died_s = house.died("driver")
+    house.start("driver")
+    final = house.final(asked)
+    house.release()
+    assert final["card"]["state"] in ("stopped", "failed"), "failed: nobody could confirm that it came to rest"
+    assert house.motions(asked.began) == 1
+    still_s = house.still_since(asked.began)
+    assert still_s is not None
+    assert still_s - died_s < STILL_S
+    assert house.ends_told(final) == 1
