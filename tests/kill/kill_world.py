@@ -1,0 +1,43 @@
+"""The house with a simulated Go2 on DDS in it: then the world too may be killed, and its ledger stays on disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kill_house import House
+from kill_process import AGENTROB, Mortal
+
+from agentrob import demo
+from agentrob.config import RobotConfig
+
+
+class WorldHouse(House):
+    """`born` is how long the ledger was when the world of now was started."""
+
+    def __init__(self, folder: Path) -> None:
+        self.domain = demo.free_domain()
+        self.born = 0
+        super().__init__(folder)
+        self.running["world"] = self.world
+
+    def start_world(self) -> Mortal:
+        args = ("sim", "--domain", f"go2={self.domain}", "--ledger", str(self.ledger_path))
+        return Mortal([*AGENTROB, *args], self.folder / "world.log")
+
+    def robot(self) -> RobotConfig:
+        return RobotConfig(domain=self.domain, simulated=True, home_on_start=True)
+
+    def start(self, kind: str) -> None:
+        if kind == "world":
+            self.born = len(self.ledger())
+            self.world = self.running["world"] = self.start_world()
+        else:
+            super().start(kind)
+
+    def moves(self, since: int) -> bool:
+        """Of the world of now; what moved in a killed one moves no more."""
+        ways = [e["event"] for e in self.ledger(max(since, self.born)) if e["event"] in ("move_begin", "move_end")]
+        return bool(ways) and ways[-1] == "move_begin"
+
+    def begun(self, since: int) -> int:
+        return sum(e["event"] == "move_begin" for e in self.ledger(since))

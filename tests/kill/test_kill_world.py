@@ -1,0 +1,63 @@
+"""Law 6 when the robot itself is gone: the simulated Go2's world is killed, and its driver while the Go2 walks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from kill_house import PHOTO, WALK
+from kill_world import WorldHouse
+
+pytestmark = [pytest.mark.sim, pytest.mark.slow, pytest.mark.timeout(180)]
+SPORT, SERVICES = "agentrob.sim.sport:Sport.", "agentrob.sim.go2_services:Go2Services."
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WorldHouse]:
+    made = WorldHouse(tmp_path_factory.mktemp("kill-world"))
+    yield made
+    made.close()
+
+
+@pytest.mark.parametrize(
+    ("target", "when", "nth", "containing", "text"),
+    [
+        pytest.param(SPORT + "_move", "before", 1, "", WALK, id="first Move received"),
+        pytest.param(SPORT + "_move", "after", 6, "", WALK, id="walking"),
+        pytest.param(SERVICES + "after_tick", "after", 60, "", WALK, id="state published"),
+        pytest.param("agentrob.sim.cameras:Cameras._fresh", "after", 1, "/front", PHOTO, id="image rendered"),
+    ],
+)
+def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
+    house: WorldHouse, target: str, when: str, nth: int, containing: str, text: str
+) -> None:
+    house.arm("world", {"target": target, "when": when, "nth": nth, "containing": containing})
+    asked = house.ask(text)
+    house.died("world")
+    house.start("world")
+    final = house.final(asked)
+    assert final["card"]["state"] in ("failed", "refused", "interrupted"), final["raw"]
+    assert len(house.answers(asked)) == 1
+    assert house.ends_told(final) == 1
+    assert house.begun(house.born) == 0, "the robot that came back was moved by a command of before"
+    house.running["driver"].kill()  # its owner starts the driver again: the robot has another place and home now
+    house.start("driver")
+    house.release()
+
+
+@pytest.mark.parametrize(("when", "nth"), [("before", 1), ("after", 6)])
+def test_law_6_a_go2_whose_driver_dies_stands_still_and_the_motion_is_not_repeated(
+    house: WorldHouse, when: str, nth: int
+) -> None:
+    house.arm("driver", {"target": "agentrob.robots.go2:Go2.command", "when": when, "nth": nth})
+    asked = house.ask(WALK)
+    house.died("driver")
+    at_death = len(house.ledger())
+    house.start("driver")
+    final = house.final(asked)
+    house.release()
+    assert final["card"]["state"] == "failed", final["raw"]
+    assert len(house.answers(asked)) == 1
+    assert house.ends_told(final) == 1
+    assert house.begun(at_death) == 0
+    assert not house.moves(asked.began)
