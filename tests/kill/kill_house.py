@@ -228,4 +228,6 @@ def check(house: House, asked: Asked) -> str:
     if state == "done":
         assert house.motions(asked.began) == 1
         assert abs(house.walked_m(asked.began) - 0.3) < 0.05, "done, and not what was asked"
+    if state == "cancelled":
+        assert house.motions(asked.began) == 0, "cancelled, and yet it moved"
     return state

@@ -117,8 +117,9 @@ DRIVER = [
     driver("step measured", "kill_robot:FarRobot.step", "after", 1),
     driver("result to be sent", "agentrob.robots.driver:Driver.step", "after", 1),
 ]
-#: While the board is away nobody could stop the robot, so a motion may be interrupted, or not begin.
-AWAY = frozenset({"done", "interrupted"})
+#: While the board is away nobody could stop the robot, so a motion may be interrupted, or not begin;
+#: nor can it be asked whether the command still holds, which cancels it before anything moved (see `check`).
+AWAY = frozenset({"done", "interrupted", "cancelled"})
 BOARD = [
     board("command to be written", "writes:create_topic", "before"),
     board("command in the transaction", "writes:create_topic", "after"),

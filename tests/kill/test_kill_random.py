@@ -20,7 +20,7 @@ LATEST_S = 1.7
 STATES = {
     "agent": {"done", "interrupted"},
     "driver": {"done", "failed"},
-    "board": {"done", "interrupted"},
+    "board": {"done", "interrupted", "cancelled"},
 }
 
 
