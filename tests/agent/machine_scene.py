@@ -95,10 +95,12 @@ class Gates:
 
 
 class LedgerRobot(FakeRobot):
-    """Calls `on_motion` with a step when the body is first commanded to move for it; counts stops."""
+    """Calls `on_step` when the guard let a step through, and `on_motion` when the body is first commanded to move for
+    it; counts stops."""
 
     def __init__(self) -> None:
         self.gate = BodyGate()
+        self.on_step: Callable[[Primitive], None] = lambda _: None
         self.on_motion: Callable[[Primitive], None] = lambda _: None
         self.stopped = 0
         self._at: Primitive | None = None
@@ -109,6 +111,7 @@ class LedgerRobot(FakeRobot):
 
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
         stops = self.stopped
+        self.on_step(primitive)
         self.gate.wait(lambda: self.stopped != stops or watch(self.state()) is not None)
         self._at = primitive
         return super().step(primitive, lambda state: "stop" if self.stopped != stops else watch(state))
