@@ -39,6 +39,7 @@ domain = {domain}
 simulated = true
 home_on_start = true
 options = {{ time_scale = inf }}
+rates = {{ commands_per_hour = 0, cooldown_s = 0 }}
 """
 
 

@@ -74,11 +74,24 @@ class LimitsConfig(_Section):
     command_steps: Annotated[int, Field(ge=1)] = 10
 
 
+class RatesConfig(_Section):
+    """How often one account may command one robot; stops are exempt. 0 means no such limit.
+
+    A command within `cooldown_s` of the account's last one waits for its time; beyond `commands_per_hour`, or when
+    `waiting` commands of the account are in line already, it is refused and told when to come again.
+    """
+
+    commands_per_hour: Annotated[int, Field(ge=0)] = 60
+    cooldown_s: Annotated[int, Field(ge=0, le=3600)] = 2
+    waiting: Annotated[int, Field(ge=0)] = 5
+
+
 class RobotConfig(_Section):
     """One robot: how its driver reaches it, what may command it where, and what its agent does.
 
     `interface` and `domain` are DDS settings. `home_on_start`: the driver sets home when it starts; for simulation.
     `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
+    `moderators` are the handles that are told of the third stop within 5 minutes, besides the owner's.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     """
 
@@ -87,6 +100,7 @@ class RobotConfig(_Section):
     domain: Annotated[int, Field(ge=0, le=230)] = 0
     simulated: bool = False
     owner: str = ""
+    moderators: tuple[str, ...] = ()
     mentions: tuple[str, ...] = ()
     boards: tuple[str, ...] = ("robots",)
     mind: str = "rules"
@@ -100,6 +114,7 @@ class RobotConfig(_Section):
     room_reset: str = ""
     fence: FenceConfig = FenceConfig()
     limits: LimitsConfig = LimitsConfig()
+    rates: RatesConfig = RatesConfig()
     options: dict[str, Any] = {}
 
 

@@ -22,7 +22,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
-from agentrob.config import BoardConfig, Config, ForumConfig, RobotConfig
+from agentrob.config import BoardConfig, Config, ForumConfig, RatesConfig, RobotConfig
 from agentrob.errors import AgentRobError, ConfigError, ForumUnreachable
 from agentrob.model import AccountKind, Post, Role
 
@@ -177,6 +177,7 @@ class Demo:
             simulated=True,
             home_on_start=True,
             owner=VISITOR,
+            rates=RatesConfig(commands_per_hour=0),  # one visitor, who may play as long as they like
             room_camera=f"{room_url}/overview.jpg" if room_url else "",
             room_reset=f"{room_url}/reset" if room_url else "",
         )

@@ -37,6 +37,7 @@ def robot_settings(**more: Any) -> RobotConfig:
         "simulated": True,
         "home_on_start": True,
         "fence": WIDE,
+        "rates": {"commands_per_hour": 0, "cooldown_s": 0, "waiting": 0},
         "options": options,
     }
     return RobotConfig.model_validate({**common, **more})

@@ -19,7 +19,7 @@ from agentrob.errors import JournalError
 from agentrob.forums.forum import EventKind
 from agentrob.minds.mind import Listener
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, Plan, Role, StatusCard, Understanding
+from agentrob.model import AccountKind, ActionResult, Plan, Primitive, Role, StatusCard, Understanding
 from agentrob.robots.client import DriverClient
 
 sys.path.append(str(Path(__file__).parents[1] / "board"))
@@ -274,7 +274,7 @@ def _Offstage(scene: Scene):  # type: ignore[no-untyped-def]  # noqa: N802
     forum = scene.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
 
     class Offstage:
-        max_edits, live = forum.max_edits, forum.live
+        max_edits, live, fastest_poll_s = forum.max_edits, forum.live, forum.fastest_poll_s
 
         def __getattr__(self, name: str):  # type: ignore[no-untyped-def]
             if name.startswith("publish"):
@@ -308,6 +308,41 @@ async def test_law_16_a_silent_forum_stops_a_moving_robot(tmp_path: Path, slow_d
         reply = await scene.final(post)
     assert reply.card.state == "interrupted", reply.raw
     assert (await position(slow_driver))[0] < 3.0
+
+
+async def test_law_16_a_forum_that_cannot_be_heard_each_second_bounds_every_step(
+    tmp_path: Path, driver: Driver
+) -> None:
+    scene = make_scene(driver, tmp_path, poll_s=0.1)
+    scene.world.live, scene.world.fastest_poll_s = False, 1.1
+    async with scene.agent():
+        far = await scene.post("alice", "@quadruped walk forward 4 metres")
+        near = await scene.post("alice", "@quadruped walk forward 1 metre")
+        refused, done = await scene.final(far), await scene.final(near)
+    assert refused.card.state == "refused"
+    assert "`limit.step_time`" in refused.raw
+    assert "limit of 5 s" in refused.raw
+    assert done.card.state == "done", done.raw
+
+
+async def test_law_16_where_polls_are_slow_a_step_that_does_not_end_is_ended_after_five_seconds(
+    tmp_path: Path, slow_driver: Driver
+) -> None:
+    """The robot is slower than it says, so the screen let the step pass."""
+    scene = make_scene(slow_driver, tmp_path, poll_s=0.1)
+    scene.world.live, scene.world.fastest_poll_s = False, 1.1
+    async with scene.agent() as agent:
+        step = agent.driver.step
+        deadlines: list[float] = []
+
+        async def listen(lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
+            deadlines.append(deadline_s)
+            return await step(lease, primitive, deadline_s)
+
+        agent.driver.step = listen  # type: ignore[method-assign]
+        reply = await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))
+    assert reply.card.state == "done", reply.raw
+    assert deadlines == [5.0]
 
 
 async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tmp_path: Path) -> None:

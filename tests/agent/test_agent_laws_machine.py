@@ -489,7 +489,7 @@ class Laws(RuleBasedStateMachine):
     def _quiet(self) -> bool:
         agent = self.agent
         assert agent is not None
-        if agent.channel.cursor != str(len(self.world.events)) or not agent._inbox.empty() or agent._coming:
+        if agent.channel.cursor != str(len(self.world.events)) or not agent.inbox.empty:
             return False
         waiting = {job.task for job in agent.line if self._waits(job)}
         return all(task.done() or task in waiting for task in agent._tasks)

@@ -17,7 +17,7 @@ from agentrob.errors import ForumError, RobotUnreachable
 from agentrob.forums.memory import MemoryForum
 from agentrob.minds.mind import Listener
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Account, AccountKind, Command, Plan, Role, StopResult, Understanding
+from agentrob.model import Account, AccountKind, Command, Plan, Role, StatusCard, StopResult, Understanding
 from agentrob.robots.client import DriverClient
 
 STILL_M = 0.02
@@ -351,3 +351,37 @@ async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(
     assert reply.card is not None
     assert reply.card.state == ("done" if told else "interrupted")
     assert max(abs(a - b) for a, b in zip(before, await place(scene.driver), strict=True)) < STILL_M
+
+
+async def test_law_6_a_driver_that_dies_under_a_motion_interrupts_it_and_it_is_not_repeated(tmp_path: Path) -> None:
+    mortal = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="mortal")
+    scene = make_scene(mortal, tmp_path)
+    async with scene.agent():
+        post = await scene.post("alice", f"@{ROBOT} walk forward 4 metres, then wave")
+        await scene.state(post, "running")
+        mortal.process.kill()
+        reply = await scene.final(post)
+        assert reply.card.state == "interrupted", reply.raw
+        assert "cannot tell whether the robot stands" in reply.raw
+        assert "not begun" in reply.raw
+    mortal.end()
+
+
+@pytest.mark.parametrize("gone", ["removed", "suspended"])
+async def test_law_6_a_status_that_a_lost_journal_left_open_is_ended_although_its_command_is_gone(
+    scene: Scene, gone: str
+) -> None:
+    post = await scene.post("alice", f"@{ROBOT} walk forward 1 metre")
+    robot = scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
+    scene.person("carol")
+    for state in ("running", "done"):
+        card = StatusCard(ROBOT, state, trace_id="of a lost journal")
+        await robot.reply(post.topic_id, state, key=f"claim:{state}", reply_to=post.id, card=card)
+    if gone == "removed":
+        scene.world.remove(post.id)
+    else:
+        scene.world.suspend("alice")
+    async with scene.agent():
+        await scene.final(await scene.post("carol", f"@{ROBOT} help"))
+        ends = [(r.card.state, r.version) for r in scene.replies(post) if r.card]
+    assert ends == [("interrupted", 2), ("done", 1)]

@@ -21,7 +21,7 @@ human             operator  no         yes        yes               yes         
 human             admin     no         yes        yes               yes               yes               yes               nobody            nobody            nobody
 commanding_agent  member    no         yes        yes               operator          owner             owner             nobody            nobody            nobody
 commanding_agent  operator  no         yes        yes               yes               owner             owner             nobody            nobody            nobody
-commanding_agent  admin     no         yes        yes               yes               yes               yes               nobody            nobody            nobody
+commanding_agent  admin     no         yes        yes               yes               owner             owner             nobody            nobody            nobody
 robot_agent       member    no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
 robot_agent       operator  no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
 robot_agent       admin     no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator
 from datetime import UTC, datetime, timedelta
 
 import structlog
 
 from agentrob.errors import ForumError, ForumLimited, ForumNotFound
 from agentrob.forums.forum import Event, EventKind, Forum
-from agentrob.model import Post
 
 #: While a robot moves its stop channel is proven this often, and given up after `SILENCE_S` (law 16).
 BEAT_S = 0.5
 SILENCE_S = 2.0
+UNPROVEN_STEP_S = 5.0
 _BACKOFF_S = (0.1, 5.0)
 _log = structlog.get_logger()
 
@@ -34,6 +35,7 @@ class Channel:
         self._hurry = asyncio.Event()
         self._heard = asyncio.Event()
         self._heard_s = -float("inf")
+        self._fastest_s = 0.0 if forum.live else forum.fastest_poll_s
         self._offset = timedelta()
         self._offset_s = -float("inf")
 
@@ -57,14 +59,25 @@ class Channel:
         """Seconds since the forum last proved that its events reach us."""
         return time.monotonic() - self._heard_s
 
+    @property
+    def step_s(self) -> float:
+        """How long a step may take: five seconds where the forum cannot be heard each second (law 16)."""
+        return math.inf if self._fastest_s <= BEAT_S * 2 else UNPROVEN_STEP_S
+
+    @property
+    def silent(self) -> bool:
+        """Whether the forum has been silent for too long for a robot that moves; where it cannot be heard each second,
+        `step_s` bounds that instead."""
+        return self.silent_s > SILENCE_S and self.step_s == math.inf
+
     async def prove(self) -> bool:
         """Wait until the channel is proven alive; False when it stays silent for `SILENCE_S`."""
-        if self.silent_s <= BEAT_S * 2:
+        if self.silent_s <= max(BEAT_S * 2, self._fastest_s):
             return True
         self._heard.clear()
         self._hurry.set()
         try:
-            async with asyncio.timeout(SILENCE_S):
+            async with asyncio.timeout(SILENCE_S + self._fastest_s):
                 await self._heard.wait()
         except TimeoutError:
             return False
@@ -115,15 +128,16 @@ class Channel:
             self._alive()
             for event in events:
                 yield event
-            if not events:
+            if not events or self._fastest_s:
                 await self._pause()
 
     async def _pause(self) -> None:
+        await asyncio.sleep(self._fastest_s)
         if self._hurry.is_set():
-            await asyncio.sleep(BEAT_S)
+            await asyncio.sleep(max(0.0, BEAT_S - self._fastest_s))
             return
         try:
-            async with asyncio.timeout(self._poll_s):
+            async with asyncio.timeout(max(0.0, self._poll_s - self._fastest_s)):
                 await self._hurry.wait()
         except TimeoutError:
             return
@@ -131,17 +145,3 @@ class Channel:
     def _alive(self) -> None:
         self._heard_s = time.monotonic()
         self._heard.set()
-
-
-async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> AsyncIterator[Post]:
-    """Posts written after `since` in the threads that were active last, oldest first in each."""
-    for board in boards:
-        for topic in (await forum.topics(board)).items:
-            cursor: str | None = None
-            while True:
-                page = await forum.posts(topic.id, cursor)
-                for post in page.items:
-                    if post.created_at > since:
-                        yield post
-                if (cursor := page.next) is None:
-                    break

@@ -20,11 +20,12 @@ from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, execute
 from agentrob.agent.extract import Thought, extract
 from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
-from agentrob.agent.permission import judge, permission
+from agentrob.agent.pace import Pace
+from agentrob.agent.permission import Terms, chain_refusal, judge, permission
 from agentrob.agent.plot import path_plot
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
-from agentrob.agent.status import Shown, StatusLine
+from agentrob.agent.status import Shown, StatusLine, insist
 from agentrob.agent.stops import Stops
 from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
@@ -32,7 +33,7 @@ from agentrob.forums.forum import Forum
 from agentrob.language.help import help_text
 from agentrob.language.visible import mentions
 from agentrob.minds.mind import Listener, Mind
-from agentrob.model import Decision, Intent, Language, Plan, Report, StatusCard
+from agentrob.model import Decision, Intent, Language, Plan, Report, StatusCard, Verdict
 from agentrob.robots.client import DriverClient
 
 #: States after which nothing more comes.
@@ -40,7 +41,7 @@ FINAL = frozenset(
     {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
 )
 #: A mind that answers within this time is waited for before the status is posted: a post that wants nothing gets none.
-GLANCE_S = 0.1
+GLANCE_S = 0.5
 _THOUGHT = TypeAdapter(Thought)
 _EXECUTION = TypeAdapter(Execution)
 _log = structlog.get_logger()
@@ -62,8 +63,13 @@ class Course:
     line: Line
     stops: Stops
     records: Records
+    pace: Pace
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
+
+    @property
+    def terms(self) -> Terms:
+        return Terms(self.settings.allow_flip, self.channel.step_s)
 
     async def run(self, job: Job) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""
@@ -116,8 +122,8 @@ class Course:
             understood = thought.understanding
             if understood.intent is Intent.COMMAND:
                 command = replace(command, language=understood.language)
-                allow_flip = self.settings.allow_flip
-                verdict = judge(command, understood.plan, command.author, capabilities, allow_flip)
+                chained = await insist(partial(chain_refusal, self.forum, command))
+                verdict = chained or judge(command, understood.plan, command.author, capabilities, self.terms)
                 thought = replace(thought, verdict=verdict)
             return _THOUGHT.dump_json(thought).decode()
 
@@ -190,6 +196,8 @@ class Course:
         if verdict.decision is not Decision.ALLOW:
             status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
             return self._report(job, status, plan, verdict=verdict)
+        if (waiting := await self._pace(job)) is not None:
+            return self._report(job, "refused", plan, verdict=waiting)
         self.show_place(job)
         if not await self.line.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
@@ -208,19 +216,34 @@ class Course:
         message = say("because.driver", command.language, message=execution.message) if execution.message else ""
         return self._report(job, execution.status, plan, execution, message=message)
 
+    async def _pace(self, job: Job) -> Verdict | None:
+        """Wait while this account may not command again; a refusal when that is long."""
+        author, language = job.command.author, job.command.language
+        most = self.settings.rates.waiting
+        if most and self.line.waiting_of(author.id, job) >= most:
+            return Verdict(Decision.REFUSE, "rate.waiting", say("rate.waiting", language, count=most))
+        while job.ended is None and (wait := self.pace.take(author.id)) is not None:
+            if not wait.short:
+                count = self.settings.rates.commands_per_hour
+                return Verdict(Decision.REFUSE, wait.rule, say(wait.rule, language, minutes=wait.minutes, count=count))
+            self._show(job, say("held", language, seconds=wait.seconds), "queued")
+            await self.line.hold(job, wait.seconds)
+        return None
+
     async def _move(self, job: Job, plan: Plan) -> str:
         """The motion itself; called at most once ever for a post."""
         job.moving = True
         self.on_motion()
-        allowed = partial(permission, self.forum, self.driver, job.command, plan, self.settings.allow_flip)
+        allowed = partial(permission, self.forum, self.driver, job.command, plan, self.terms)
         reins = Reins(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
             ended=lambda: job.ended or (SHUTDOWN if self.ending() else None),
             alive=self.channel.prove,
-            silent_s=lambda: self.channel.silent_s,
+            silent=lambda: self.channel.silent,
             stop=self.stops.quietly,
             on_step=lambda number: self._show_step(job, plan, number),
+            step_s=self.channel.step_s,
         )
         try:
             with self.channel:
@@ -238,7 +261,7 @@ class Course:
     # ------------------------------------------------------------------ tell
     def show_place(self, job: Job) -> None:
         """Tell a command that waits how many are before it."""
-        if job.ended is None and "seen" in job.timings_ms and (place := self.line.place(job)):
+        if job.ended is None and not job.held and "seen" in job.timings_ms and (place := self.line.place(job)):
             self._show(job, words.queued(job.command.language, place), "queued", place=place)
 
     def _show(self, job: Job, text: str, state: str, **more: Any) -> None:

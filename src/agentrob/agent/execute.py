@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
@@ -23,11 +24,11 @@ from agentrob.model import (
 )
 from agentrob.robots.client import DriverClient
 
-#: Silence of the stop channel after which a moving robot is stopped (law 16).
-SILENCE_S = 2.0
 LOOK_S = 0.05
 #: Why a step ended that we ended ourselves; each is a status, or makes one.
 STOP, SHUTDOWN, SILENT = "stop", "shutdown", "stop_channel"
+#: Why a step's end is not known: the driver did not answer any more.
+UNREACHABLE = "unreachable"
 _BY_PEOPLE = frozenset({"stop", "halt"})
 _BY_US = frozenset({SHUTDOWN, SILENT, "lease_lapsed"})
 
@@ -38,17 +39,19 @@ class Reins:
 
     `since` tells since when (monotonic seconds) no stop may have come. `permit` judges the command anew on today's
     state. `ended` gives a stable word as soon as the command must end
-    (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent_s` is for
-    how long it has been silent. `stop` stops the robot at our own wish, `on_step` hears which step (from 0) begins.
+    (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent` tells
+    that it no longer is. `stop` stops the robot at our own wish, `on_step` hears which step (from 0) begins, and no
+    step takes longer than `step_s`.
     """
 
     since: Callable[[], Awaitable[float]]
     permit: Callable[[], Awaitable[tuple[Verdict, Capabilities | None]]]
     ended: Callable[[], str | None]
     alive: Callable[[], Awaitable[bool]]
-    silent_s: Callable[[], float]
+    silent: Callable[[], bool]
     stop: Callable[[str], Awaitable[object]]
     on_step: Callable[[int], None]
+    step_s: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +121,7 @@ class _Run:
     async def _step(self, lease: str, step: Primitive) -> ActionResult:
         sent_s = time.monotonic()
         assert self.mandate is not None
-        deadline_s = max(0.1, self.mandate.seconds - (sent_s - self.started_s))
+        deadline_s = min(self.reins.step_s, max(0.1, self.mandate.seconds - (sent_s - self.started_s)))
         stepping = asyncio.create_task(self.driver.step(lease, step, deadline_s))
         ended_by = ""
         try:
@@ -139,7 +142,7 @@ class _Run:
     def _must_end(self, step: Primitive) -> str:
         if why := self.reins.ended():
             return why
-        return SILENT if step.moves and self.reins.silent_s() > SILENCE_S else ""
+        return SILENT if step.moves and self.reins.silent() else ""
 
     async def _stop(self, why: str) -> None:
         with contextlib.suppress(RobotError):  # then the lease lapses, and the driver stops the robot by itself
@@ -150,6 +153,8 @@ class _Run:
             if result.reason in _BY_PEOPLE:
                 return "stopped"
             return "interrupted" if result.reason in _BY_US else "failed"
+        if result.reason == UNREACHABLE:
+            return "interrupted"  # begun, and nobody can tell how far it went
         if result.outcome is Outcome.REFUSED and len(self.results) == 1:
             return "refused"
         return "failed"
@@ -186,7 +191,7 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
     except LeaseLost as e:
         reason, outcome, said = _lost(str(e)), Outcome.STOPPED, str(e)
     except RobotError as e:
-        reason, outcome, said = "unreachable", Outcome.UNKNOWN, str(e)
+        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, str(e)
     return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
 
 

@@ -195,6 +195,10 @@ class Journal:
         self._do("UPDATE claim SET ended = ? WHERE post = ? AND ended IS NULL", (why, post_id))
         self._cancel(post_id)
 
+    async def knows(self, post_id: str) -> bool:
+        """Whether this post was ever claimed."""
+        return await self._in_rows(self._one, "SELECT 1 FROM claim WHERE post = ?", (post_id,)) is not None
+
     async def posted(self, post_id: str, status_post: str) -> None:
         """The status post of a claim is on the forum."""
         await self._in_rows(self._do, "UPDATE claim SET status_post = ? WHERE post = ?", (status_post, post_id))

@@ -17,8 +17,9 @@ class Job:
     """One post under way, from its claim to its final reply.
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
-    was. `ended` is a stable word as soon as the command may not go on; `stop` brings what the stop that ended it did,
-    `stopped_by` whose it was. `status` is its status post, `task` what carries it through.
+    was. `ended` is a stable word as soon as the command may not go on; while it is `held`, others go before it. `stop`
+    brings what the stop that ended it did, `stopped_by` whose it was. `status` is its status post, `task` what
+    carries it through.
     """
 
     command: Command
@@ -26,6 +27,7 @@ class Job:
     accepted_s: float = field(default_factory=time.monotonic)
     waited_s: float = 0.0
     ended: str | None = None
+    held: bool = False
     moving: bool = False
     stopped_by: str = ""
     stop: asyncio.Task[StopResult | None] | None = None
@@ -50,6 +52,7 @@ class Line:
 
     def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
         self._jobs: list[Job] = []
+        self._turn: Job | None = None
         self._on_change = on_change
 
     def __len__(self) -> int:
@@ -68,7 +71,12 @@ class Line:
 
     def place(self, job: Job) -> int:
         """How many are before it; 0 when it is its turn."""
-        return self._jobs.index(job)
+        before = [other for other in self._jobs[: self._jobs.index(job)] if not other.held]
+        return len(before) + (self._turn not in (None, job, *before))
+
+    def waiting_of(self, account_id: str, before: Job) -> int:
+        """How many commands of this account were accepted before that one and are not done."""
+        return sum(job.command.author.id == account_id for job in self._jobs[: self._jobs.index(before)])
 
     def topics(self) -> frozenset[str]:
         """Threads in which a bare "stop" is meant for this robot."""
@@ -82,9 +90,14 @@ class Line:
         """Leaving twice does nothing."""
         if job in self._jobs:
             self._jobs.remove(job)
-            for other in self._jobs:
-                other._changed.set()
-            self._on_change()
+            if self._turn is job:
+                self._turn = None
+            self._moved_up()
+
+    def _moved_up(self) -> None:
+        for job in self._jobs:
+            job._changed.set()
+        self._on_change()
 
     def end_before(self, at: datetime, why: str) -> list[Job]:
         """End every command that was posted at `at` or earlier; returns those that had not been ended."""
@@ -100,9 +113,29 @@ class Line:
             job.end("expired")
         try:
             async with asyncio.timeout(left_s):
-                while job.ended is None and self._jobs[0] is not job:
+                while job.ended is None and not self._is_next(job):
                     job._changed.clear()
                     await job._changed.wait()
         except TimeoutError:
             job.end("expired")
+        if job.ended is None:
+            self._turn = job
+        return job.ended is None
+
+    def _is_next(self, job: Job) -> bool:
+        return self._turn is None and next(j for j in self._jobs if not j.held) is job
+
+    async def hold(self, job: Job, seconds: float) -> bool:
+        """Let others go before it for a while; it keeps its place. False when it was ended meanwhile."""
+        job.held = True
+        self._moved_up()
+        try:
+            async with asyncio.timeout(seconds):
+                while job.ended is None:
+                    job._changed.clear()
+                    await job._changed.wait()
+        except TimeoutError:
+            pass
+        finally:
+            job.held = False
         return job.ended is None

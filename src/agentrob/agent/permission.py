@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 import asyncio
+import math
+from dataclasses import dataclass
 
 from agentrob.agent.sentences import say
-from agentrob.errors import ForumError, ForumNotFound, RobotError
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.judge.screen import screen
-from agentrob.model import Account, Capabilities, Command, Decision, Plan, Post, Verdict
+from agentrob.model import Account, AccountKind, Capabilities, Command, Decision, Plan, Post, Verdict
 from agentrob.robots.client import DriverClient
 
+#: Through so many commanding agents may a command come (law 1), and so many posts of a chain are read.
+MAX_HOPS = 3
+MAX_LINKS = 20
 
-def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilities, allow_flip: bool) -> Verdict:
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16)."""
+
+    allow_flip: bool = False
+    step_s: float = math.inf
+
+
+def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilities, terms: Terms) -> Verdict:
     """The screen, which asks for the author's rights first."""
     return screen(
         plan,
@@ -20,12 +34,13 @@ def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilit
         author=author,
         capabilities=capabilities,
         language=command.language,
-        allow_flip=allow_flip,
+        allow_flip=terms.allow_flip,
+        step_s=terms.step_s,
     )
 
 
 async def permission(
-    forum: Forum, driver: DriverClient, command: Command, plan: Plan, allow_flip: bool
+    forum: Forum, driver: DriverClient, command: Command, plan: Plan, terms: Terms
 ) -> tuple[Verdict, Capabilities | None]:
     """Read the post, its author and the robot's limits anew and judge again; also the limits that were judged by.
 
@@ -42,7 +57,7 @@ async def permission(
     if (changed := _changed(post, author, command)) is not None:
         return _denied(changed, command), None
     assert author is not None
-    return judge(command, plan, author, capabilities, allow_flip), capabilities
+    return judge(command, plan, author, capabilities, terms), capabilities
 
 
 def _changed(post: Post, author: Account | None, command: Command) -> str | None:
@@ -53,6 +68,31 @@ def _changed(post: Post, author: Account | None, command: Command) -> str | None
         return "command.edited"
     if author is None or author.suspended or author.id != command.author.id:
         return "command.suspended"
+    return None
+
+
+async def chain_refusal(forum: Forum, command: Command) -> Verdict | None:
+    """A refusal when an agent's command came through too many agents, as far as their replies to each other tell.
+
+    Counted are the changes from one commanding agent to another, back to the last human; the robots' own reports
+    between them do not count. Raises `ForumError`.
+    """
+    if command.author.kind is not AccountKind.COMMANDING_AGENT:
+        return None
+    agents: list[str] = []
+    post_id: str | None = command.post_id
+    for _ in range(MAX_LINKS):
+        try:
+            post = await forum.post(post_id) if post_id else None
+        except (ForumNotFound, ForumDenied):
+            post = None
+        if post is None or post.author.kind is AccountKind.HUMAN:
+            break
+        if post.author.kind is AccountKind.COMMANDING_AGENT and agents[-1:] != [post.author.id]:
+            agents.append(post.author.id)
+        if len(agents) > MAX_HOPS:
+            return Verdict(Decision.REFUSE, "rights.hops", say("rights.hops", command.language, count=MAX_HOPS))
+        post_id = post.reply_to
     return None
 
 

@@ -77,6 +77,8 @@ def _head(report: Report) -> str:
             return say("failed", language, step=at) if begun else say("failed.before", language)
         case "expired":
             return ""
+        case "interrupted" if any(r.outcome is Outcome.UNKNOWN for r in report.results):
+            return say("interrupted.unknown", language)
         case "stopped" if report.message:
             return say("stopped.by", language, who=quote(report.message))
         case status:

@@ -8,6 +8,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     # ------------------------------------------------------------ states of a command
     "seen": ("Seen.", "已看到。"),
     "queued": ("Queued, place {place}.", "排队中，第 {place} 位。"),
+    "held": (
+        "Queued: the same account may command me again in {seconds:.0f} s, and then I go on by myself.",
+        "排队中：同一账号 {seconds:.0f} 秒后才能再次指挥我，届时自动继续。",
+    ),
     "running": ("Step {step} of {steps}: {doing} …", "第 {step} 步，共 {steps} 步：{doing}……"),
     "done": ("**Done.**", "**完成。**"),
     "failed": ("**Failed** at step {step}.", "**失败**：停在第 {step} 步。"),
@@ -20,6 +24,12 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "**Interrupted.** I was cut off during this command, stand still, and do not repeat it. "
         "Post it again if you still want it.",
         "**中断。** 执行过程中被打断，我已停住，不会重复执行。如仍需要，请重新发帖。",
+    ),
+    "interrupted.unknown": (
+        "**Interrupted.** My driver stopped answering during this command. I cannot tell whether the robot stands: "
+        "look before you come near. I do not repeat the command; post it again if you still want it.",
+        "**中断。** 执行过程中驱动没有响应，我无法确认机器人是否已停住：靠近前请先看清。"
+        "不会重复执行，如仍需要，请重新发帖。",
     ),
     "interrupted.claim": (
         "**Interrupted.** This post was taken up before, and I cannot tell how far that went, so nothing moves now. "
@@ -42,6 +52,24 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "ask.default": (
         "I did not understand what to do. Try: `walk forward 1 m, turn left 90 degrees, wave`.",
         "我没有看懂要做什么。可以这样写：`向前走 1 米，左转 90 度，挥手`。",
+    ),
+    # ------------------------------------------------------------ how often one account commands
+    "rate.hour": (
+        "This account has given me {count} commands within the last hour, and more are not allowed. "
+        "Post it again in {minutes} min.",
+        "这个账号一小时内已经给我下达了 {count} 个命令，不能再多。请 {minutes} 分钟后重新发帖。",
+    ),
+    "rate.cooldown": (
+        "This account commanded me only a moment ago. Post it again in {minutes} min.",
+        "这个账号刚刚指挥过我。请 {minutes} 分钟后重新发帖。",
+    ),
+    "rate.waiting": (
+        "{count} commands of this account wait for me already. Post it again when they are done.",
+        "这个账号已有 {count} 个命令在排队。请在它们完成后重新发帖。",
+    ),
+    "rights.hops": (
+        "This command came through more than {count} agents, and I follow no longer chain.",
+        "这个命令经过了 {count} 个以上的代理转述，我不执行这么长的转述。",
     ),
     # ------------------------------------------------------------ why a command was ended before its time
     "because.stop": ("A stop came.", "收到了停止命令。"),
@@ -163,6 +191,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     ),
     "stop.cancelled": ("Commands ended or cancelled: {count}.", "结束或取消的命令数：{count}。"),
     "stop.folded": ("Stops since then: {count}.", "此后又收到停止：{count} 次。"),
+    "stop.third": (
+        "I was stopped {count} times within {minutes} minutes. Somebody should look at what goes on here. {names}",
+        "我在 {minutes} 分钟内被叫停了 {count} 次，请有人来看看发生了什么。{names}",
+    ),
     # ------------------------------------------------------------ status
     "status.unknown": ("I cannot reach my robot: {message}", "联系不上机器人：{message}"),
     "status.mode": ("**{mode}**", "**{mode}**"),

@@ -7,24 +7,26 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import time
 import traceback
 from collections.abc import Callable, Coroutine
 from datetime import datetime, timedelta
 from functools import partial
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import structlog
 
 from agentrob.agent import report as words
+from agentrob.agent.alarm import Alarm
 from agentrob.agent.camera import Camera
-from agentrob.agent.channel import Channel, recent_posts
+from agentrob.agent.channel import Channel
 from agentrob.agent.course import Course
 from agentrob.agent.execute import SHUTDOWN, STOP
+from agentrob.agent.inbox import Inbox
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job, Line
+from agentrob.agent.lookback import close_unknown, is_open, recent_posts
+from agentrob.agent.pace import Pace
 from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
 from agentrob.agent.plot import warm_up
 from agentrob.agent.presence import Presence, reset_room
@@ -36,7 +38,7 @@ from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.judge.rights import may
 from agentrob.minds.mind import Mind
-from agentrob.model import Account, Command, Decision, Post, StopResult
+from agentrob.model import Account, Decision, Post, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -44,7 +46,6 @@ LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
 LAST_WORDS_S = 1.5
 DRIVER_WAIT_S = 5.0
-_TO_TAKE = frozenset({Call.READ, Call.STALE})
 _log = structlog.get_logger()
 
 
@@ -67,6 +68,8 @@ class RobotAgent:
         self.channel = Channel(forum, "", settings.poll_s)
         self.records = Records(self.folder)
         self.line = Line(self._line_changed)
+        self.inbox = Inbox(name, lambda: self.journal, self.line, lambda: self._stopped_at, self._take_up)
+        self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
         self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
         stage = forum if isinstance(forum, Stage) else None
         self.presence = Presence(stage, driver, name, settings, lambda: len(self.line)) if stage else None
@@ -76,10 +79,7 @@ class RobotAgent:
         self._course: Course | None = None
         self._me: Account | None = None
         self._watermark_at = self._stopped_at = datetime.min
-        self._inbox: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
         self._tasks: set[asyncio.Task[Any]] = set()
-        #: Commands that were heard and are not in line yet.
-        self._coming: dict[str, Post] = {}
         self._claimed_topics: frozenset[str] = frozenset()
         self._accepting = True
         self._ending = False
@@ -90,7 +90,7 @@ class RobotAgent:
         try:
             await self._start()
             async with asyncio.TaskGroup() as group:
-                for work in (self._listen(), self._accept_all(), *self._stage_work()):
+                for work in (self._listen(), self.inbox.take_all(), *self._stage_work()):
                     group.create_task(work)
                 self.ready.set()
                 on_ready()
@@ -105,8 +105,7 @@ class RobotAgent:
             helpers = [asyncio.create_task(work) for work in (self._listen(), *self._stage_work())]
             self.ready.set()
             try:
-                while not self._inbox.empty():
-                    await self._take(*self._inbox.get_nowait(), save=True)
+                await self.inbox.take_waiting()
                 while self._tasks:
                     await asyncio.wait(set(self._tasks))
             finally:
@@ -163,13 +162,17 @@ class RobotAgent:
         self._claimed_topics = frozenset()
 
     async def _look_back(self) -> None:
-        """Shortly after a first start: answer posts of before it, and find claims of a journal that was lost."""
-        since = self.channel.now() - LOOK_BACK
+        """Shortly after a first start: answer posts of before it, and end what a journal that was lost had claimed."""
+        assert self._me is not None
+        since, statuses = self.channel.now() - LOOK_BACK, []
         with contextlib.suppress(ForumError):
             async for post in recent_posts(self.forum, self.settings.boards, since):
-                if post.created_at <= self._watermark_at:
+                if is_open(post, self._me):
+                    statuses.append(post)
+                elif post.created_at <= self._watermark_at:
                     heard = self._perceive(post)
-                    await self._accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
+                    await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
+            await close_unknown(self.forum, self.journal, statuses)
 
     async def _wind_down(self) -> None:
         """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""
@@ -197,7 +200,8 @@ class RobotAgent:
     def _make_course(self) -> Course:
         return Course(
             self.name, self._ears().names, self.settings, self.forum, self.driver, self.mind, self.journal,
-            self.channel, self.line, self.stops, self.records, self._line_changed, lambda: self._ending,
+            self.channel, self.line, self.stops, self.records, Pace(self.settings.rates), self._line_changed,
+            lambda: self._ending,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
@@ -233,9 +237,7 @@ class RobotAgent:
             return
         _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
         self._watermark_at = self.channel.now()
-        while not self._inbox.empty():
-            self._inbox.get_nowait()
-        self._coming.clear()
+        self.inbox.clear()
         for job in self.line:
             job.end("replaced")
         if tasks := {job.task for job in self.line if job.task}:
@@ -261,9 +263,7 @@ class RobotAgent:
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
             self._spawn(self._reset(event.account, event.at))
         if self._accepting:
-            if event.post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
-                self._coming[event.post.id] = event.post
-            self._inbox.put_nowait((event, heard))
+            self.inbox.put(event, heard)
 
     def _perceive(self, post: Post, edited: bool = False) -> Heard:
         """Whatever one post does to the reading of it, the next posts are heard."""
@@ -276,7 +276,7 @@ class RobotAgent:
     def _ears(self) -> Ears:
         assert self._me is not None
         names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
-        topics = self.line.topics() | {post.topic_id for post in self._coming.values()} | self._claimed_topics
+        topics = self.line.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
         return Ears(
             self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
             self.settings.max_post_age_s, topics,
@@ -299,8 +299,11 @@ class RobotAgent:
         self._spawn(self.journal.put("stopped", self._stopped_at.isoformat()))
         self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
         if post is not None:
-            count = len(ended) + sum(coming.created_at <= at for coming in self._coming.values())
+            count = len(ended) + sum(coming.created_at <= at for coming in self.inbox.coming.values())
             self._spawn(self.stops.answer(post, heard.language, stopping, count, halt))
+        if self.alarm.rings(event.at):
+            topic = post.topic_id if post is not None else next((job.command.topic_id for job in ended), None)
+            self._spawn(self.alarm.tell(topic, heard.language))
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
@@ -320,70 +323,6 @@ class RobotAgent:
             await reset_room(self.driver, self.settings, account.name)
         except RobotError as e:
             _log.warning("room not reset", robot=self.name, error=str(e))
-
-    # ------------------------------------------------------------------ accept
-    async def _accept_all(self) -> None:
-        saved_s = 0.0
-        while True:
-            event, heard = await self._inbox.get()
-            save = heard.call is not Call.NOTHING or time.monotonic() - saved_s > 1.0
-            await self._take(event, heard, save)
-            saved_s = time.monotonic() if save else saved_s
-
-    async def _take(self, event: Event, heard: Heard, save: bool) -> None:
-        """Accept what was heard; `save`: after a restart go on after it."""
-        try:
-            await self._accept(event, heard)
-            if save and event.id:
-                await self.journal.put("cursor", event.id)
-        except JournalError as e:
-            _log.error("post not taken: nothing moves without the journal", robot=self.name, error=str(e))
-        finally:
-            if event.post is not None:
-                self._coming.pop(event.post.id, None)
-
-    async def _accept(self, event: Event, heard: Heard) -> None:
-        """Claim a post in the journal and begin its turn; end what was edited or removed."""
-        post = event.post
-        if post is None:
-            return
-        if event.kind is not EventKind.POST_CREATED:
-            await self._amend(post)
-            return
-        if heard.call not in _TO_TAKE:
-            return
-        ended = None
-        if heard.call is Call.STALE or post.version > 1:
-            ended = "stale" if heard.call is Call.STALE else "edited"
-        elif post.created_at <= self._stopped_at:
-            ended = STOP
-        claim = await self.journal.claim(self._command(post, heard), ended)
-        if not claim.new:
-            return
-        job = Job(claim.command, ended=ended)
-        if ended is None and post.created_at <= self._stopped_at:  # it came while the claim was written
-            job.end(STOP)
-            self._spawn(self.journal.end([post.id], STOP))
-        self._take_up(job)
-
-    async def _amend(self, post: Post) -> None:
-        """A post was edited or removed: what it had asked for is ended."""
-        if (job := self.line.find(post.id)) is None:
-            return
-        if post.removed:
-            why = "removed"
-        elif not job.moving and post.content_hash != job.command.content_hash:
-            why = "edited"
-        else:
-            return
-        job.end(why)
-        await self.journal.end([post.id], why)
-
-    def _command(self, post: Post, heard: Heard) -> Command:
-        return Command(
-            post.id, post.topic_id, post.content_hash, post.author, self.name, heard.text, heard.language,
-            post.created_at, uuid4().hex[:12],
-        )  # fmt: skip
 
     def _take_up(self, job: Job) -> None:
         self.stops.new_command()

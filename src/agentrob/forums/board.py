@@ -32,6 +32,7 @@ class BoardForum:
 
     max_edits: int | None = None
     live = True
+    fastest_poll_s = 0.0
 
     def __init__(self, settings: ForumConfig, token: str) -> None:
         self._http = httpx2.AsyncClient(

@@ -150,6 +150,8 @@ class Events(Protocol):
 
     #: Whether `stream` works; otherwise the agent polls `changes`.
     live: bool
+    #: The shortest interval, in seconds, at which `changes` may be asked for.
+    fastest_poll_s: float
 
     async def now(self) -> tuple[str, datetime]:
         """The id of the newest event (a watermark) and the forum's clock."""

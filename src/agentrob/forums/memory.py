@@ -31,13 +31,14 @@ _MENTION = re.compile(r"(?<![\w@])@([a-z][a-z0-9_-]*)", re.IGNORECASE)
 class MemoryWorld:
     """The forum itself, shared by everybody who signs in; times are the machine's clock plus `clock_offset_s`.
 
-    `max_edits` limits edits per post, `live=False` has no event stream (agents must poll). `reachable = False` makes
-    every call and every open stream of everybody fail with `ForumUnreachable` until it is set back; `limited_s > 0`
-    makes writes fail with `ForumLimited`.
+    `max_edits` limits edits per post, `live=False` has no event stream (agents must poll, every `fastest_poll_s` at
+    most). `reachable = False` makes every call and every open stream of everybody fail with `ForumUnreachable` until it
+    is set back; `limited_s > 0` makes writes fail with `ForumLimited`.
     """
 
     max_edits: int | None = None
     live: bool = True
+    fastest_poll_s: float = 0.0
     clock_offset_s: float = 0.0
     limited_s: float = 0.0
     boards: dict[str, Board] = field(default_factory=lambda: {"robots": Board("robots", "Robots")})
@@ -174,6 +175,7 @@ class MemoryForum:
         self._name = name
         self.max_edits = self._world.max_edits
         self.live = self._world.live
+        self.fastest_poll_s = self._world.fastest_poll_s
 
     @staticmethod
     def world(**settings: Any) -> MemoryWorld:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from agentrob.judge.estimate import seconds_of
+from agentrob.judge.estimate import seconds_of, step_seconds
 from agentrob.judge.harm import harm_of
 from agentrob.judge.rights import may
 from agentrob.language.phrases import say
@@ -25,17 +25,28 @@ from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, 
 
 
 def screen(
-    plan: Plan, *, text: str, author: Account, capabilities: Capabilities, language: Language, allow_flip: bool = False
+    plan: Plan,
+    *,
+    text: str,
+    author: Account,
+    capabilities: Capabilities,
+    language: Language,
+    allow_flip: bool = False,
+    step_s: float = math.inf,
 ) -> Verdict:
     """Look at the whole command on today's state.
 
     `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
-    robot's owner, not needed in simulation. The reason is a sentence in `language`.
+    robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
+    (law 16). The reason is a sentence in `language`.
     """
     rights = may(author, "command", language)
     if rights.decision is not Decision.ALLOW:
         return rights
     for rule, reason in _objections(plan, capabilities, allow_flip, language):
+        return Verdict(Decision.REFUSE, rule, reason)
+    if (longest_s := max(step_seconds(step, capabilities) for step in plan.steps)) > step_s:
+        rule, reason = _over("step_time", longest_s, step_s, language)
         return Verdict(Decision.REFUSE, rule, reason)
     return harm_of(text, language) or Verdict(Decision.ALLOW, "screen.passed")
 

@@ -70,6 +70,10 @@ PHRASES = {
     "refuse.directions": "This robot cannot walk {direction}. It can walk: {can}.",
     "refuse.step_distance": "{asked} m in one step is beyond the limit of {limit} m a step.",
     "refuse.step_degrees": "Turning {asked}° in one step is beyond the limit of {limit}° a step.",
+    "refuse.step_time": (
+        "A step of about {asked} s is beyond the limit of {limit} s a step: "
+        "this forum cannot tell me every second whether somebody wants me to stop."
+    ),
     "refuse.command_distance": "{asked} m in all is beyond the limit of {limit} m a command.",
     "refuse.command_time": "This would take about {asked} s, beyond the limit of {limit} s a command.",
     "refuse.command_steps": "{asked} steps are beyond the limit of {limit} steps a command.",

@@ -67,6 +67,7 @@ PHRASES = {
     "refuse.directions": "这台机器人不能向{direction}走。它能走的方向：{can}。",
     "refuse.step_distance": "一步{asked}米超出了每步{limit}米的限制。",
     "refuse.step_degrees": "一步转{asked}°超出了每步{limit}°的限制。",
+    "refuse.step_time": ("这一步大约需要 {asked} 秒，超过每步 {limit} 秒的上限：这个论坛无法每秒告诉我有没有人叫停。"),
     "refuse.command_distance": "总共{asked}米超出了每条命令{limit}米的限制。",
     "refuse.command_time": "大约需要{asked}秒，超出了每条命令{limit}秒的限制。",
     "refuse.command_steps": "{asked}步超出了每条命令{limit}步的限制。",

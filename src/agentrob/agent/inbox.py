@@ -1,0 +1,129 @@
+"""What was heard and waits to be taken: claimed in the journal, put into the line, or ended because it changed."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from datetime import datetime
+from uuid import uuid4
+
+import structlog
+
+from agentrob.agent.execute import STOP
+from agentrob.agent.journal import Journal
+from agentrob.agent.line import Job, Line
+from agentrob.agent.perceive import Call, Heard
+from agentrob.errors import JournalError
+from agentrob.forums.forum import Event, EventKind
+from agentrob.model import Command, Post
+
+_TO_TAKE = frozenset({Call.READ, Call.STALE})
+_log = structlog.get_logger()
+
+
+class Inbox:
+    """Events of one robot in their order. `take_up` begins a job; `stopped_at` is when the newest stop was posted."""
+
+    def __init__(
+        self,
+        robot: str,
+        journal: Callable[[], Journal],
+        line: Line,
+        stopped_at: Callable[[], datetime],
+        take_up: Callable[[Job], None],
+    ) -> None:
+        #: Commands that were heard and are not in line yet.
+        self.coming: dict[str, Post] = {}
+        self._robot = robot
+        self._journal = journal
+        self._line = line
+        self._stopped_at = stopped_at
+        self._take_up = take_up
+        self._waiting: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
+
+    @property
+    def empty(self) -> bool:
+        return self._waiting.empty() and not self.coming
+
+    def put(self, event: Event, heard: Heard) -> None:
+        """Never waits."""
+        if event.post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
+            self.coming[event.post.id] = event.post
+        self._waiting.put_nowait((event, heard))
+
+    def clear(self) -> None:
+        while not self._waiting.empty():
+            self._waiting.get_nowait()
+        self.coming.clear()
+
+    async def take_all(self) -> None:
+        """Take what is there and what comes, for ever."""
+        saved_s = 0.0
+        while True:
+            event, heard = await self._waiting.get()
+            save = heard.call is not Call.NOTHING or time.monotonic() - saved_s > 1.0
+            await self._take(event, heard, save)
+            saved_s = time.monotonic() if save else saved_s
+
+    async def take_waiting(self) -> None:
+        """Take what is there now."""
+        while not self._waiting.empty():
+            await self._take(*self._waiting.get_nowait(), save=True)
+
+    async def _take(self, event: Event, heard: Heard, save: bool) -> None:
+        """Accept what was heard; `save`: after a restart go on after it."""
+        try:
+            await self.accept(event, heard)
+            if save and event.id:
+                await self._journal().put("cursor", event.id)
+        except JournalError as e:
+            _log.error("post not taken: nothing moves without the journal", robot=self._robot, error=str(e))
+        finally:
+            if event.post is not None:
+                self.coming.pop(event.post.id, None)
+
+    async def accept(self, event: Event, heard: Heard) -> None:
+        """Claim a post in the journal and begin its turn; end what was edited or removed."""
+        post = event.post
+        if post is None:
+            return
+        if event.kind is not EventKind.POST_CREATED:
+            await self._amend(post)
+            return
+        if heard.call not in _TO_TAKE:
+            return
+        ended = None
+        if heard.call is Call.STALE or post.version > 1:
+            ended = "stale" if heard.call is Call.STALE else "edited"
+        elif post.created_at <= self._stopped_at():
+            ended = STOP
+        claim = await self._journal().claim(self._command(post, heard), ended)
+        if not claim.new:
+            return
+        job = Job(claim.command, ended=ended)
+        stopped = ended is None and post.created_at <= self._stopped_at()  # it came while the claim was written
+        if stopped:
+            job.end(STOP)
+        self._take_up(job)
+        if stopped:
+            await self._journal().end([post.id], STOP)
+
+    async def _amend(self, post: Post) -> None:
+        """A post was edited or removed: what it had asked for is ended."""
+        if (job := self._line.find(post.id)) is None:
+            return
+        if post.removed:
+            why = "removed"
+        elif not job.moving and post.content_hash != job.command.content_hash:
+            why = "edited"
+        else:
+            return
+        job.end(why)
+        await self._journal().end([post.id], why)
+
+    def _command(self, post: Post, heard: Heard) -> Command:
+        return Command(
+            post.id, post.topic_id, post.content_hash, post.author, self._robot, heard.text, heard.language,
+            post.created_at, uuid4().hex[:12],
+        )  # fmt: skip
