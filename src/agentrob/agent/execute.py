@@ -25,6 +25,8 @@ from agentrob.model import (
 from agentrob.robots.client import DriverClient
 
 LOOK_S = 0.05
+#: How long a busy robot is asked again: the lease of one who died lapses within a second.
+BUSY_S = 1.5
 #: Why a step ended that we ended ourselves; each is a status, or makes one.
 STOP, SHUTDOWN, SILENT = "stop", "shutdown", "stop_channel"
 #: Why a step's end is not known: the driver did not answer any more.
@@ -81,15 +83,16 @@ class _Run:
         self.verdict: Verdict | None = None
         self.first_motion_s: float | None = None
         self.mandate: Mandate | None = None
+        self.lease = ""
         self.started_s = time.monotonic()
 
-    async def steps(self, lease: str) -> str:
+    async def steps(self) -> str:
         """Do the steps; returns the command's status."""
         for number, step in enumerate(self.plan.steps):
             if (status := await self._may(step)) is not None:
                 return status
             self.reins.on_step(number)
-            result = await self._step(lease, step)
+            result = await self._step(step)
             self.results.append(result)
             if not result.ok:
                 return self._status_of(result)
@@ -118,11 +121,11 @@ class _Run:
             ActionResult(step, Outcome.REFUSED, reason=reason, message=message, started_s=now_s, ended_s=now_s)
         )
 
-    async def _step(self, lease: str, step: Primitive) -> ActionResult:
+    async def _step(self, step: Primitive) -> ActionResult:
         sent_s = time.monotonic()
         assert self.mandate is not None
         deadline_s = min(self.reins.step_s, max(0.1, self.mandate.seconds - (sent_s - self.started_s)))
-        stepping = asyncio.create_task(self.driver.step(lease, step, deadline_s))
+        stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
         ended_by = ""
         try:
             while not stepping.done():
@@ -174,14 +177,29 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Rei
     run = _Run(driver, command, plan, reins)
     status, message = "failed", ""
     try:
-        async with driver.lease(f"agent {command.trace_id}", await reins.since()) as lease:
-            status = await run.steps(lease)
+        async with contextlib.AsyncExitStack() as stack:
+            await _take(stack, run)
+            status = await run.steps()
     except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum knows nothing of
         stopped = _lost(str(e)) in _BY_PEOPLE
         status, message = ("stopped", "") if stopped else ("failed", str(e))
     except (RobotBusy, RobotUnreachable, RobotError) as e:
         message = str(e)
     return run.execution(status, message)
+
+
+async def _take(stack: contextlib.AsyncExitStack, run: _Run) -> None:
+    """Take the robot's lease. An agent that was killed keeps it for a moment longer, so a busy robot is asked again."""
+    until_s = time.monotonic() + BUSY_S
+    while run.reins.ended() is None:
+        try:
+            lease = run.driver.lease(f"agent {run.command.trace_id}", await run.reins.since())
+            run.lease = await stack.enter_async_context(lease)
+            return
+        except RobotBusy:
+            if time.monotonic() >= until_s:
+                raise
+            await asyncio.sleep(LOOK_S)
 
 
 def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: float) -> ActionResult:
