@@ -12,10 +12,13 @@ each time. No trial is left out; a command that ends otherwise than stopped ends
 
 Conditions:
   quiet    nothing else happens
-  flood    another account writes talk into another thread, 50 posts a second as far as the board takes them
+  flood    another account writes talk into another thread: 50 posts a second that the board accepts; fewer is a miss
   camera   the command begins with a photo and the walk waits for it; pictures are drawn without GL, so they take long
-  disk     the disk of the agent's journal becomes full while the robot walks: a tmpfs of its own is filled; where we
-           may not mount one, the agent may not make its files longer instead (RLIMIT_FSIZE: an error too, but EFBIG)
+  disk     the disk of the agent's journal becomes full while the robot walks: a tmpfs of its own is filled, or,
+           where we may not mount one, the agent may not write any file (RLIMIT_FSIZE: an error too, but EFBIG). There
+           is room again 50 ms after the zero, or no command would end. The agent writes a stop into its journal once,
+           at once: a journal that does not know of it when the command has ended shows that this failed. A last stop
+           with room shows that the journal does know of those that it could write
   frozen   no stop is posted: the agent is frozen (SIGSTOP) while the robot walks; counts from the signal
 """
 
@@ -25,11 +28,13 @@ import argparse
 import asyncio
 import contextlib
 import errno
+import itertools
 import json
 import math
 import os
 import resource
 import signal
+import sqlite3
 import subprocess
 import tempfile
 import threading
@@ -52,16 +57,19 @@ from agentrob.sim.services import Node  # before any type of the SDK
 from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_
 
 CONDITIONS = ("quiet", "flood", "camera", "disk", "frozen")
-#: What must not be exceeded: a stop post (no law gives a number: half a second is what people do not notice as a
-#: delay), and an agent that is gone (the lease of 1 s, and half a second to notice).
+#: What p99 must not exceed: a stop post, and an agent that is gone (the lease of 1 s, and half a second to notice).
 LIMIT_MS = {"frozen": 1500.0}
-STOP_LIMIT_MS = 500.0
+STOP_LIMIT_MS = 200.0
 STOP_MOVE, MOVE, GET_IMAGE = 1003, 1008, 1001
 WAIT_S = 30.0
 #: Beyond this place or heading (true ones) the room is put back before the next trial.
 STRAY_M, STRAY_DEG = 0.8, 25.0
 FLOOD_PER_S = 50.0
+#: So many posts are under way at once at most; and of the wanted rate so much must be reached.
+FLOOD_WRITERS, FLOOD_SHARE = 4, 0.98
 DISK_BYTES = 24 * 2**20
+#: For so long after the zero the disk stays full.
+FULL_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,13 +151,15 @@ class Row:
     limit_ms: float
     found_ms: list[float] = field(default_factory=list)
     note: str = ""
+    #: Why the condition was not what it says; then its times say nothing.
+    void: str = ""
 
     def figures(self) -> dict[str, Any]:
         shares = {"p50_ms": 0.5, "p95_ms": 0.95, "p99_ms": 0.99, "worst_ms": 1.0}
         named = {name: round(percentile(self.found_ms, share), 1) for name, share in shares.items()}
-        ok = max(self.found_ms) <= self.limit_ms
+        ok = named["p99_ms"] <= self.limit_ms and not self.void
         row = {"condition": self.condition, "trials": len(self.found_ms), **named, "limit_ms": self.limit_ms, "ok": ok}
-        return {**row, "note": self.note}
+        return {**row, "note": self.note, "void": self.void}
 
 
 def percentile(values: Sequence[float], share: float) -> float:
@@ -167,6 +177,7 @@ class Scene:
         self.agent = next(child for child in demo.children if child.name == "agent").process
         self._posts = 0
         self.late = 0  # stops that came only after what they should have come before
+        self.unwritten = 0  # stops that the journal could not keep
 
     @classmethod
     @contextlib.asynccontextmanager
@@ -195,10 +206,10 @@ class Scene:
         """Until the robot walks: another time each trial, from the first command of velocity to 0.7 s later."""
         await self.wire.wait("go", mark, times=1 + self._posts % 15)
 
-    async def stop(self, command: Post) -> float:
-        """Post a stop; when the board accepted it, by the monotonic clock."""
+    async def stop(self, command: Post) -> tuple[Post, float]:
+        """Post a stop; with when the board accepted it, by the monotonic clock."""
         post = (await self.forum.reply(command.topic_id, "stop", key=f"stop-{command.id}")).post
-        return post.created_at.timestamp() - (time.time() - time.monotonic())
+        return post, post.created_at.timestamp() - (time.time() - time.monotonic())
 
     async def ended(self, command: Post) -> str:
         """The final state of a command."""
@@ -211,6 +222,13 @@ class Scene:
             await asyncio.sleep(0.1)
         raise TimeoutError(f"no final answer to post {command.id} within {WAIT_S:.0f} s")
 
+    def kept(self) -> str:
+        """Of when the newest stop is that the agent's journal knows, in its own words."""
+        path = self.demo.data / "agents" / ROBOT / "journal.sqlite"
+        with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=10)) as journal:
+            row = journal.execute("SELECT value FROM meta WHERE key = 'stopped'").fetchone()
+        return row[0] if row else ""
+
 
 # ---------------------------------------------------------------------- trials
 async def stopped(scene: Scene) -> float:
@@ -218,9 +236,19 @@ async def stopped(scene: Scene) -> float:
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
-    accepted_s = await scene.stop(command)
+    _, accepted_s = await scene.stop(command)
     await scene.wire.wait("zero", mark, accepted_s)
     return await _settled(scene, command, mark, accepted_s)
+
+
+async def written(scene: Scene) -> bool:
+    """Whether the journal knows of a stop that nothing prevents from being written."""
+    mark = len(scene.wire.heard)
+    command = await scene.walk()
+    await scene.walking(mark)
+    stop, _ = await scene.stop(command)
+    await scene.ended(command)
+    return scene.kept() >= stop.created_at.isoformat()
 
 
 async def frozen(scene: Scene) -> float:
@@ -250,7 +278,7 @@ async def waiting_for_camera(scene: Scene) -> float:
     mark = len(scene.wire.heard)
     command = await scene.walk("take a photo and ")
     await scene.wire.wait("asked", mark)
-    accepted_s = await scene.stop(command)
+    _, accepted_s = await scene.stop(command)
     await scene.wire.wait("zero", mark, accepted_s)
     found_ms = await _settled(scene, command, mark, accepted_s)
     zero_s = accepted_s + found_ms / 1000
@@ -258,21 +286,29 @@ async def waiting_for_camera(scene: Scene) -> float:
     return found_ms
 
 
-async def flood(scene: Scene, over: asyncio.Event) -> float:
-    """Write talk until it is over; posts a second that the board took."""
+async def flood(scene: Scene, over: asyncio.Event) -> tuple[int, float]:
+    """Write talk until it is over; how many posts the board accepted, and in how many seconds."""
     config = app.load(scene.demo.data / "agentrob.toml")
     app.board_account(config, "chatter", AccountKind.HUMAN, Role.MEMBER)
     forum = app.make_forum(config, app.board_token(config, "chatter"))
-    count, begun_s = 0, time.monotonic()
+    accepted, numbers = 0, itertools.count()
+
+    async def write() -> None:
+        nonlocal accepted
+        for number in numbers:
+            await asyncio.sleep(max(0.0, begun_s + number / FLOOD_PER_S - time.monotonic()))
+            if over.is_set():
+                return
+            written = await forum.reply(topic, f"Number {number} is a nice number", key=f"talk-{number}")
+            accepted += written.created
+
     try:
         topic = (await forum.create_topic("robots", "Talk", "Let us talk", key="talk")).post.topic_id
-        while not over.is_set():
-            await forum.reply(topic, f"Number {count} is a nice number", key=f"talk-{count}")
-            count += 1
-            await asyncio.sleep(max(0.0, begun_s + count / FLOOD_PER_S - time.monotonic()))
+        begun_s = time.monotonic()
+        await asyncio.gather(*(write() for _ in range(FLOOD_WRITERS)))
     finally:
         await forum.close()
-    return count / (time.monotonic() - begun_s)
+    return accepted, time.monotonic() - begun_s
 
 
 @contextlib.contextmanager
@@ -320,14 +356,17 @@ def fill(path: Path) -> None:
 
 
 async def full_disk(scene: Scene) -> float:
-    """One stop after the journal's disk became full; it has room again after the zero, or no command would end."""
+    """One stop after the journal's disk became full; it has room again shortly after the zero."""
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
     with full(scene.demo.data / "agents", scene.agent.pid):
-        accepted_s = await scene.stop(command)
+        stop, accepted_s = await scene.stop(command)
         await scene.wire.wait("zero", mark, accepted_s)
-    return await _settled(scene, command, mark, accepted_s)
+        await asyncio.sleep(FULL_S)
+    found_ms = await _settled(scene, command, mark, accepted_s)
+    scene.unwritten += scene.kept() < stop.created_at.isoformat()
+    return found_ms
 
 
 # ---------------------------------------------------------------------- all of it
@@ -342,11 +381,17 @@ async def measure(demo: Demo, condition: str, trials: int) -> Row:
             row.found_ms.append(await trial(scene))
         over.set()
         if flooding:
-            row.note = f"{await flooding:.0f} posts/s"
+            posts, seconds = await flooding
+            row.note = f"{posts} posts accepted in {seconds:.0f} s: {posts / seconds:.1f} posts/s"
+            row.void = "too few posts" if posts / seconds < FLOOD_SHARE * FLOOD_PER_S else ""
         if condition == "camera":
-            row.note = f"{scene.late} after the photo"
+            row.note = f"{scene.late} of {trials} after the photo"
         if condition == "disk":
-            row.note = "tmpfs" if (demo.data / "agents").is_mount() else "RLIMIT_FSIZE"
+            how = "tmpfs full" if (demo.data / "agents").is_mount() else "RLIMIT_FSIZE"
+            row.note = f"{how}; {scene.unwritten} of {trials} stops could not be written to the journal"
+            row.void = (
+                "" if scene.unwritten == trials and await written(scene) else "what the journal knows proves nothing"
+            )
     return row
 
 
@@ -397,7 +442,7 @@ def main() -> None:
         print(json.dumps([{**row.figures(), "found_ms": [round(x, 2) for x in row.found_ms]} for row in rows]))
     else:
         print(table(rows))
-    missed = [row.condition for row in rows if not row.figures()["ok"]]
+    missed = [f"{row.condition} {row.void}".strip() for row in rows if not row.figures()["ok"]]
     raise SystemExit(f"missed: {', '.join(missed)}" if missed else 0)
 
 
