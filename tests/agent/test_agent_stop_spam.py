@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
+import threading
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 from agent_scene import FINAL, ROBOT, Driver, Scene, robot_settings
 
 from agentrob.agent.turn import RobotAgent
+from agentrob.board.writer import MAX_WAITING
 from agentrob.config import ForumConfig
 from agentrob.forums.board import BoardForum
 from agentrob.minds.rules import RulesMind
@@ -21,7 +23,7 @@ from agentrob.model import ActionResult, Post, Primitive, Role, StopResult
 from agentrob.robots.client import DriverClient
 
 sys.path.append(str(Path(__file__).parents[1] / "board"))
-from running_board import RunningBoard, running_board
+from running_board import LIMIT_S, RunningBoard, running_board
 
 SHOUTERS, TIMES = 10, 24
 COMMAND, LATER = f"@{ROBOT} walk forward 5 metres", f"@{ROBOT} turn left 30 degrees"
@@ -184,3 +186,42 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
     assert client.log[0] == "move"
     assert client.log[-1] == "turn"
     assert set(client.log[1:-1]) == {"stop"}
+
+
+async def test_law_15_a_board_that_refuses_posts_since_too_many_wait_still_takes_a_stop(tmp_path: Path) -> None:
+    with running_board(tmp_path) as board:
+        client, begun, free = board.client("member"), threading.Event(), threading.Event()
+        queue = board.services.store.writer._queue
+        talk = client.post("/topics", json={"board": "robots", "title": "Talk", "body": "Nice weather"}).json()
+        topic, own = talk["topic"]["id"], talk["post"]["id"]
+
+        async def fill() -> None:
+            writer = board.services.store.writer
+            jobs = [lambda _: begun.set() or free.wait(LIMIT_S), *(MAX_WAITING + 100) * [lambda _: True]]
+            for job in jobs:
+                waiting.append(asyncio.ensure_future(writer.do(job, lambda: True)))
+            await asyncio.sleep(0)
+
+        waiting: list[asyncio.Future[Any]] = []
+        await asyncio.to_thread(board.run, fill())
+        assert await asyncio.to_thread(begun.wait, LIMIT_S)
+        full = queue.qsize()
+        refused = await asyncio.to_thread(client.post, f"/topics/{topic}/posts", json={"body": "Hello again"})
+        assert refused.status_code == 503
+        assert refused.json()["code"] == "overloaded"
+        stop = {"body": f"@{ROBOT} stop"}
+        sent = [
+            asyncio.create_task(asyncio.to_thread(board.client("op").request, method, path, json=body))
+            for method, path, body in (
+                ("POST", f"/topics/{topic}/posts", {"body": "停"}),
+                ("POST", "/topics", {"board": "robots", "title": "Stop", **stop}),
+            )
+        ]
+        sent.append(asyncio.create_task(asyncio.to_thread(client.patch, f"/posts/{own}", json=stop)))
+        pressed = await asyncio.to_thread(board.client("admin").post, f"/robots/{ROBOT}/stop")
+        assert pressed.status_code in (200, 201, 202)  # and at once: it waits for no writing
+        async with asyncio.timeout(LIMIT_S):
+            while queue.qsize() < full + len(sent) and not any(task.done() for task in sent):  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
+        free.set()
+        assert {answer.status_code for answer in await asyncio.gather(*sent)} <= {200, 201}
