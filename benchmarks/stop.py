@@ -14,11 +14,11 @@ Conditions:
   quiet    nothing else happens
   flood    another account writes talk into another thread: 50 posts a second that the board accepts; fewer is a miss
   camera   the command begins with a photo and the walk waits for it; pictures are drawn without GL, so they take long
-  disk     the disk of the agent's journal becomes full while the robot walks: a tmpfs of its own is filled, or,
-           where we may not mount one, the agent may not write any file (RLIMIT_FSIZE: an error too, but EFBIG). There
-           is room again 50 ms after the zero, or no command would end. The agent writes a stop into its journal once,
-           at once: a journal that does not know of it when the command has ended shows that this failed. A last stop
-           with room shows that the journal does know of those that it could write
+  disk     the agent can write no file any more while the robot walks, nor into those that are there (RLIMIT_FSIZE 0;
+           the error is EFBIG instead of ENOSPC. On a full disk itself most writes of the journal still succeed: its
+           write-ahead log is used again and again). It can again 50 ms after the zero, or no command would end. The
+           agent writes a stop into its journal once, at once: a journal that does not know of it when the command
+           has ended shows that this failed. A last stop shows that the journal knows of those that it could write
   frozen   no stop is posted: the agent is frozen (SIGSTOP) while the robot walks; counts from the signal
 """
 
@@ -27,7 +27,6 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
-import errno
 import itertools
 import json
 import math
@@ -35,7 +34,6 @@ import os
 import resource
 import signal
 import sqlite3
-import subprocess
 import tempfile
 import threading
 import time
@@ -67,7 +65,6 @@ STRAY_M, STRAY_DEG = 0.8, 25.0
 FLOOD_PER_S = 50.0
 #: So many posts are under way at once at most; and of the wanted rate so much must be reached.
 FLOOD_WRITERS, FLOOD_SHARE = 4, 0.98
-DISK_BYTES = 24 * 2**20
 #: For so long after the zero the disk stays full.
 FULL_S = 0.05
 
@@ -312,47 +309,14 @@ async def flood(scene: Scene, over: asyncio.Event) -> tuple[int, float]:
 
 
 @contextlib.contextmanager
-def small_disk(folder: Path) -> Iterator[None]:
-    """A disk of its own for the agent, where that is permitted."""
-    folder.mkdir(parents=True)
-    mount = ["mount", "-t", "tmpfs", "-o", f"size={DISK_BYTES},mode=700", "agentrob-stop", str(folder)]
-    mounted = subprocess.run(mount, check=False, stderr=subprocess.DEVNULL).returncode == 0
+def full(agent: int) -> Iterator[None]:
+    """No room for anything that the agent writes meanwhile."""
+    before = resource.prlimit(agent, resource.RLIMIT_FSIZE)
+    resource.prlimit(agent, resource.RLIMIT_FSIZE, (0, before[1]))
     try:
         yield
     finally:
-        if mounted:
-            subprocess.run(["umount", "-l", folder], check=True)
-
-
-@contextlib.contextmanager
-def full(folder: Path, agent: int) -> Iterator[None]:
-    """No room on the agent's disk meanwhile."""
-    if not folder.is_mount():
-        before = resource.prlimit(agent, resource.RLIMIT_FSIZE)
-        resource.prlimit(agent, resource.RLIMIT_FSIZE, (0, before[1]))
-        try:
-            yield
-        finally:
-            resource.prlimit(agent, resource.RLIMIT_FSIZE, before)
-        return
-    filler = folder / "filler"
-    try:
-        fill(filler)
-        yield
-    finally:
-        filler.unlink()
-
-
-def fill(path: Path) -> None:
-    """Write until the disk is really full."""
-    with path.open("wb", buffering=0) as file:
-        for size in (2**20, 2**12, 1):
-            try:
-                while file.write(b"\0" * size):
-                    pass
-            except OSError as e:
-                if e.errno != errno.ENOSPC:
-                    raise
+        resource.prlimit(agent, resource.RLIMIT_FSIZE, before)
 
 
 async def full_disk(scene: Scene) -> float:
@@ -360,7 +324,7 @@ async def full_disk(scene: Scene) -> float:
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
-    with full(scene.demo.data / "agents", scene.agent.pid):
+    with full(scene.agent.pid):
         stop, accepted_s = await scene.stop(command)
         await scene.wire.wait("zero", mark, accepted_s)
         await asyncio.sleep(FULL_S)
@@ -387,8 +351,7 @@ async def measure(demo: Demo, condition: str, trials: int) -> Row:
         if condition == "camera":
             row.note = f"{scene.late} of {trials} after the photo"
         if condition == "disk":
-            how = "tmpfs full" if (demo.data / "agents").is_mount() else "RLIMIT_FSIZE"
-            row.note = f"{how}; {scene.unwritten} of {trials} stops could not be written to the journal"
+            row.note = f"{scene.unwritten} of {trials} stops could not be written to the journal"
             row.void = (
                 "" if scene.unwritten == trials and await written(scene) else "what the journal knows proves nothing"
             )
@@ -399,8 +362,6 @@ def run(condition: str, trials: int) -> Row:
     """Start everything anew for one condition, measure, end everything."""
     with contextlib.ExitStack() as stack:
         data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-stop-")))
-        if condition == "disk":
-            stack.enter_context(small_disk(data / "agents"))
         if condition == "camera":
             stack.enter_context(_environment("MUJOCO_GL", "off"))
         demo = stack.enter_context(Demo(DemoSettings(data, port=None)))
