@@ -15,10 +15,9 @@ Conditions:
   flood    another account writes talk into another thread: 50 posts a second that the board accepts; fewer is a miss
   camera   the command begins with a photo and the walk waits for it; pictures are drawn without GL, so they take long
   disk     the agent can write no file any more while the robot walks, nor into those that are there (RLIMIT_FSIZE 0;
-           the error is EFBIG instead of ENOSPC. On a full disk itself most writes of the journal still succeed: its
-           write-ahead log is used again and again). It can again 50 ms after the zero, or no command would end. The
-           agent writes a stop into its journal once, at once: a journal that does not know of it when the command
-           has ended shows that this failed. A last stop shows that the journal knows of those that it could write
+           EFBIG instead of ENOSPC: a full disk itself takes most writes of the journal, whose write-ahead log is used
+           again). It can again 50 ms after the zero, or no command would end. A stop is written into the journal once,
+           at once: one that does not know of it in the end could not be written. A last stop shows that others are
   frozen   no stop is posted: the agent is frozen (SIGSTOP) while the robot walks; counts from the signal
 """
 
@@ -42,6 +41,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any, Self
+from unittest import mock
 
 import httpx2
 
@@ -363,22 +363,10 @@ def run(condition: str, trials: int) -> Row:
     with contextlib.ExitStack() as stack:
         data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-stop-")))
         if condition == "camera":
-            stack.enter_context(_environment("MUJOCO_GL", "off"))
+            stack.enter_context(mock.patch.dict(os.environ, {"MUJOCO_GL": "off"}))
         demo = stack.enter_context(Demo(DemoSettings(data, port=None)))
         demo.start()
         return asyncio.run(measure(demo, condition, trials))
-
-
-@contextlib.contextmanager
-def _environment(name: str, value: str) -> Iterator[None]:
-    before = os.environ.get(name)
-    os.environ[name] = value
-    try:
-        yield
-    finally:
-        os.environ.pop(name)
-        if before is not None:
-            os.environ[name] = before
 
 
 def table(rows: Sequence[Row]) -> str:
