@@ -22,6 +22,7 @@ from agentrob.robots.client import DriverClient
 from agentrob.robots.driver import Driver, listening, lock_name, serve_stops
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
+from agentrob.robots.lease import Leases
 from agentrob.robots.service import Service
 from agentrob.robots.stop import halt_robot, stop_robot
 
@@ -49,6 +50,7 @@ def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
     folder, settings, robot = tmp_path_factory.mktemp("stand"), robot_settings(), LedgerRobot()
     robot.time_scale = 5.0
     driver = Driver(ROBOT, Guard(robot, settings, Halt(folder / "robot.halt")))
+    driver.leases = Leases(LIMIT_S)  # a busy machine may hold up a renewal, and that is another law
     with (
         listening(folder / "robot.sock") as listener,
         Service(driver, listener),
