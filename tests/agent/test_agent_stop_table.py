@@ -195,10 +195,10 @@ async def test_laws_13_and_14_a_stop_ends_a_command_in_any_state(
         moved = len(play.moved)
         play.gates.open()
         ended = await play.shows(command, FINAL)
-        later = await play.shows(await play.post("alice", f"@{ROBOT} turn left 11 degrees"), FINAL)
+        later = await play.shows(await play.post("alice", f"@{ROBOT} wave"), FINAL)
         halts = way in ("halt", "second channel halts")
         if halts:
             stand.driver.release("owner")
         assert ended == TABLE[state][way in AT_THE_MACHINE]
         assert later == ("refused" if halts else "done")
-        assert [step.degrees for step in play.moved[moved:]] == ([] if halts else [11.0])
+        assert play.moved[moved:] == []
