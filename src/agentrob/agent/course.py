@@ -33,7 +33,7 @@ from agentrob.forums.forum import Forum
 from agentrob.language.help import help_text
 from agentrob.language.visible import mentions
 from agentrob.minds.mind import Listener, Mind
-from agentrob.model import Decision, Intent, Language, Plan, Report, StatusCard, Verdict
+from agentrob.model import Command, Decision, Intent, Language, Plan, Report, StatusCard, Verdict
 from agentrob.robots.client import DriverClient
 
 #: States after which nothing more comes.
@@ -90,6 +90,13 @@ class Course:
             self.line.leave(job)
         if report is not None:
             await self._tell(job, report)
+
+    async def decline(self, command: Command) -> None:
+        """Tell a command that the journal could not take: its status is its end."""
+        job = Job(command)
+        report = self._report(job, "failed", message=self._because(job, "journal"))
+        card = StatusCard(self.name, "failed", trace_id=command.trace_id)
+        await StatusLine(self.forum, command).claim(Shown(words.final(report), card))
 
     async def _decide(self, job: Job) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""

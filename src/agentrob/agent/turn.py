@@ -38,7 +38,7 @@ from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.judge.rights import may
 from agentrob.minds.mind import Mind
-from agentrob.model import Account, Decision, Post, StopResult
+from agentrob.model import Account, Command, Decision, Post, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -68,7 +68,10 @@ class RobotAgent:
         self.channel = Channel(forum, "", settings.poll_s)
         self.records = Records(self.folder)
         self.line = Line(self._line_changed)
-        self.inbox = Inbox(name, lambda: self.journal, self.line, lambda: self._stopped_at, self._take_up)
+        self.inbox = Inbox(
+            name, lambda: self.journal, self.line, lambda: self._stopped_at, self._take_up,
+            self._decline,
+        )  # fmt: skip
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
         self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
         stage = forum if isinstance(forum, Stage) else None
@@ -323,6 +326,9 @@ class RobotAgent:
             await reset_room(self.driver, self.settings, account.name)
         except RobotError as e:
             _log.warning("room not reset", robot=self.name, error=str(e))
+
+    def _decline(self, command: Command) -> None:
+        self._spawn(self.course.decline(command))
 
     def _take_up(self, job: Job) -> None:
         self.stops.new_command()
