@@ -84,6 +84,7 @@ class RobotAgent:
         self._watermark_at = self._stopped_at = datetime.min
         self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
+        self._saving: asyncio.Task[None] | None = None
         self._accepting = True
         self._ending = False
 
@@ -299,14 +300,23 @@ class RobotAgent:
         for job in ended:
             job.stop, job.stopped_by = stopping, author.name
         # On disk only now that the stop is on its way: nothing delays it.
-        self._spawn(self.journal.put("stopped", self._stopped_at.isoformat()))
-        self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
+        if self._saving is None or self._saving.done():
+            self._saving = self._spawn(self._save_stopped())
+        if ended:
+            self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
         if post is not None:
             count = len(ended) + sum(coming.created_at <= at for coming in self.inbox.coming.values())
             self._spawn(self.stops.answer(post, heard.language, stopping, count, halt))
         if self.alarm.rings(event.at):
             topic = post.topic_id if post is not None else next((job.command.topic_id for job in ended), None)
             self._spawn(self.alarm.tell(topic, heard.language))
+
+    async def _save_stopped(self) -> None:
+        """Many stops at once are one or two writes, so that nobody's command waits behind them."""
+        saved_at = datetime.min
+        while saved_at != self._stopped_at:
+            saved_at = self._stopped_at
+            await self.journal.put("stopped", saved_at.isoformat())
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
