@@ -148,27 +148,42 @@ class Truth:
         return now
 
     async def rest(self, since_s: float, limit_s: float = 10.0) -> float:
-        """Seconds from a moment until the robot really stood still (when it still does, a little later)."""
+        """Seconds of the world's time from a moment until the robot really stood still, and still does a little later.
+
+        The world's time, since on a busy machine the world is slower than life.
+        """
         end_s = time.monotonic() + limit_s
         while True:
             seen = self.since(since_s)
             if seen and seen[-1].at_s >= since_s + REST_S:
                 first = next(k for k in range(len(seen)) if all(still(seen[k], s) for s in seen[k:]))
                 if seen[-1].at_s - seen[first].at_s >= REST_S:
-                    return seen[first].at_s - since_s
+                    return seen[first].time_s - seen[0].time_s
             assert time.monotonic() < end_s, "it does not come to rest"
             await asyncio.sleep(SAMPLE_S)
 
+    def gone_after(self, at_s: float, seconds: float) -> float:
+        """Metres from where it was, so many seconds (of the world's time) after a moment, to where it is now."""
+        seen = self.since(at_s)
+        return apart_m(next(s for s in seen if s.time_s >= seen[0].time_s + seconds), seen[-1])
+
 
 class Process:
-    """`python -c script`, once it has said a line."""
+    """`python -c script`, which says that it is warm and then waits for lines."""
 
     def __init__(self, script: str, *arguments: str, errors: int | None = None) -> None:
         command = [sys.executable, "-c", script, *arguments]
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, text=True
         )
-        assert self.line() == "warm"
+        self._warm = False
+
+    def warm(self) -> Process:
+        """Once it has said that it is."""
+        if not self._warm:
+            self._warm = self.line() == "warm"
+            assert self._warm, "it ended before it was ready"
+        return self
 
     def line(self) -> str:
         assert self.process.stdout is not None
@@ -180,7 +195,7 @@ class Process:
         self.process.stdin.flush()
 
     def ask(self, text: str) -> str:
-        self.say(text)
+        self.warm().say(text)
         return self.line()
 
     def end(self) -> None:
@@ -200,6 +215,7 @@ class Place:
         self.remote = Process(REMOTE, str(self.domain), errors=subprocess.DEVNULL)
         self.driver: Process | None = None
         self.successor: Process | None = None
+        self.drive()
 
     def new_driver(self, name: str = "quadruped", errors: int | None = subprocess.DEVNULL, **settings: Any) -> Process:
         """One that waits for a line before it takes the robot."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 import pytest
 from driver_scene import FAR, NEAR, Drivers, moving
+from guard_scene import Pusher, until
 
 from agentrob.config import RobotConfig
 from agentrob.model import Op, RobotState
@@ -46,34 +46,6 @@ def restart(tmp_path: Path) -> Iterator[Restart]:
     yield restart
     for guard in made:
         guard.close()
-
-
-def until(true: Callable[[], bool], limit_s: float = 10.0) -> float:
-    """Seconds until what must become true."""
-    began_s = time.monotonic()
-    while not true():
-        assert time.monotonic() - began_s < limit_s, "it did not become true"
-        time.sleep(0.01)
-    return time.monotonic() - began_s
-
-
-class Pusher:
-    """Somebody else who drives the robot, past every guard, until the context ends."""
-
-    def __init__(self, robot: FakeRobot) -> None:
-        self._robot, self._ended = robot, threading.Event()
-        self._thread = threading.Thread(target=self._push)
-
-    def _push(self) -> None:
-        while not self._ended.wait(0.02):
-            self._robot.command(Velocity(0.5))
-
-    def __enter__(self) -> None:
-        self._thread.start()
-
-    def __exit__(self, *_: object) -> None:
-        self._ended.set()
-        self._thread.join()
 
 
 def speed(robot: FakeRobot) -> float:
