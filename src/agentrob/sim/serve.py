@@ -114,14 +114,14 @@ class _Process:
             later = self.clock.later
             return Station(node, self.world, self.cameras, self.ledger, later, rng, settings.noise)
 
-        self.served: list[Go2Services] = [
-            Go2Services(body, station(settings.domains[name])) for name, body in go2s.items()
-        ]
+        self.served: dict[str, Go2Services] = {
+            name: Go2Services(body, station(settings.domains[name])) for name, body in go2s.items()
+        }
 
     def run(self) -> None:
         from agentrob.sim.room_http import Room, RoomServer
 
-        room = Room(lambda: self.cameras.jpeg("overview"), self.reset, self.truth, self.health)
+        room = Room(lambda: self.cameras.jpeg("overview"), self.reset, self.truth, self.health, self.faults)
         server = RoomServer(room, self.settings.http_port)
         self.stack.callback(server.close)
         self.cameras.ready.wait(CAMERA_LIMIT_S)
@@ -138,20 +138,37 @@ class _Process:
         self.clock.run(self.tick)
 
     def tick(self) -> None:
-        for services in self.served:
+        for services in self.served.values():
             services.before_tick()
         self.world.tick()
-        for services in self.served:
+        for services in self.served.values():
             services.after_tick()
 
     # ------------------------------------------------------------------ for the room's HTTP server (its threads)
     def reset(self) -> bool:
         def work() -> None:
             self.world.reset()
-            for services in self.served:
+            for services in self.served.values():
                 services.reset()
 
         return self._in_world(work)
+
+    def faults(self, asked: Any) -> bool:
+        """See `agentrob.sim.faults`. Raises `SimError` for what cannot be; False when the world hangs."""
+        from agentrob.sim.faults import read
+
+        faults = read(asked, self.served)
+        put: list[bool] = []
+
+        def work() -> None:
+            put.append(self.world.put_box(faults.box_m))
+            if put[0]:
+                self.served[faults.robot].fail(faults)
+
+        done = self._in_world(work)
+        if put == [False]:
+            raise SimError("the box cannot stand where a robot is; nothing was changed")
+        return done
 
     def truth(self) -> Mapping[str, Any]:
         found: dict[str, Any] = {}
