@@ -27,12 +27,12 @@ class WorldHouse(House):
     def robot(self) -> RobotConfig:
         return RobotConfig(domain=self.domain, simulated=True, home_on_start=True)
 
-    def start(self, kind: str) -> None:
+    def start(self, kind: str, **env: str) -> None:
         if kind == "world":
             self.born = len(self.ledger())
             self.world = self.running["world"] = self.start_world()
         else:
-            super().start(kind)
+            super().start(kind, **env)
 
     def moves(self, since: int) -> bool:
         """Of the world of now; what moved in a killed one moves no more."""

@@ -10,7 +10,7 @@ import time
 from collections import Counter
 
 import pytest
-from kill_house import PHOTO, WALK, House, check
+from kill_house import DRIVER_DIED, PHOTO, WALK, House, check
 from kill_process import wait_for
 
 from agentrob import demo
@@ -19,7 +19,7 @@ from agentrob import demo
 LATEST_S = 1.7
 STATES = {
     "agent": {"done", "interrupted"},
-    "driver": {"done", "failed"},
+    "driver": {"done"} | DRIVER_DIED,
     "board": {"done", "interrupted", "cancelled"},
 }
 
