@@ -25,7 +25,9 @@ from agentrob.model import AccountKind, Role
 
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
-#: How a command may end whose driver was killed under it: its agent knows that it does not know what happened.
+#: How a command may end whose driver was killed before it was given a step: nothing moved.
+DRIVER_AWAY = frozenset({"failed"})
+#: How one may end whose driver was killed with a step: its agent knows that it does not know what happened.
 DRIVER_DIED = frozenset({"failed"})
 #: An agent, a driver or a board is back within seconds; what waits longest is the agent for a board, with its backoff.
 END_S = 45.0

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
-from kill_house import DRIVER_DIED, LONG_WALK, PHOTO, WALK, House, check
+from kill_house import DRIVER_AWAY, DRIVER_DIED, LONG_WALK, PHOTO, WALK, House, check
 from kill_process import wait_for
 
 pytestmark = pytest.mark.timeout(120)
@@ -49,8 +49,10 @@ def agent(name: str, target: str, when: str, ends: frozenset[str], motions: int 
     return Point(f"agent, {name}", "agent", "agentrob." + target, when, ends, motions, **more)
 
 
-def driver(name: str, target: str, when: str, motions: int | None = None, **more: Any) -> Point:
-    return Point(f"driver, {name}", "driver", target, when, DRIVER_DIED, motions, **more)
+def driver(
+    name: str, target: str, when: str, motions: int | None = None, ends: frozenset[str] = DRIVER_DIED, **more: Any
+) -> Point:
+    return Point(f"driver, {name}", "driver", target, when, ends, motions, **more)
 
 
 def board(name: str, target: str, when: str, ends: frozenset[str] = DONE, **more: Any) -> Point:
@@ -105,8 +107,8 @@ ENDED = [
     agent("journal closed", JOURNAL + "finish", "after", DONE, 1),
 ]
 DRIVER = [
-    driver("lease asked for", "agentrob.robots.driver:Driver.take", "before", 0),
-    driver("lease given", "agentrob.robots.driver:Driver.take", "after", 0),
+    driver("lease asked for", "agentrob.robots.driver:Driver.take", "before", 0, DRIVER_AWAY),
+    driver("lease given", "agentrob.robots.driver:Driver.take", "after", 0, DRIVER_AWAY),
     driver("lease renewed", "agentrob.robots.lease:Leases.renew", "after", nth=3),
     driver("step asked for", "agentrob.robots.driver:Driver.step", "before", 0),
     driver("step begun", "kill_robot:FarRobot.step", "before", 0),
