@@ -86,7 +86,7 @@ class House:
     # ------------------------------------------------------------ the robot
     def start_world(self) -> Mortal:
         args = [str(HERE / "kill_body.py"), str(self.runtime / "body"), str(self.ledger_path)]
-        return Mortal(args, self.folder / "world.log")
+        return Mortal(args, self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         fence = FenceConfig(x_min_m=-900, x_max_m=900, y_min_m=-900, y_max_m=900)
@@ -129,7 +129,12 @@ class House:
 
     # ------------------------------------------------------------ the mortals
     def start(self, kind: str, **env: str) -> None:
+        self.begin(kind, **env).ready()
+
+    def begin(self, kind: str, **env: str) -> Mortal:
+        """Start it, and do not wait until it is ready."""
         self.running[kind] = Mortal(self.words(kind), self.folder / f"{kind}.log", self.env() | env)
+        return self.running[kind]
 
     def words(self, kind: str) -> list[str]:
         words = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]

@@ -37,7 +37,7 @@ def environment(folder: Path, more: Mapping[str, str]) -> dict[str, str]:
 
 
 class Mortal:
-    """`python <args>`, ready when this returns. `killed` is what it said in the moment of its death."""
+    """`python <args>`, ready to serve after `ready()`. It ends when the thread that made it does."""
 
     def __init__(self, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
         self.log = log
@@ -53,7 +53,10 @@ class Mortal:
                 start_new_session=True,
             )
         threading.Thread(target=self._listen, daemon=True).start()
+
+    def ready(self) -> Mortal:
         self.heard("ready", START_S)
+        return self
 
     def _listen(self) -> None:
         assert self.process.stdout is not None

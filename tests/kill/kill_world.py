@@ -22,7 +22,7 @@ class WorldHouse(House):
 
     def start_world(self) -> Mortal:
         args = ("sim", "--domain", f"go2={self.domain}", "--ledger", str(self.ledger_path))
-        return Mortal([*AGENTROB, *args], self.folder / "world.log")
+        return Mortal([*AGENTROB, *args], self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         return RobotConfig(domain=self.domain, simulated=True, home_on_start=True)

@@ -116,7 +116,6 @@ def test_laws_5_and_6_the_board_of_yesterday_moves_nothing_and_what_is_new_is_do
         assert [p["card"]["state"] for p in house.answers(early)] in ([], ["expired"])
         assert early.post is not None
         assert early.post["id"] == house.posted(undone)["id"], "else this test would not see that ids are mixed up"
-    serves_as_ever(house)
 
 
 @pytest.mark.slow
@@ -139,7 +138,6 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     assert house.motions(open_one.began) == moved + 1
     if early is not None:
         assert [p["card"]["state"] for p in house.answers(early)] in ([], ["expired"])
-    serves_as_ever(house)
 
 
 # -------------------------------------------------------------------- the journal
