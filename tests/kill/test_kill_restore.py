@@ -147,7 +147,7 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
         # A first start moves nothing that was posted before it.
         slow(SCREENED, "expired", 0, id="it waits"),
         slow(CLAIMED, "interrupted", 0, id="it is claimed on the forum"),
-        fast(WALKING, "interrupted", 1, id="it walks"),
+        slow(WALKING, "interrupted", 1, id="it walks"),
         slow(None, "done", 1, id="it is done"),
     ],
 )
@@ -235,7 +235,7 @@ def test_laws_6_and_11_a_second_start_is_refused_in_one_line_and_the_first_is_no
     [
         slow(SCREENED, "done", 1, id="it waits"),
         slow(CLAIMED, "done", 1, id="it is claimed on the forum"),
-        fast(WALKING, "interrupted", 1, id="it walks"),
+        slow(WALKING, "interrupted", 1, id="it walks"),
         slow({"target": JOURNAL + "_end", "when": "after"}, "done", 1, id="it has walked"),
     ],
 )
