@@ -18,7 +18,6 @@ from agentrob.board.reader import Reader
 from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Job, T, Writer
-from agentrob.errors import BoardError
 from agentrob.language.stop import stop_intent
 from agentrob.language.visible import visible_text
 from agentrob.model import Account
@@ -97,19 +96,11 @@ class Store:
         return self.reader.image(image_id)[0]
 
     def newest_event_id(self) -> str:
-        return str(self.reader.newest_event_id())
+        return self.reader.newest_event_id()
 
     def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[Event, ...]:
-        """What happened after an event, oldest first. 404 when `after` is newer than all there is."""
-        return self.reader.events(self.known_event(after), limit, topic_id)
-
-    def known_event(self, after: str) -> int:
-        """`after` as a number, once it is sure that nothing can be missed by it."""
-        newest = self.reader.newest_event_id()
-        number = int(after) if after.isascii() and after.isdigit() and len(after) < 20 else newest + 1
-        if number > newest:
-            raise BoardError(404, "no_such_event", f"there is no event {after[:64]!r}", f"the newest is {newest}")
-        return number
+        """What happened after an event, oldest first. 404 when `after` is no event of this history."""
+        return self.reader.events(self.reader.known_event(after), limit, topic_id)
 
     # ---------------------------------------------------------------- writes, awaited
     async def do(self, job: Job[T]) -> T:
