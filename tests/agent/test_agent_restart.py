@@ -405,3 +405,21 @@ async def test_law_14_a_stop_ends_a_command_that_waits_for_a_busy_robot(scene: S
         await scene.until(lambda: agent.line.moving)
         await scene.post("bob", f"@{ROBOT} stop")
         assert (await scene.final(post)).card.state == "stopped"
+
+
+async def test_law_17_a_stop_past_the_forum_is_told_with_whose_it_was(tmp_path: Path) -> None:
+    local = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="local")
+    scene = make_scene(local, tmp_path)
+    try:
+        async with scene.agent(), local.client() as other:
+            post = await scene.post("alice", f"@{ROBOT} walk forward 5 metres")
+            await scene.state(post, "running")
+            async with asyncio.timeout(10):
+                while not ((await other.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
+                    await asyncio.sleep(0.02)
+            await other.stop("@alice `beside` the robot")
+            reply = await scene.final(post)
+    finally:
+        local.end()
+    assert reply.card.state == "stopped"
+    assert reply.raw.startswith("**Stopped** by `(at)alice 'beside' the robot`.")

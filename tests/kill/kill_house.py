@@ -20,7 +20,7 @@ import httpx2
 from kill_process import AGENTROB, HERE, Mortal, environment, wait_for
 
 from agentrob import app, demo
-from agentrob.config import BoardConfig, Config, FenceConfig, ForumConfig, RobotConfig
+from agentrob.config import BoardConfig, Config, FenceConfig, ForumConfig, RatesConfig, RobotConfig
 from agentrob.model import AccountKind, Role
 
 ROBOT, PERSON = "quadruped", "visitor"
@@ -28,7 +28,7 @@ WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "wa
 #: How a command may end whose driver was killed before it was given a step: nothing moved.
 DRIVER_AWAY = frozenset({"failed"})
 #: How one may end whose driver was killed with a step: its agent knows that it does not know what happened.
-DRIVER_DIED = frozenset({"failed"})
+DRIVER_DIED = frozenset({"interrupted"})
 #: An agent, a driver or a board is back within seconds; what waits longest is the agent for a board, with its backoff.
 END_S = 45.0
 ENTRY = "[agentrob.robots]\nfar = kill_robot:FarRobot\n"
@@ -93,8 +93,15 @@ class House:
         options = {"body": str(self.runtime / "body")}
         # its driver's host lock must be no other test's
         interface = f"kill-{secrets.token_hex(4)}"
+        rates = RatesConfig(commands_per_hour=0, cooldown_s=0, waiting=0)  # hundreds of commands by one account
         return RobotConfig(
-            model="far", interface=interface, simulated=True, home_on_start=True, fence=fence, options=options
+            rates=rates,
+            model="far",
+            interface=interface,
+            simulated=True,
+            home_on_start=True,
+            fence=fence,
+            options=options,
         )
 
     def ledger(self, since: int = 0) -> list[dict[str, Any]]:

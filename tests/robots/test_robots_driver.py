@@ -23,6 +23,11 @@ from agentrob.config import RobotConfig
 from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.model import ActionResult, Direction, Op, Outcome, Plan, Primitive
 from agentrob.robots.client import DriverClient, run_plan
+from agentrob.robots.driver import Driver, listening
+from agentrob.robots.fake import FakeRobot
+from agentrob.robots.guard import Guard
+from agentrob.robots.halt import Halt
+from agentrob.robots.service import Service
 from agentrob.robots.stop import halt_robot, stop_all, stop_driver
 
 
@@ -128,6 +133,25 @@ async def test_law_11_a_holder_that_dies_or_freezes_stops_the_robot(drivers: Dri
         assert await robot.holder() is None
         async with robot.lease("the next"):
             assert at_rest(await robot.state())
+
+
+async def test_law_11_a_step_whose_caller_is_gone_ends_without_waiting_for_the_lease(tmp_path: Path) -> None:
+    settings = RobotConfig(model="fake", simulated=True, home_on_start=True, options={"room": [-99, 99, -9, 9]})
+    driver = Driver("left", Guard(FakeRobot(settings), settings, Halt(tmp_path / "left.halt")))
+    driver.leases.ttl_s = 3600.0
+    with listening(tmp_path / "left.sock") as listener, Service(driver, listener):
+        try:
+            async with DriverClient("left", tmp_path / "left.sock") as robot:
+                caller = DriverClient("left", tmp_path / "left.sock")
+                lease = (await caller._call("POST", "/lease", {"holder": "mortal", "since_s": None}))["lease"]
+                step = asyncio.create_task(caller.step(lease, FAR, 60))
+                await moving(robot)
+                step.cancel()  # its connection is closed, as that of a process that was killed
+                await until(robot, at_rest)
+                assert await robot.holder() is None
+                await caller.close()
+        finally:
+            driver.close()
 
 
 async def test_law_11_a_step_whose_lease_is_given_back_ends(drivers: Drivers) -> None:

@@ -218,8 +218,11 @@ class Course:
         execution = _EXECUTION.validate_json(text)
         results = self.records.with_pictures(execution.results, execution.pictures)
         execution = replace(execution, results=results, verdict=execution.verdict or verdict)
+        job.stopped_by = job.stopped_by or execution.stopped_by
         if job.ended is not None and execution.status != "done":
             return await self._ended(job, plan, execution)
+        if execution.status == "stopped":  # past us: at the robot's machine, or by another of its clients
+            return self._report(job, "stopped", plan, execution, message=job.stopped_by)
         message = say("because.driver", command.language, message=execution.message) if execution.message else ""
         return self._report(job, execution.status, plan, execution, message=message)
 

@@ -60,7 +60,8 @@ class Reins:
 class Execution:
     """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence.
 
-    `pictures` are the files of the steps' pictures ("" for none), once they have been put on disk.
+    `stopped_by` is who stopped the robot past us, as they called themselves. `pictures` are the files of the steps'
+    pictures ("" for none), once they are on disk.
     """
 
     status: str
@@ -69,6 +70,7 @@ class Execution:
     message: str = ""
     first_motion_s: float | None = None
     pictures: tuple[str, ...] = ()
+    stopped_by: str = ""
 
 
 class _Run:
@@ -84,6 +86,7 @@ class _Run:
         self.first_motion_s: float | None = None
         self.mandate: Mandate | None = None
         self.lease = ""
+        self.stopped_by = ""
         self.started_s = time.monotonic()
 
     async def steps(self) -> str:
@@ -95,6 +98,8 @@ class _Run:
             result = await self._step(step)
             self.results.append(result)
             if not result.ok:
+                if result.reason in _BY_PEOPLE:
+                    await self._ask_who()
                 return self._status_of(result)
         return "done"
 
@@ -142,6 +147,12 @@ class _Run:
         stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
         return replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result
 
+    async def _ask_who(self) -> None:
+        """Whose stop it was: the driver knows, also when the forum does not."""
+        with contextlib.suppress(RobotError):
+            if (lost := await self.driver.lost(self.lease)) is not None:
+                self.stopped_by = lost.by
+
     def _must_end(self, step: Primitive) -> str:
         if why := self.reins.ended():
             return why
@@ -168,7 +179,9 @@ class _Run:
     def execution(self, status: str, message: str = "") -> Execution:
         rest = self.plan.steps[len(self.results) :]
         skipped = (ActionResult(step, Outcome.SKIPPED) for step in rest)
-        return Execution(status, (*self.results, *skipped), self.verdict, message, self.first_motion_s)
+        return Execution(
+            status, (*self.results, *skipped), self.verdict, message, self.first_motion_s, stopped_by=self.stopped_by
+        )
 
 
 async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> Execution:
@@ -181,8 +194,8 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Rei
             await _take(stack, run)
             status = await run.steps()
     except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum knows nothing of
-        stopped = _lost(str(e)) in _BY_PEOPLE
-        status, message = ("stopped", "") if stopped else ("failed", str(e))
+        run.stopped_by = e.by
+        status, message = ("stopped", "") if e.why in _BY_PEOPLE else ("failed", str(e))
     except (RobotBusy, RobotUnreachable, RobotError) as e:
         message = str(e)
     return run.execution(status, message)
@@ -207,12 +220,7 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
     try:
         return stepping.result()
     except LeaseLost as e:
-        reason, outcome, said = _lost(str(e)), Outcome.STOPPED, str(e)
+        reason, outcome, said = e.why, Outcome.STOPPED, str(e)
     except RobotError as e:
         reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, str(e)
     return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
-
-
-def _lost(said: str) -> str:
-    """A stop takes the lease away; without a stop it lapsed."""
-    return next((word for word in ("halt", "stop") if f"by a {word}" in said), "lease_lapsed")

@@ -166,12 +166,12 @@ class RobotAgent:
         self._claimed_topics = frozenset()
 
     async def _look_back(self) -> None:
-        """Shortly after a first start: answer posts of before it, and end what a journal that was lost had claimed."""
+        """Shortly after a beginning: answer posts of before it, and end what a journal that was lost had claimed."""
         assert self._me is not None
         since, statuses = self.channel.now() - LOOK_BACK, []
         with contextlib.suppress(ForumError):
             async for post in recent_posts(self.forum, self.settings.boards, since):
-                if is_open(post, self._me):
+                if is_open(post, self._me) and post.reply_to not in self.inbox.coming:
                     statuses.append(post)
                 elif post.created_at <= self._watermark_at:
                     heard = self._perceive(post)
@@ -252,6 +252,7 @@ class RobotAgent:
         await self.journal.put("watermark", self._watermark_at.isoformat())
         await self.journal.put("cursor", newest)
         self.channel.cursor = newest
+        await self._look_back()
 
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""

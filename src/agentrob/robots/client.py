@@ -117,6 +117,8 @@ class DriverClient:
         await self.close()
 
     async def _call(self, method: str, path: str, body: Any = None, timeout_s: float = CALL_S) -> Any:
+        if self._http.is_closed:
+            raise RobotUnreachable(f"this client of {self.robot!r} has been closed")
         try:
             answer = await self._http.request(method, path, json=body, timeout=timeout_s)
         except (httpx2.TransportError, OSError) as e:

@@ -64,7 +64,8 @@ class Guard:
         self.capabilities: Capabilities = robot.capabilities
         self._robot, self._settings, self._halt = robot, settings, halt
         self._mark = mark or Mark(None)
-        self._ranges, self._odometry, self._hands = Ranges(), Odometry(), Hands()
+        self._ranges, self._hands = Ranges(), Hands()
+        self._odometry = Odometry(getattr(robot, "time_scale", 1.0))
         self._fence: Fence | None = None
         self._homes_itself = settings.simulated and settings.home_on_start
         self._stepping = threading.Lock()

@@ -21,7 +21,9 @@ STILL_S = 0.3
 class Odometry:
     """`see` each state; `still` says whether the robot has kept its place for a moment."""
 
-    def __init__(self) -> None:
+    def __init__(self, time_scale: float = 1.0) -> None:
+        """`time_scale`: how much faster than life a fake robot goes; where its steps take no time, 1."""
+        self._time_scale = time_scale if math.isfinite(time_scale) else 1.0
         self._last: tuple[float, Pose] | None = None
         self._came_s: float | None = None  # when the newest state came
         self._anchor: tuple[float, Pose] | None = None
@@ -41,7 +43,7 @@ class Odometry:
         if silent_s > REBOOT_GAP_S:
             return f"no state came for {silent_s:.0f} s, and the robot may have been restarted"
         distance_m, angle_rad = _apart(last[1], state.pose)
-        dt = min(now_s - last[0], LOOK_S)
+        dt = min(now_s - last[0], LOOK_S) * self._time_scale
         if distance_m > SLACK_M + PLAUSIBLE_MPS * dt or angle_rad > SLACK_RAD + PLAUSIBLE_RPS * dt:
             return f"its odometry jumped by {distance_m:.2f} m and {math.degrees(angle_rad):.0f}°"
         return None

@@ -143,7 +143,15 @@ class _Face:
         deadline_s = data.get("deadline_s")
         if not isinstance(deadline_s, int | float) or not math.isfinite(deadline_s):
             raise RobotError("'deadline_s' must be a number of seconds")
-        return JSONResponse(encode(await in_thread(lambda: self.driver.step(lease, primitive, deadline_s))))
+        stepping = asyncio.ensure_future(in_thread(lambda: self.driver.step(lease, primitive, deadline_s)))
+        gone = asyncio.ensure_future(request.receive())  # after the body only the end of the connection can come
+        try:
+            await asyncio.wait({stepping, gone}, return_when=asyncio.FIRST_COMPLETED)
+            if not stepping.done():  # whoever asked for it is dead: sooner than by the lease that lapses
+                self.driver.leases.give_back(lease)
+            return JSONResponse(encode(await stepping))
+        finally:
+            gone.cancel()
 
     async def stop(self, request: Request) -> JSONResponse:
         asked_s = time.monotonic()
