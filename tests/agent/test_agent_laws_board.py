@@ -1,4 +1,4 @@
-"""Fresh and bound on the real board: what is edited or removed, and whose author lost a right, before and in a motion."""
+"""Fresh and bound on the real board: what is edited, removed, or whose author lost a right, before and in a motion."""
 
 from __future__ import annotations
 
