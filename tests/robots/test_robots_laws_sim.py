@@ -282,7 +282,8 @@ async def test_law_12_a_driver_killed_in_mid_walk_and_started_at_once_stops_the_
         assert not (await again.state()).halted
         await place.begin(again)
         async with Walk(place, again, NEAR) as walk:
-            assert (await walk.result()).ok
+            result = await walk.result()
+    assert result.ok, (result.outcome, result.reason, result.message)
 
 
 # ------------------------------------------------------------------ another owner's settings: last, they cost a driver
