@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 
 from agentrob.language.grammar import parse
 from agentrob.language.help import examples, help_text
-from agentrob.language.phrases import BOOKS, QUOTE_CHARS, quote, say
+from agentrob.language.languages import known
+from agentrob.language.phrases import QUOTE_CHARS, quote, say
 from agentrob.language.visible import OMITTED, mentions, visible_text
 from agentrob.model import Capabilities, Direction, Intent, Language, Limits, Op
 
 LANGUAGES: list[Language] = ["en", "zh"]
+BOOKS = {language: known()[language].sentences for language in LANGUAGES}
 
 
 def _placeholders(text: str) -> set[str]:

@@ -1,4 +1,4 @@
-"""Which part of a post is for which robot, and which language it is in."""
+"""Which part of a post is for which robot."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ import re
 from collections.abc import Sequence
 
 from agentrob.language.visible import mention_spans
-from agentrob.model import Language
 
 _ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all)*", re.IGNORECASE)
-_HAN = re.compile(r"[\u3400-\u9fff]")
-_LATIN_WORD = re.compile(r"[A-Za-z]{2,}")
 
 
 def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
@@ -38,9 +35,3 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
             parts.append(text)
         called = False
     return "\n".join(parts).strip()
-
-
-def language_of(text: str) -> Language:
-    """Chinese when there are at least as many Chinese characters as Latin words; English otherwise."""
-    han = len(_HAN.findall(text))
-    return "zh" if han and han >= len(_LATIN_WORD.findall(text)) else "en"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from agentrob.language.lexicon import Kind, Token
-from agentrob.language.zh import digit
 from agentrob.model import Op
 
 _AMOUNT_OF = {
@@ -94,8 +93,8 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     if unit is None or unit.kind not in _AMOUNT_OF:
         return None, 0
     end = unit_at + 1
-    if end < len(tokens) and tokens[end].kind is Kind.AND_HALF:  # "a metre and a half"
-        value += 0.5
+    if end < len(tokens) and tokens[end].kind is Kind.AND_PART:  # "a metre and a half"
+        value += _float(tokens[end])
         end += 1
     elif unit.kind is Kind.LENGTH_UNIT and (fraction := _spoken_fraction(tokens, end, text)) is not None:
         value += fraction
@@ -111,12 +110,12 @@ def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None
         return 0.5, at + 1
     if first.kind is Kind.SOFT and first.value == 1:
         following = tokens[at + 1].kind if at + 1 < len(tokens) else None
-        return (1.0, at + 1) if following in (Kind.LENGTH_UNIT, Kind.STEP_UNIT) else (None, at)
+        return (1.0, at + 1) if following in (Kind.LENGTH_UNIT, Kind.STEP_UNIT, Kind.TIME_UNIT) else (None, at)
     if first.kind is not Kind.NUMBER:
         return None, at
     value, here = _float(first), at + 1
-    if here < len(tokens) and tokens[here].kind is Kind.AND_HALF:
-        return value + 0.5, here + 1
+    if here < len(tokens) and tokens[here].kind is Kind.AND_PART:
+        return value + _float(tokens[here]), here + 1
     if here < len(tokens) and tokens[here].kind is Kind.HALF and value == int(value):  # 一个半米, one half metre
         return (value + 0.5 if here + 1 < len(tokens) else None), here + 1
     if here < len(tokens) and tokens[here].kind is Kind.NUMBER and _is_fraction(tokens[here], text) and value >= 1:
@@ -148,8 +147,9 @@ def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | Non
         return None
     if tokens[at].kind is Kind.HALF:
         return 0.5
-    tenths = digit(text[tokens[at].start : tokens[at].end]) if tokens[at].kind is Kind.NUMBER else None
-    return tenths / 10 if tenths is not None else None
+    if tokens[at].kind is not Kind.NUMBER or tokens[at].end - tokens[at].start > 1:
+        return None
+    return _float(tokens[at]) / 10
 
 
 def _float(token: Token) -> float:

@@ -7,63 +7,13 @@ only collects what was said; whether that is enough to move is decided in `steps
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from enum import Enum, auto
 
+from agentrob.language.drafts import Draft, Sentence
 from agentrob.language.lexicon import Kind, Token
 from agentrob.model import Direction, Op
 
 _AMOUNTS = (Kind.LENGTH, Kind.ANGLE, Kind.STEPS, Kind.DURATION, Kind.NUMBER)
-
-
-@dataclass
-class Draft:
-    """What was said of one deed. `verb` is MOVE, TURN, OP or None when only a direction or an amount was said."""
-
-    start: int
-    end: int
-    verb: Kind | None = None
-    op: Op | None = None
-    direction: Direction | None = None
-    amount: Token | None = None
-    speed_mps: float | None = None
-    slow: bool = False
-    vague: bool = False
-    times: int = 1
-    counted: bool = False
-    each: bool = False
-    bare_picture: bool = False
-    unknown: list[tuple[int, int]] = field(default_factory=list)
-    stop_word: bool = False
-    joined: bool = False  # nothing separated it from the draft before
-    closed: bool = False
-
-    @property
-    def is_motion(self) -> bool:
-        return self.verb in (Kind.MOVE, Kind.TURN) or (
-            self.verb is None and (self.direction is not None or self.amount is not None)
-        )
-
-    @property
-    def empty(self) -> bool:
-        return not (self.verb or self.direction or self.amount or self.unknown or self.bare_picture or self.stop_word)
-
-
-@dataclass
-class Sentence:
-    """Everything between two ends of sentences."""
-
-    drafts: list[Draft] = field(default_factory=list)
-    asked: bool = False
-    requested: bool = False
-    report: bool = False
-    condition: Token | None = None
-    denial_unclear: Token | None = None  # a "not" whose reach cannot be told
-    denial_joined: bool = False  # … because an "and" stands within it
-    talked: bool = False
-    denied: bool = False
-    help: bool = False
-    status: bool = False
 
 
 class _Mode(Enum):
@@ -97,31 +47,41 @@ class _Reader:
         self.talk_has_motion = False
         self.denied: Token | None = None
         self.denial_used = False
-        self.pending_slow = False
-        self.pending_vague = False
-        self.pending_speed: float | None = None
+        self.pending = Draft(0, 0)  # manners said before their verb
+        self.fixing: Token | None = None
+        self.way_back = False
+        self.each: Token | None = None
+        self.faster: Token | None = None
+        self.agreed: Token | None = None
+        self.named: Token | None = None
+        self.tokens: Sequence[Token] = ()
+        self.at = 0
 
     def read(self, tokens: Sequence[Token]) -> Sentence:
-        for token in tokens:
+        self.tokens = [t for t in tokens if t.kind is not Kind.SOFT]
+        for self.at, token in enumerate(self.tokens):
             self._take(token)
         self._end_denial()
-        motions = [d for d in self.sentence.drafts if d.is_motion]
-        if self.pending_slow and motions:  # "walk forward 2 m, slowly"
-            motions[-1].slow = True
+        self.sentence.fix_unclear = self.fixing
+        if self.pending.each and self.each:  # after each, and nothing to do then
+            self._unknown(self.each)
+        if self.faster and not self.sentence.drafts:  # "faster!"
+            self._unknown(self.faster)
+        able = [d for d in self.sentence.drafts if d.takes_manner]
+        if able:  # "walk forward 2 m, slowly"
+            _hand_over(self.pending, able[-1])
         self.sentence.drafts = [d for d in self.sentence.drafts if not d.empty]
         return self.sentence
 
     def _take(self, token: Token) -> None:
         kind = token.kind
-        if kind is Kind.SOFT:
-            return
         if kind in _MARKS:
             _MARKS[kind](self, token)
         elif self.mode is _Mode.TALK and not self._leaves_talk(token):
             self.talk_has_motion |= kind in (Kind.MOVE, Kind.TURN, Kind.OP)
         elif self.mode is _Mode.DENIED:
             self._deny(token)
-        elif self.mode is _Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT):
+        elif self.mode is _Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
             pass
         else:
             self.mode = _Mode.WANTED
@@ -129,6 +89,10 @@ class _Reader:
         # A wish within talk ("I do not think you should walk") begins nothing.
         wished = kind is Kind.WISH and self.mode is _Mode.WANTED
         self.boundary = wished or kind in (Kind.AND, Kind.COMMA, Kind.REQUEST)
+
+    def _next(self, steps: int = 1) -> Kind:
+        """The kind of the token so many places on."""
+        return self.tokens[self.at + steps].kind if self.at + steps < len(self.tokens) else Kind.END
 
     # ------------------------------------------------------------ marks that work in every mode
     def _separate(self, token: Token) -> None:
@@ -169,6 +133,56 @@ class _Reader:
         if self.cur:
             self.cur.closed = True
 
+    def _fix(self, token: Token) -> None:
+        """What follows corrects what was said; if nothing was said before, it is only a manner of beginning."""
+        if self.mode is _Mode.DENIED:
+            self._end_denial()
+        if self.mode is not _Mode.TALK:
+            self.mode = _Mode.WANTED
+            self.fixing = token
+        if self.cur:
+            self.cur.closed = True
+
+    def _no(self, token: Token) -> None:
+        following = self._next()
+        if following in (Kind.COMMA, Kind.END) or (self.sentence.drafts and following in _CORRECTING):
+            self._fix(token)
+        elif self.mode is not _Mode.TALK:  # "no turn left": nobody can tell
+            self.sentence.denial_unclear = self.sentence.denial_unclear or token
+
+    def _is(self, token: Token) -> None:
+        if self.mode is _Mode.WANTED and self.sentence.drafts and self._next() in _CORRECTING:
+            self._fix(token)
+        elif self.mode is _Mode.WANTED:
+            self._talk(token)
+
+    def _each(self, token: Token) -> None:
+        """ "… and take a photo after each", "after each turn, take a photo"."""
+        last = self.sentence.drafts[-1] if self.sentence.drafts else None
+        after = Kind(str(token.value)) if token.value else Kind.END
+        if self.mode is _Mode.DENIED:
+            self.denial_used = True
+        elif last is not None and last.op is Op.GET_FRONT_IMAGE and last is self.cur:
+            last.each, last.closed, self.mode = after, True, _Mode.WANTED
+        elif self.mode is not _Mode.TALK:
+            self.mode, self.pending.each, self.each = _Mode.WANTED, after, token
+            if self.cur:
+                self.cur.closed = True
+
+    def _thanks(self, token: Token) -> None:
+        """ "Thank you, Henry" at an end: a name."""
+        if self._next() is Kind.WORD and self._next(2) in (Kind.END, Kind.COMMA):
+            self.named = self.tokens[self.at + 1]
+
+    def _agree(self, token: Token) -> None:
+        """ "Right, take a photo", "right, walk forward 2 m": no direction where a command of its own follows."""
+        if self.at or self.mode is not _Mode.WANTED:
+            return
+        rest = [t.kind for t in self.tokens[self.at + 2 :]]
+        clause = rest[1 : rest.index(Kind.AND) if Kind.AND in rest else None] if rest[:1] == [Kind.COMMA] else []
+        if rest[:1] == [Kind.OP] or clause[:1] == [Kind.OP] or (clause[:1] in _VERBS and Kind.DIR in clause):
+            self.agreed = self.tokens[self.at + 1]
+
     # ------------------------------------------------------------ talk and denials
     def _leaves_talk(self, token: Token) -> bool:
         """A verb after a comma begins a command again, unless the talk itself told of motion ("I stood up, …")."""
@@ -178,7 +192,7 @@ class _Reader:
 
     def _deny(self, token: Token) -> None:
         """What is denied is dropped; with "and" within its reach nobody can tell what is meant."""
-        if token.kind in (Kind.MOVE, Kind.TURN, Kind.OP, *_AMOUNTS, Kind.DIR):
+        if token.kind in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BEYOND, *_AMOUNTS, Kind.DIR):
             if self.joined_by_and and self.boundary and self.denial_used:
                 self.sentence.denial_unclear, self.sentence.denial_joined = self.denied, True
             self.denial_used = True
@@ -203,6 +217,12 @@ class _Reader:
             self._amount(token)
         elif kind is Kind.OP:
             self._new(token, Kind.OP).op = Op(str(token.value))
+        elif kind is Kind.BEYOND:
+            self._beyond(token)
+        elif kind is Kind.AGAIN:
+            self._again(token)
+        elif kind is Kind.BACK:
+            self.way_back = True
         elif kind in (Kind.TALK, Kind.TALK_START):
             self._talk(token)
         elif kind is Kind.HELP:
@@ -211,6 +231,20 @@ class _Reader:
             self.sentence.status = True
         else:
             self._qualify(token)
+
+    def _beyond(self, token: Token) -> None:
+        draft = self._new(token, Kind.BEYOND)
+        draft.beyond = str(token.value)
+        draft.unknown.append((token.start, token.end))
+
+    def _again(self, token: Token) -> None:
+        cur = self._open()
+        if cur is not None and not cur.unknown and not cur.bare_picture and token.value is None:
+            return  # "turn left 90 degrees again"
+        draft = self._new(token, Kind.AGAIN)
+        draft.back = token.value == "back"
+        # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
+        draft.vague = token.value == "this" or (self._next() is Kind.COMMA and self._next(2) in _DEEDS)
 
     def _talk(self, token: Token) -> None:
         if token.kind is Kind.TALK_START and not (self.boundary or self.cur is None):
@@ -225,6 +259,9 @@ class _Reader:
 
     def _verb(self, token: Token) -> None:
         cur = self._open()
+        if cur is not None and cur.verb is Kind.AGAIN and cur.bare and not cur.back:  # "again, turn left"
+            self.sentence.drafts.remove(cur)
+            cur = self.cur = None
         fits = (
             cur is not None
             and cur.verb is None
@@ -238,6 +275,8 @@ class _Reader:
             self._new(token, token.kind)
 
     def _direction(self, token: Token) -> None:
+        if token is self.agreed:
+            return
         direction = Direction(str(token.value))
         cur = self._open()
         if cur is None or cur.verb is Kind.OP or cur.unknown or cur.bare_picture:
@@ -249,6 +288,7 @@ class _Reader:
         ):
             cur = self._new(token, None)
         cur.direction, cur.end = direction, token.end
+        cur.back, self.way_back = self.way_back, False
 
     def _amount(self, token: Token) -> None:
         cur = self._open()
@@ -270,12 +310,12 @@ class _Reader:
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
         if kind is Kind.TIMES and last and self._open() is last and not last.unknown:
             last.times, last.counted, last.end = _count(token), True, token.end
-        elif kind is Kind.EACH and last and last.op is Op.GET_FRONT_IMAGE:
-            last.each, last.closed = True, True
+        elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
+            last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
             if self.cur and not self.cur.closed and self.cur.op is Op.GET_FRONT_IMAGE:
                 self.mode = _Mode.SUBJECT
-        elif kind in (Kind.SLOW, Kind.VAGUE, Kind.SPEED):
+        elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
             self._manner(token)
         elif kind is Kind.PICTURE and (self._open() is None or (self._open() is last and last and last.bare_picture)):
             (self._open() or self._new(token, None)).bare_picture = True
@@ -288,17 +328,18 @@ class _Reader:
 
     def _manner(self, token: Token) -> None:
         cur = self._open()
-        if cur is not None and cur.is_motion:
-            cur.slow |= token.kind is Kind.SLOW
-            cur.vague |= token.kind is Kind.VAGUE
-            cur.speed_mps = _value(token) if token.kind is Kind.SPEED else cur.speed_mps
-            cur.end = token.end
-        else:
-            self.pending_slow |= token.kind is Kind.SLOW
-            self.pending_vague |= token.kind is Kind.VAGUE
-            self.pending_speed = _value(token) if token.kind is Kind.SPEED else self.pending_speed
+        draft = cur if cur is not None and cur.takes_manner else self.pending
+        draft.slow |= token.kind is Kind.SLOW
+        draft.slower |= token.kind is Kind.SLOW and token.value == "er"
+        draft.faster |= token.kind is Kind.FASTER
+        self.faster = token if token.value == "er" else self.faster
+        draft.vague |= token.kind is Kind.VAGUE
+        draft.speed_mps = _value(token) if token.kind is Kind.SPEED else draft.speed_mps
+        draft.end = token.end
 
     def _unknown(self, token: Token) -> None:
+        if token is self.named:
+            return
         cur = self._open() or self._new(token, None)
         cur.unknown.append((token.start, token.end))
         cur.end = token.end
@@ -307,14 +348,28 @@ class _Reader:
         return self.cur if self.cur and not self.cur.closed else None
 
     def _new(self, token: Token, verb: Kind | None) -> Draft:
-        draft = Draft(token.start, token.end, verb, joined=self._open() is not None)
-        draft.slow, draft.vague, draft.speed_mps = self.pending_slow, self.pending_vague, self.pending_speed
-        self.pending_slow, self.pending_vague, self.pending_speed = False, False, None
+        draft = Draft(token.start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
+        _hand_over(self.pending, draft)
+        if verb is Kind.OP and token.value == Op.GET_FRONT_IMAGE:
+            draft.each, self.pending.each = self.pending.each, None
+        self.fixing = None
         self.sentence.drafts.append(draft)
         self.cur = draft
         return draft
 
 
+def _hand_over(pending: Draft, draft: Draft) -> None:
+    """Give the manners that were said beforehand to a draft."""
+    draft.slow, draft.slower = draft.slow or pending.slow, draft.slower or pending.slower
+    draft.faster, draft.vague = draft.faster or pending.faster, draft.vague or pending.vague
+    draft.speed_mps = pending.speed_mps if draft.speed_mps is None else draft.speed_mps
+    pending.slow = pending.slower = pending.faster = pending.vague = False
+    pending.speed_mps = None
+
+
+_DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP)
+_VERBS = ([Kind.MOVE], [Kind.TURN])
+_CORRECTING = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.DIR, Kind.AGREE, Kind.BACK, Kind.FIX, Kind.NO, *_AMOUNTS)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 _MARKS = {
     Kind.AND: _Reader._separate,
@@ -325,6 +380,12 @@ _MARKS = {
     Kind.REPORT: _Reader._report,
     Kind.CONDITION: _Reader._condition,
     Kind.NOT: _Reader._not,
+    Kind.NO: _Reader._no,
+    Kind.FIX: _Reader._fix,
+    Kind.IS: _Reader._is,
+    Kind.EACH: _Reader._each,
+    Kind.AGREE: _Reader._agree,
+    Kind.THANKS: _Reader._thanks,
 }
 
 

@@ -3,8 +3,8 @@
     text ── addressing ──► words for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
          ── clauses ──► one draft per deed ── steps ──► steps, or the sentence to ask back with
 
-To teach it a word, add it to the table of its language (`en.py`, `zh.py`). To teach it a language, write such a file
-and name it in `LEXICONS` and in `phrases.BOOKS`.
+To teach it a word, add it to the table of its language (`tongues/en.py`, `tongues/zh.py`). To teach it a language,
+put such a file beside them: `docs/languages.md`.
 """
 
 from __future__ import annotations
@@ -12,28 +12,36 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from agentrob.language import en, zh
-from agentrob.language.addressing import language_of, part_for
+from agentrob.language.addressing import part_for
+from agentrob.language.again import Background
 from agentrob.language.amounts import with_amounts, with_pictures
-from agentrob.language.clauses import Sentence, sentences_of
+from agentrob.language.clauses import sentences_of
+from agentrob.language.drafts import Sentence
+from agentrob.language.languages import language_of, tongue
 from agentrob.language.lexicon import Lexicon, tokens_of
-from agentrob.language.phrases import say
+from agentrob.language.phrases import quote, say
 from agentrob.language.render import sentence
 from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
 from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
 
-LEXICONS: Mapping[Language, Lexicon] = {"en": en.LEXICON, "zh": zh.LEXICON}
-
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
 MAX_CHARS = 2_000
+_NOTHING_KNOWN = Background()
 
 
-def parse(visible: str, names: Sequence[str], others: Sequence[str], ops: frozenset[Op]) -> Understanding:
+def parse(
+    visible: str,
+    names: Sequence[str],
+    others: Sequence[str],
+    ops: frozenset[Op],
+    background: Background = _NOTHING_KNOWN,
+) -> Understanding:
     """Read the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
 
     Only `Intent.COMMAND` carries a plan. `ops` are those of the robot: examples in questions are taken from them, but
     a wish for another operation is understood too, so that the screen can say that the robot cannot do it.
+    `background` is what is known besides: what was done before in the thread, how fast and with what steps it walks.
     """
     part = part_for(visible, names, others)
     language = language_of(part)
@@ -41,16 +49,21 @@ def parse(visible: str, names: Sequence[str], others: Sequence[str], ops: frozen
         return Understanding(stop, language)
     if len(part) > MAX_CHARS:
         return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
-    words = LEXICONS[language]
-    called = _without_names(part, names, words)
-    tokens = with_pictures(with_amounts(tokens_of(called, words), called))
-    sentences = sentences_of(tokens)
-    reading = read(sentences, part, language)
+    sentences, mistyped = _sentences(part, names, language)
+    reading = read(sentences, part, language, background)
     if reading.problem:
         return _without_command(sentences, language) or _ask(reading, ops, language)
     if reading.steps:
-        return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), tuple(reading.notes)))
+        spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
+        return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
     return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
+    words = tongue(language).words
+    called = _without_names(part, names, words)
+    tokens, mistyped = tokens_of(called, words)
+    return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
 
 
 def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:

@@ -25,14 +25,27 @@ PHRASES = {
     "ask.frame": "{problem} I did not move. {understood}For example: {examples}",
     "ask.understood": "So far I understood: {steps}. ",
     "ask.words": "I did not understand {words}.",
-    "ask.place": "I do not know how to {words}: I find no places or things, I walk by distances and turn by angles.",
+    "ask.place": (
+        "I do not know how to {words}: that needs eyes, a vision model, which I do not have. I find no places or things; "
+        "I walk by distances and turn by angles."
+    ),
+    "ask.eyes": (
+        "{words}: that needs eyes, a vision model, which I do not have. I find no places or things; I walk by distances "
+        "and turn by angles."
+    ),
+    "ask.hands": "{words}: that is nothing I can do; I walk, turn, take photos and have a few gestures.",
+    "ask.wait": "{words}: I cannot wait between steps; each begins when the one before has ended.",
     "ask.distance": "How far? {words} has no distance, and I do not guess.",
     "ask.angle": "How far shall I turn? {words} does not say how many degrees.",
     "ask.turn": "Which way and how far shall I turn? {words} does not say.",
     "ask.side": "To which side shall I turn? {words} does not say left or right.",
     "ask.unit": "Which unit is meant in {words}? I know metres, centimetres, feet, inches and degrees.",
     "ask.steps": "{words}: a step has no fixed length here; please say it in metres.",
-    "ask.duration": "{words}: I walk by distance, not by time; please say it in metres.",
+    "ask.turn_time": "{words}: I turn by angle, not by time; please say it in degrees.",
+    "ask.again": "{words}: there is nothing in this thread that I have done and could repeat or undo.",
+    "ask.again_which": "Which of the steps shall I repeat with {words}?",
+    "ask.again_how": "I do not know how {words} would change what was done before: {steps}.",
+    "ask.fix": "I cannot tell what {words} corrects; please say the whole command anew.",
     "ask.what": "What shall I do with {words}?",
     "ask.condition": "I cannot follow conditions or choices such as {words}; please say plainly what to do.",
     "ask.denial": "I cannot tell what {words} refers to.",
@@ -45,6 +58,11 @@ PHRASES = {
     "ask.shared": "Please say once for each of us what to do.",
     # ---------------------------------------------------------------- assumptions that the reply states
     "note.turn_90": "{words} had no angle: taken as 90°.",
+    "note.own_speed": "I walk at my own speed; say one in m/s if you want another.",
+    "note.duration": "{words} is taken as {metres} m at {by} m/s.",
+    "note.steps": "{words} is taken as {metres} m, with {by} m a step.",
+    "note.again": "{words}: {steps}.",
+    "note.spelling": "{wrong} was read as {right}.",
     "note.turn_speed": "A speed was said for a turn: I turn at my own speed.",
     # ---------------------------------------------------------------- help
     "help.intro": (

@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from agentrob.language import en
 from agentrob.language.lexicon import Piece, lexicon
+from agentrob.language.phrases_zh import PHRASES
+from agentrob.language.tongue import Tongue
+from agentrob.language.tongues import en
 
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
     "move": "走|移动|挪|挪动|行走|行进|平移|移|迈|跑|去|前去|走动|横移|侧移",
     "move dir=forward": "前进|前行|直走|直行",
     "move dir=backward": "后退|倒退|退后|退|倒车|倒着走",
-    "move word": "走过去|走过来|过去|过来|跟我来|跟着我|跟我走|回来|回去|进来|出去",
+    "beyond=eyes": """走过去|走过来|过去|过来|跟我来|跟着我|跟我走|进来|出去|找|找到|寻找|搜索|跟随|跟着|探索|靠近|巡逻|走到
+        |去找|找一下|过来这边|到我这里来|来我这里|来这里|去到|检查|侦察|追|绕着|绕""",
+    "beyond=hands": "拿|拿起|捡|捡起|开门|打开|关上|关门|搬|按|倒水|带来|拿来|递给|抓住|趴下|跳舞|唱歌|跳|躺下|叫|说|打滚",
+    "beyond=wait": "等待|等一会|等一会儿|休息",
+    "again": """再来一次|再来一遍|再做一次|再做一遍|再一次|再来|重复一次|重复一遍|重来一次|重来一遍|再走一次|再走一遍
+        |再重复一次|照刚才的|和刚才一样|跟刚才一样|像刚才一样|重复以上动作|重复上面的动作
+        |再转一次|做同样的事|同样的动作|重复刚才的动作|一样的|像刚才那样|和上次一样|跟上次一样""",
+    "again=this": "一样|同样|同样的|照样|这样做|如此|照做|照旧|重复|以上动作|上述动作|这样",
+    "again=back": "回来|回去|走回来|走回去|返回|退回去|退回来|退回原处|回到原处|回到原位|回到原来的位置|回到起点|原路返回|撤销",
     "turn": "转|旋转|转动|转向|拐|扭|转弯|拐弯|转个身",
     "turn angle=180": "掉头|调头|掉个头|调个头|向后转|转身|转过身|转过身去|回转|转半圈|转个半圈",
     "turn angle=360": "转一圈|转个圈|转圈|转一整圈|旋转一周|转一周|转个整圈",
@@ -30,7 +40,7 @@ TABLE = {
     "op=stand": "站起来|起立|起来|站起|站立",
     "op=stretch": "伸懒腰|伸个懒腰|伸展|伸展一下|伸展身体|拉伸|拉伸一下|舒展一下",
     "op=get_front_image": """拍照|照相|拍个照|照张相|拍张照|拍一张照|照个相|拍张相|拍一下照|拍下照|拍张照片
-        |拍一张照片|拍个照片|照张照片|拍照片|拍张图|拍一张图""",
+        |拍一张照片|拍个照片|照张照片|拍照片|拍张图|拍一张图|拍个图|拍几张照片|来张照片|来一张照片|拍张照看看|拍照片给我|拍张照给我|拍个照片给我""",
     "op=get_front_image of": """给我看看|给我们看看|让我看看|让我们看看|看看|看一下|看一看|看一眼|拍一下|拍下
         |拍给我看|让我看一下|给我看一下|给大家看看""",
     "show": "拍|照|拍摄|发|传|发送|上传|来",
@@ -53,19 +63,29 @@ TABLE = {
     "speed_unit=0.2777777777777778": "公里每小时|千米每小时",
     "per_second": "每秒|每秒钟|一秒",
     "step_unit": "步",
-    "time_unit": "秒|秒钟|分钟|分",
+    "time_unit=1": "秒|秒钟",
+    "time_unit=60": "分钟",
     "half": "半|半个",
     "times_unit": "次|遍|回",
     "vague": """一点|一点点|点儿|一点儿|一些|一会|一会儿|稍微|稍稍|略微|几米|几步|几圈|几度|几厘米|一段|一段路
         |远一点|远点|多一点|少一点|一小段""",
-    "slow": "慢慢地|慢慢|慢慢的|缓慢|缓慢地|慢速|慢|慢一点|慢点|慢点儿|轻轻地|轻轻|小心地|小心|低速",
-    "each": "每一步之后|每步之后|每走一步|每次移动后|每次移动之后|每一步后|每步都|每一步都",
+    "slow": "慢慢地|慢慢|慢慢的|缓慢|缓慢地|慢速|慢|轻轻地|轻轻|小心地|小心|低速|慢速地|慢悠悠地|缓缓|缓缓地|非常慢",
+    "slow=er": "慢一点|慢点|慢点儿|慢一些|更慢|慢一点儿|再慢一点|再慢点|更慢一点|放慢|放慢一点|放慢速度|慢半拍",
+    "faster": "快|快点|快速|快速地|赶快|全速|尽快|飞快地|高速",
+    "faster=er": "快一点|快一些|更快|再快一点|再快点|更快一点|加快|加快速度",
+    "each": """每一步之后|每步之后|每走一步|每次移动后|每次移动之后|每一步后|每步都|每一步都|每步后|每做完一步|每个动作后
+        |每个动作之后|每次之后|每次都|每次|每完成一步|每做一步|每一步""",
+    "each=turn": "每次转弯后|每次转向后|每转一次|每次转完|每次转弯之后|每次转向之后|每转完一次",
+    "each=move": "每走一次|每次走完|每次前进后|每走完一段|每走一段",
     # ---------------------------------------------------------------- what joins and separates
     "and": """然后|接着|再|随后|之后|并|并且|而后|接下来|完了|并且再|然后再|接着再|之后再|以后再|后再|同时|和|与
         |还有|跟着|最后|最后再|以及|完后|再然后""",
-    "comma": "，|、|；|：|（|）|【|】|但|但是|不过|而是|只|只要|只是|改为|改成",
-    "end": "。|！|．",
-    "asked end": "？|呢？",
+    "comma": "但|但是|不过|而是|只|只要|只是",
+    "asked end": "呢？",
+    "fix": """不对|不对不对|错了|说错了|不不|不不不|哦不|噢不|我是说|我的意思是|应该是|我说的是|等等不对|不对应该是|更正|改为|改成
+        |算了还是|还是改成|啊不|不好意思应该是|抱歉应该是|口误|不对是|不对我是说|应该说|不是不是|说错了是|错了是|错了应该是
+        |说错了应该是|不对不对是|不对等等""",
+    "is": "是",
     "asked": "吗|么|多少|什么|哪里|哪儿|哪|怎么|怎样|为什么|为何|谁|几点|是不是|会不会|有没有|对吗|多远|多久|多大",
     "condition": """如果|要是|假如|假设|万一|直到|除非|的时候|时候|的话|或|或者|还是|当|一旦|只有|否则|不然|等到|等
         |之前|若|倘若|不管|除了|一边""",
@@ -77,8 +97,8 @@ TABLE = {
         |你能不能|我要你|我想让你|我想要你|我希望你|我想|我要""",
     "wish": "我们应该|你应该|你该|我们可以|咱们|让我们|应该|该",
     "talk": """我|我们|它|他|她|他们|她们|它们|你会|你是|你叫|你有|你在|你的|你觉得|你知道|你看到|你看见|你喜欢|这
-        |这里|这个|那个|那里|有人|听说|有|是|会|大家|人们""",
-    "report": """昨天|前天|刚才|刚刚|上次|之前它|曾经|已经|走了|退了|转了|前进了|后退了|走过了|转过了|去了|过了
+        |这里|这个|那个|那里|有人|听说|有|会|人们|这不是|它是|我是""",
+    "report": """昨天|前天|刚才|刚刚|你刚才|刚才你|上次|之前它|曾经|已经|走了|退了|转了|前进了|后退了|走过了|转过了|去了|过了
         |撞到了|撞了|跑了|上周|去年|那天|当时""",
     "help": """帮助|求助|你会什么|你能做什么|你会做什么|你能干什么|你会干什么|怎么用|使用说明|说明|指令列表
         |你可以做什么|有什么指令|有哪些指令|能做什么|会做什么""",
@@ -89,12 +109,17 @@ TABLE = {
         |不错|不错哦|很好|真棒|棒|真好|加油|机器人|机器狗|小狗|狗狗|小机器人|现在|那|那么|给我|给我们|给|个|下|一下
         |方向|方|边|侧|面|大概|大约|左右|上下|约|约莫|差不多|大致|向|往|朝|朝着|向着|往着|以|的速度|速度|用|先|首先
         |第一步|第二步|第三步|原地|在原地|就地|角|角度|整|完整|再见|你好|您好|早上好|晚上好|下午好|大家好|一直|身|头
-        |身子|身体|上|来|做|一张|一个|张|把|出|机身|快|快点|快速|赶快|马上|立刻|立即|一起|我看|共|总共|一共|继续|正
-        |起来吧|过来拍|这样|嗯嗯|不客气|麻烦了|拜托了|谢啦|哈哈|直接|每个人|都|同学|朋友|伙计""",
+        |身子|身体|上|来|做|一张|一个|张|把|出|机身|马上|立刻|立即|一起|我看|共|总共|一共|继续|正
+        |起来吧|过来拍|嗯嗯|不客气|麻烦了|拜托了|谢啦|哈哈|直接|每个人|都|你们|你们俩|你们两个|大家|大家一起|的时间|时间|先生|在|呗|同学|朋友|伙计""",
 }
 
 _NUMERALS = frozenset("零〇一二两三四五六七八九十百千万点")
 _DIGITS = {c: i for i, c in enumerate("零一二三四五六七八九")} | {"两": 2, "〇": 0}
+#: Traditional characters, each for the simplified one of the same place.
+_TWINS = str.maketrans(
+    "轉後進過張臺幾兩點個鐘樓們來對著慢邊側圈時間開關頭嗎請麻煩謝後還這裡裏動別無勿給見覺發傳視圖畫電狀態剛纔從卻應該說錯當並將會沒條樣遠續復複離單緩輕車廚門東學應聲讓繼舉彎橫擺擇勢與隨為爲親愛機嘗試",
+    "转后进过张台几两点个钟楼们来对着慢边侧圈时间开关头吗请麻烦谢后还这里里动别无勿给见觉发传视图画电状态刚才从却应该说错当并将会没条样远续复复离单缓轻车厨门东学应声让继举弯横摆择势与随为为亲爱机尝试",
+)
 
 
 def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
@@ -106,20 +131,26 @@ def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
         if piece.text not in _NUMERALS:
             break
         run += piece.text
-    import cn2an  # a tenth of a second that English does without
-
     run = run.rstrip("点")  # 一点 without digits after it means "a bit"
     while run:
-        try:
-            return float(cn2an.cn2an(run.replace("〇", "零"), "smart")), len(run)
-        except (ValueError, KeyError, IndexError):  # some numerals that are none trip the library itself (十十一)
-            run = run[:-1]
+        if (value := _value(run)) is not None:
+            return value, len(run)
+        run = run[:-1]
     return None
 
 
-def digit(text: str) -> int | None:
-    """The value of a single Chinese or Arabic digit: the 五 of 一米五."""
-    return int(text) if text.isdigit() and len(text) == 1 else _DIGITS.get(text)
+def _value(numeral: str) -> float | None:
+    """The value of a whole numeral. Up to 99 without the library, whose import takes longer than a robot's thought."""
+    tens, ten, ones = numeral.rpartition("十")
+    if len(tens) < 2 and len(ones) < 2 and all(c in _DIGITS for c in tens + ones) and not (ten and "零" in tens + ones):
+        return _DIGITS.get(tens, 1) * 10.0 * bool(ten) + _DIGITS.get(ones, 0)
+    import cn2an
+
+    try:
+        return float(cn2an.cn2an(numeral.replace("〇", "零"), "smart"))
+    except (ValueError, KeyError, IndexError):  # some numerals that are none trip the library itself (十十一)
+        return None
 
 
-LEXICON = lexicon("zh", TABLE, number, extends=en.LEXICON)
+LEXICON = lexicon("zh", TABLE, number, numerals=_NUMERALS, twins=_TWINS, extends=en.LEXICON)
+TONGUE = Tongue(LEXICON, PHRASES, script="han")

@@ -7,21 +7,34 @@ from collections.abc import Sequence
 from text_to_num import text2num
 
 from agentrob.language.lexicon import Piece, lexicon
+from agentrob.language.phrases_en import PHRASES
+from agentrob.language.tongue import Tongue
 
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
     "move": """move|go|walk|proceed|travel|step|drive|advance|come|head|run|trot|keep going|keep moving|keep walking
-        |continue|march|stroll|strafe|sidestep|side step""",
-    "move dir=backward": """back up|backup|back off|reverse|retreat|step back|go back|walk back|move back
-        |move backwards""",
-    "turn": "turn|rotate|pivot|spin|face|swivel|angle at|yaw",
+        |continue|march|stroll|strafe|sidestep|side step|shift|slide|scoot|roll|crawl|creep|inch forward|navigate
+        |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
+    "move dir=backward": "back up|backup|back off|reverse|retreat|step back|move backwards|go in reverse",
+    "back move dir=backward": "go back|walk back|move back|head back|go on back",
+    "again=back": """come back|come back here|return|go back to where you were|back to where you were|back to the start
+        |go back to the start|go back to where you started|back to where you started|return to the start|undo that|undo
+        |return to where you were|return to where you started|return to your starting point|retrace your steps
+        |go back to start|return to start|go back where you came from|walk back to where you were
+        |go back to where you came from|return to your starting position|return to your original position""",
+    "turn": """turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn|take a turn|twist|veer
+        |turn yourself|rotate yourself|swing""",
     "turn angle=180": """turn around|turn round|spin around|about face|do a one eighty|do a 180|u turn|make a u turn
         |do a u turn|turn yourself around|face the other way""",
-    "dir=forward": "forward|forwards|ahead|straight|straight ahead|straight forward|onward|straight on",
-    "dir=backward": "backward|backwards|back|rearward|in reverse",
+    "dir=forward": """forward|forwards|ahead|straight|straight ahead|straight forward|onward|straight on|frontwards
+        |in front|to the front""",
+    "dir=backward": "backward|backwards|rearward|in reverse|to the rear|to the back",
+    "back dir=backward": "back",
     "dir=left": "left|leftward|leftwards|counterclockwise|counter clockwise|anticlockwise|anti clockwise",
-    "dir=right": "right|rightward|rightwards|clockwise",
-    "move dir=forward": "move up|go up|come up",
+    "dir=right": "rightward|rightwards|clockwise",
+    "agree dir=right": "right",
+    "move dir=forward": "move up|go up|come up|walk up|move down|go down|come down|walk down|move along|walk along",
+    "along": "down|up|along",
     # ---------------------------------------------------------------- deeds
     "op=hello": """wave|wave hello|say hello|say hi|wave at me|wave to me|wave your paw|wave your hand|wave at us
         |wave at everyone|wave to everyone|give a wave|greet|greet me|greet us|greet everyone|do a wave
@@ -34,19 +47,36 @@ TABLE = {
     "op=sit": "sit|sit down|take a seat|have a seat",
     "op=stand": "stand|stand up|get up|rise|stand up straight",
     "op=stretch": "stretch|stretch yourself|have a stretch|do a stretch|take a stretch|stretch out",
+    "beyond=eyes": """find|look for|search|search for|seek|locate|follow|chase|explore|approach|come here|come to me
+        |come over here|come over|go see|go look|investigate|inspect|patrol|go home|track|hunt|guard|watch|survey
+        |go explore|go find|go and find|go over|go check|check out|check|scan|identify|count""",
+    "beyond=hands": """pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour|clean|wash|cook|unlock
+        |put|place|catch|touch|hold on to|switch on|turn on|switch off|turn off|play|sing|dance|lie down|lay down|roll over
+        |jump|bark|speak|talk|say|climb""",
+    "beyond=wait": "pause|wait for|sleep|wait a second|wait a moment|wait a minute|hold on",
+    "again=this": """do this|do that|do it|do all that|do all of that|do all of this|do all this|do everything|do so
+        |the whole thing|do the whole thing|same""",
+    "again": """again|once again|once more|one more time|do it again|do that again|do this again|repeat|repeat that
+        |repeat it|repeat this|same again|the same again|the same|do the same|do the same again|same thing
+        |the same thing|do the same thing|same thing again|repeat all of that|repeat all that|repeat everything
+        |redo|redo that|another time|the same as before|same as before|repeat the last command
+        |repeat the sequence|repeat the last one|repeat the last move|repeat that sequence|do that sequence""",
     "op=get_front_image of": """show me what you see|show us what you see|show me what is in front of you
         |show me what's in front of you|take a look|show view|show me the view|show me your view|give me a visual
         |let me see what you see|look ahead|what does your camera see|show me your camera""",
-    "show": "take|send|grab|snap|shoot|get|give|show|capture|make|record|post|share|provide|upload",
+    "show": "take|send|grab|snap|shoot|get|give|show|capture|make|record|post|share|provide|upload|transmit|return me",
     "picture": """photo|photos|picture|pictures|pic|pics|image|images|photograph|snapshot|shot|selfie|camera image
         |front image|front photo""",
     "soft": "send it|send it to me|send it to us|post it|show it to me|show me|upload it|share it",
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
         |from where you are""",
-    "each": """after each movement|after each move|after each|after each step|after every movement|after every step
-        |after each turn""",
+    "each": """after each movement|after each|after each step|after every movement|after every step|after every one
+        |after each one|after each action|after every action|after each of them|after each of these|after each of those
+        |each time|every time you stop|after every|at each step|at every step""",
+    "each=move": "after each move|after every move|after each walk|after every walk|after each leg",
+    "each=turn": "after each turn|after every turn|after each rotation|after every rotation",
     # ---------------------------------------------------------------- amounts
-    "length_unit=1": "m|meter|meters|metre|metres|mtr|mtrs",
+    "length_unit=1": "m|meter|meters|metre|metres|mtr|mtrs|meteres|meeters|meetres|metters",
     "length_unit=0.01": "cm|centimeter|centimeters|centimetre|centimetres|cms",
     "length_unit=0.001": "mm|millimeter|millimeters|millimetre|millimetres",
     "length_unit=1000": "km|kilometer|kilometers|kilometre|kilometres",
@@ -54,20 +84,23 @@ TABLE = {
     "length_unit=0.0254": "inch|inches",
     "length_unit=0.9144": "yard|yards|yd|yds",
     "length_unit=1609.344": "mile|miles",
-    "angle_unit=1": "degree|degrees|deg|degs|°|degree angle|degree turn|degrees turn",
+    "angle_unit=1": "degree|degrees|deg|degs|°|degress|degres|degreees|degree angle|degree turn|degrees turn",
     "angle_unit=57.29577951308232": "radian|radians|rad",
     "speed_unit=1": "m/s|mps|m per s|meters per second|metres per second|meter per second|metre per second|m / sec",
     "speed_unit=0.01": "cm/s|centimeters per second|centimetres per second",
     "speed_unit=0.3048": "feet per second|foot per second|ft/s",
     "speed_unit=0.2777777777777778": "km/h|kmh|kph|kilometers per hour|kilometres per hour",
-    "step_unit": "steps|pace|paces|stride|strides",
-    "time_unit": "s|second|seconds|sec|secs|minute|minutes|min|mins",
+    "step_unit": "steps|pace|paces|stride|strides|footsteps",
+    "time_unit=1": "s|second|seconds|sec|secs",
+    "time_unit=60": "minute|minutes|min|mins",
     "turn angle=90": "quarter turn|a quarter turn|a quarter of a turn",
     "turn angle=180 ": "half turn|a half turn|half a turn",
     "turn angle=360": """full turn|a full turn|full circle|a full circle|full rotation|a full rotation|complete turn
         |a complete turn|turn in a circle|spin in a circle|turn all the way around""",
     "half": "half a|half an|half of a|a half|half|one half|one half of a",
-    "and_half": "and a half|and one half",
+    "and_part=0.5": "and a half|and one half|and half",
+    "and_part=0.25": "and a quarter|and one quarter",
+    "and_part=0.75": "and three quarters",
     "number=0.25": "quarter|a quarter|a quarter of a|quarter of a|one quarter of a",
     "number=0.75": "three quarters of a|three quarter",
     "times=1": "once|one time",
@@ -76,13 +109,23 @@ TABLE = {
     "times_unit": "times|x",
     "vague": """a bit|a little|a little bit|slightly|some|somewhat|a few|few|several|a couple|a couple of
         |as far as you can|as far as possible|far|further|farther|a lot|a touch|a tad|a little ways|a ways|a way""",
-    "slow": "slowly|slow|carefully|gently|gradually|at low speed|at a slow pace",
+    "slow": """slowly|slow|carefully|gently|gradually|at low speed|at a slow pace|very slowly|really slowly|slow and steady
+        |at a slow speed|with care|nice and slow|slow down|cautiously|real slow|at a crawl""",
+    "slow=er": "slower|more slowly|a bit slower|a little slower|a bit more slowly|much slower|only slower|at half speed",
+    "faster": """quickly|fast|at full speed|as fast as you can|as fast as possible|at top speed|at maximum speed|full speed
+        |very fast|really fast|at high speed|rapidly|at a fast pace|as quickly as you can|as quickly as possible""",
+    "faster=er": "faster|more quickly|a bit faster|a little faster|much faster|speed up|hurry up|hurry",
     # ---------------------------------------------------------------- what joins and separates
-    "and": """and|then|and then|next|after that|afterwards|followed by|and after that|then next|&|+|and also|also
-        |and finally""",
-    "comma": ",|;|:|(|)|[|]|—|but|just|only|instead|rather|finally|but then|and just",
-    "end": ".|!|…",
-    "asked end": "?",
+    "and": """and|then|and then|next|after that|afterwards|followed by|and after that|then next|and also|also
+        |and finally|after which|and from there|once done|when done|when you are done|when that is done
+        |and when done|and next|then after that|after this""",
+    "comma": "but|just|only|instead|rather|finally|but then|and just",
+    "no": "no|nope|nah",
+    "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant|or rather
+        |make that|make it|correction|actually no|no actually|actually|scratch that|strike that|oops|whoops|my mistake
+        |my bad|er no|uh no|um no|no i mean|no i meant|no make that|no make it|rather make it|i meant to say|sorry make it
+        |sorry make that|no not that|not that|wait i mean|wait i meant|or actually|wait actually|wait sorry|on second thought
+        |on second thoughts|no hold on|no hang on|hang on no|i should say""",
     "condition": """if|unless|until|till|while|whenever|when|once you|before|after|or|either|except|without|in case
         |as soon as|as long as|provided|assuming|every time|otherwise|maybe|perhaps|instead of|rather than|whether
         |suppose|imagine|almost|were you to|pretend""",
@@ -93,10 +136,14 @@ TABLE = {
     "go_ahead": "go ahead",
     # ---------------------------------------------------------------- wanted, or only talk
     "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please
-        |would you please|i want you to|i'd like you to|i would like you to|i need you to|i'd love you to
+        |would you please|i think we should|i think you should|maybe we should|perhaps we should|perhaps you should
+        |maybe you should|i'm going to need you to|i'd appreciate it if you could|do me a favor and|do me a favour and
+        |be a dear and|please go ahead and|go ahead and|let's have you|i'd like to have you|i'd like for you to
+        |i would like for you to|please could you|please can you|please would you|your task is to|your next task is to
+        |are you able to|are you able to please|is it possible for you to|how about you|why don't you|i want you to|i'd like you to|i would like you to|i need you to|i'd love you to
         |would you mind|you have to|you must|can we|could we|may i have|can i have|can i get|could i have
         |could i get|i want|i'd like|i would like|kindly|i need|have the robot|tell the robot to|robot please""",
-    "wish": """we should|you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to
+    "wish": """now we|now you|we should|you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to
         |you need to|try to""",
     "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|what|what's|how|how's|do you|did you|did we|did it|do we
         |do i|that's|there's|there|it's|let me know|tell me|who|who's|why|where|where's|which|i am|they|he|she|he's
@@ -116,18 +163,25 @@ TABLE = {
         |are you ok|are you okay|report status|are you ready|what is your battery|what's your battery level
         |are you busy|are you online|your battery""",
     "soft=1": "a|an|another|one more|one additional",
+    "thanks": """thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers|good job
+        |great job|good work|well done|nice work|good boy|thanks so much|much appreciated|hello|hi|hey|good morning
+        |hi there|hello there|no problem|no worries|thanks again|thank you again|good day|greetings|dear""",
     "soft ": """the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left|um
         |uh|uhh|uhhh|umm|hm|hmm|mm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now
-        |yes|yeah|yep|yup|sure|please please|thanks|thank you|thank you very much|thank you so much|thanks a lot
-        |many thanks|thx|ty|cheers|great|good|nice|perfect|excellent|cool|awesome|good job|great job|good work
-        |well done|nice work|good dog|good boy|good robot|doing a good job|doing great|you're doing great
-        |you are doing great|there we go|here we go|hi|hello|hey|hi there|hello there|dear|good morning|good evening
+        |yes|yeah|yep|yup|sure|please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot
+        |got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four
+        |very good|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground|one time
+        |on the floor|in the room|here|there|in total|total|in all|overall|as well|too|again please|for me please|both of you
+        |you both|you two|all of you|for us|if it is safe|if it's safe|when safe|safely|from this angle|from this position
+        |from that angle|from that position|from this spot|from this view|nicely|politely|kind sir|doggo|pup|puppy|mate
+        |pal|bot|little one|little guy|my dear|my good robot|everyone else|the same amount|so please|so then|okay so|doing a good job|doing great|you're doing great
+        |you are doing great|there we go|here we go|good evening
         |good afternoon|robot|dog|doggy|buddy|my friend|friend|first|first up|firstly|second|secondly
         |third|thirdly|to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly
         |precisely|more|additional|extra|further more|side|direction|way|hand side|straight away|immediately
-        |directly|if you can|if possible|if you please|if you could|if you would|if you don't mind
+        |directly|now then|if you can|if you're able|if you are able|if possible|if you please|if you could|if you would|if you don't mind
         |when you are ready|when you're ready|when ready|when you can|do|do a|make a|make|give me|perform|perform a
-        |execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight|quickly|fast|with|up
+        |execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight|with|on|as
         |be so kind and|be so kind to|would be nice|from your location|sir|from your position|go on and|your body
         |your camera|with your camera|with the camera|everyone|everybody|all|both|each of you|of you|at normal speed
         |there you go|that would be great|that would be nice|at your own pace|final|last|feel free to""",
@@ -138,6 +192,7 @@ _WORDS = frozenset(
     """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen
     eighteen nineteen twenty thirty forty fourty fifty sixty seventy eighty ninety hundred thousand""".split()  # noqa: SIM905
 )
+_STARTS = _WORDS | {"a", "point"}
 _UNITS = frozenset(["one", "two", "three", "four", "five", "six", "seven", "eight", "nine"])
 _TENS = frozenset(["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety", "ten"])
 
@@ -148,6 +203,8 @@ def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
     if first[-1] in "0123456789" and first[0] in "0123456789.":
         above, _, below = first.replace("⁄", "/").partition("/")
         return float(above) / float(below or 1), 1
+    if first not in _STARTS:
+        return None
     words = _number_words(pieces, at)
     if not words:
         return None
@@ -191,4 +248,5 @@ def _decimals(said: str) -> float:
     return float("0." + "".join(str(text2num(word, "en")) for word in said.split()))
 
 
-LEXICON = lexicon("en", TABLE, number)
+LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
+TONGUE = Tongue(LEXICON, PHRASES)
