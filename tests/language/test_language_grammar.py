@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agentrob.language.tongues.en import LEXICON as EN
 from agentrob.language.grammar import MAX_CHARS, parse
 from agentrob.language.render import sentence
-from agentrob.language.visible import visible_text
+from agentrob.language.tongues.en import LEXICON as EN
 from agentrob.language.tongues.zh import LEXICON as ZH
+from agentrob.language.visible import visible_text
 from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
 
 OPS = frozenset(Op)

@@ -1,6 +1,6 @@
 """What was done before, once more: "again", "the same but slower", "do this twice", "and now back".
 
-It is taken from what was said in the same post, else from the last plan that was done in the thread, and told in a note.
+It is taken from what was said in the same post, else from the last plan that was done in the thread; a note tells it.
 """
 
 from __future__ import annotations
@@ -85,13 +85,15 @@ def _changed(steps: Sequence[Primitive], draft: Draft, said: str, language: Lang
             raise unclear
         found = [replace(s, direction=draft.direction) if s.direction in axis else s for s in found]
     if draft.amount is not None:
-        field = {Kind.LENGTH: "distance_m", Kind.ANGLE: "degrees"}.get(draft.amount.kind, "")
-        meant = [s for s in found if field and getattr(s, field) is not None]
-        value = draft.amount.value
-        if len(meant) != 1 or not isinstance(value, float):
+        op = {Kind.LENGTH: Op.MOVE, Kind.ANGLE: Op.TURN}.get(draft.amount.kind)
+        if sum(s.op is op for s in found) != 1 or not isinstance(draft.amount.value, float):
             raise unclear
-        found = [replace(s, **{field: round(value, 4)}) if s is meant[0] else s for s in found]
+        found = [_with_amount(s, round(draft.amount.value, 4)) if s.op is op else s for s in found]
     return found
+
+
+def _with_amount(step: Primitive, amount: float) -> Primitive:
+    return replace(step, distance_m=amount) if step.op is Op.MOVE else replace(step, degrees=amount)
 
 
 def _speed(step: Primitive, draft: Draft) -> float:

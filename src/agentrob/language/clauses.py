@@ -7,20 +7,11 @@ only collects what was said; whether that is enough to move is decided in `steps
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import Enum, auto
 
 from agentrob.language.drafts import Draft, Sentence
 from agentrob.language.lexicon import Kind, Token
+from agentrob.language.marks import AMOUNTS, MARKS, Marks, Mode
 from agentrob.model import Direction, Op
-
-_AMOUNTS = (Kind.LENGTH, Kind.ANGLE, Kind.STEPS, Kind.DURATION, Kind.NUMBER)
-
-
-class _Mode(Enum):
-    WANTED = auto()
-    TALK = auto()
-    DENIED = auto()
-    SUBJECT = auto()  # what a picture is to be of
 
 
 def sentences_of(tokens: Sequence[Token]) -> list[Sentence]:
@@ -35,34 +26,16 @@ def sentences_of(tokens: Sequence[Token]) -> list[Sentence]:
     return found
 
 
-class _Reader:
+class _Reader(Marks):
     """Reads one sentence, token by token."""
-
-    def __init__(self) -> None:
-        self.sentence = Sentence()
-        self.mode = _Mode.WANTED
-        self.cur: Draft | None = None
-        self.boundary = True  # whether a clause may begin here
-        self.joined_by_and = False
-        self.talk_has_motion = False
-        self.denied: Token | None = None
-        self.denial_used = False
-        self.pending = Draft(0, 0)  # manners said before their verb
-        self.fixing: Token | None = None
-        self.way_back = False
-        self.each: Token | None = None
-        self.faster: Token | None = None
-        self.agreed: Token | None = None
-        self.named: Token | None = None
-        self.tokens: Sequence[Token] = ()
-        self.at = 0
 
     def read(self, tokens: Sequence[Token]) -> Sentence:
         self.tokens = [t for t in tokens if t.kind is not Kind.SOFT]
-        for self.at, token in enumerate(self.tokens):
+        for at, token in enumerate(self.tokens):
+            self.at = at
             self._take(token)
         self._end_denial()
-        self.sentence.fix_unclear = self.fixing
+        self.sentence.fix_unclear = self.sentence.fix_unclear or self.fixing
         if self.pending.each and self.each:  # after each, and nothing to do then
             self._unknown(self.each)
         if self.faster and not self.sentence.drafts:  # "faster!"
@@ -75,115 +48,21 @@ class _Reader:
 
     def _take(self, token: Token) -> None:
         kind = token.kind
-        if kind in _MARKS:
-            _MARKS[kind](self, token)
-        elif self.mode is _Mode.TALK and not self._leaves_talk(token):
+        if kind in MARKS:
+            MARKS[kind](self, token)
+        elif self.mode is Mode.TALK and not self._leaves_talk(token):
             self.talk_has_motion |= kind in (Kind.MOVE, Kind.TURN, Kind.OP)
-        elif self.mode is _Mode.DENIED:
+        elif self.mode is Mode.DENIED:
             self._deny(token)
-        elif self.mode is _Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
+        elif self.mode is Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
             pass
         else:
-            self.mode = _Mode.WANTED
+            self.mode = Mode.WANTED
             self._wanted(token)
         # A wish within talk ("I do not think you should walk") begins nothing.
-        wished = kind is Kind.WISH and self.mode is _Mode.WANTED
+        wished = kind is Kind.WISH and self.mode is Mode.WANTED
         self.boundary = wished or kind in (Kind.AND, Kind.COMMA, Kind.REQUEST)
 
-    def _next(self, steps: int = 1) -> Kind:
-        """The kind of the token so many places on."""
-        return self.tokens[self.at + steps].kind if self.at + steps < len(self.tokens) else Kind.END
-
-    # ------------------------------------------------------------ marks that work in every mode
-    def _separate(self, token: Token) -> None:
-        if self.mode is _Mode.DENIED and token.kind is Kind.COMMA:
-            self._end_denial()
-        if self.mode in (_Mode.SUBJECT,):
-            self.mode = _Mode.WANTED
-        if self.cur:
-            self.cur.closed = True
-        self.joined_by_and = token.kind is Kind.AND
-
-    def _request(self, token: Token) -> None:
-        self.sentence.requested = True
-        if self.mode is not _Mode.DENIED:
-            self.mode = _Mode.WANTED
-
-    def _wish(self, token: Token) -> None:
-        if self.mode is _Mode.SUBJECT:
-            self.mode = _Mode.WANTED
-
-    def _asked(self, token: Token) -> None:
-        if self.mode is not _Mode.SUBJECT:
-            self.sentence.asked = True
-
-    def _report(self, token: Token) -> None:
-        self.sentence.report |= self.mode is not _Mode.SUBJECT
-
-    def _condition(self, token: Token) -> None:
-        if self.mode is _Mode.WANTED or self.sentence.drafts:
-            self.sentence.condition = self.sentence.condition or token
-
-    def _not(self, token: Token) -> None:
-        if self.mode is _Mode.TALK:
-            return
-        self._end_denial()
-        self.mode, self.denied, self.denial_used = _Mode.DENIED, token, False
-        self.sentence.denied = True
-        if self.cur:
-            self.cur.closed = True
-
-    def _fix(self, token: Token) -> None:
-        """What follows corrects what was said; if nothing was said before, it is only a manner of beginning."""
-        if self.mode is _Mode.DENIED:
-            self._end_denial()
-        if self.mode is not _Mode.TALK:
-            self.mode = _Mode.WANTED
-            self.fixing = token
-        if self.cur:
-            self.cur.closed = True
-
-    def _no(self, token: Token) -> None:
-        following = self._next()
-        if following in (Kind.COMMA, Kind.END) or (self.sentence.drafts and following in _CORRECTING):
-            self._fix(token)
-        elif self.mode is not _Mode.TALK:  # "no turn left": nobody can tell
-            self.sentence.denial_unclear = self.sentence.denial_unclear or token
-
-    def _is(self, token: Token) -> None:
-        if self.mode is _Mode.WANTED and self.sentence.drafts and self._next() in _CORRECTING:
-            self._fix(token)
-        elif self.mode is _Mode.WANTED:
-            self._talk(token)
-
-    def _each(self, token: Token) -> None:
-        """ "… and take a photo after each", "after each turn, take a photo"."""
-        last = self.sentence.drafts[-1] if self.sentence.drafts else None
-        after = Kind(str(token.value)) if token.value else Kind.END
-        if self.mode is _Mode.DENIED:
-            self.denial_used = True
-        elif last is not None and last.op is Op.GET_FRONT_IMAGE and last is self.cur:
-            last.each, last.closed, self.mode = after, True, _Mode.WANTED
-        elif self.mode is not _Mode.TALK:
-            self.mode, self.pending.each, self.each = _Mode.WANTED, after, token
-            if self.cur:
-                self.cur.closed = True
-
-    def _thanks(self, token: Token) -> None:
-        """ "Thank you, Henry" at an end: a name."""
-        if self._next() is Kind.WORD and self._next(2) in (Kind.END, Kind.COMMA):
-            self.named = self.tokens[self.at + 1]
-
-    def _agree(self, token: Token) -> None:
-        """ "Right, take a photo", "right, walk forward 2 m": no direction where a command of its own follows."""
-        if self.at or self.mode is not _Mode.WANTED:
-            return
-        rest = [t.kind for t in self.tokens[self.at + 2 :]]
-        clause = rest[1 : rest.index(Kind.AND) if Kind.AND in rest else None] if rest[:1] == [Kind.COMMA] else []
-        if rest[:1] == [Kind.OP] or clause[:1] == [Kind.OP] or (clause[:1] in _VERBS and Kind.DIR in clause):
-            self.agreed = self.tokens[self.at + 1]
-
-    # ------------------------------------------------------------ talk and denials
     def _leaves_talk(self, token: Token) -> bool:
         """A verb after a comma begins a command again, unless the talk itself told of motion ("I stood up, …")."""
         if self.talk_has_motion or not self.boundary or self.joined_by_and:
@@ -192,19 +71,12 @@ class _Reader:
 
     def _deny(self, token: Token) -> None:
         """What is denied is dropped; with "and" within its reach nobody can tell what is meant."""
-        if token.kind in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BEYOND, *_AMOUNTS, Kind.DIR):
+        if token.kind in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BEYOND, *AMOUNTS, Kind.DIR):
             if self.joined_by_and and self.boundary and self.denial_used:
                 self.sentence.denial_unclear, self.sentence.denial_joined = self.denied, True
             self.denial_used = True
         elif token.kind in (Kind.WORD, Kind.HELP, Kind.STATUS, Kind.MORE_STOP, Kind.VAGUE, Kind.SLOW, Kind.PICTURE):
             self.denial_used = True
-
-    def _end_denial(self) -> None:
-        if self.mode is _Mode.DENIED:
-            if not self.denial_used:
-                self.sentence.denial_unclear = self.denied
-            self.mode = _Mode.WANTED
-            self.cur = None
 
     # ------------------------------------------------------------ what is wanted
     def _wanted(self, token: Token) -> None:
@@ -213,7 +85,7 @@ class _Reader:
             self._verb(token)
         elif kind is Kind.DIR:
             self._direction(token)
-        elif kind in _AMOUNTS:
+        elif kind in AMOUNTS:
             self._amount(token)
         elif kind is Kind.OP:
             self._new(token, Kind.OP).op = Op(str(token.value))
@@ -223,8 +95,8 @@ class _Reader:
             self._again(token)
         elif kind is Kind.BACK:
             self.way_back = True
-        elif kind in (Kind.TALK, Kind.TALK_START):
-            self._talk(token)
+        elif kind is Kind.TALK or (kind is Kind.TALK_START and (self.boundary or self.cur is None)):
+            self._begin_talk(token)
         elif kind is Kind.HELP:
             self.sentence.help = True
         elif kind is Kind.STATUS:
@@ -245,17 +117,6 @@ class _Reader:
         draft.back = token.value == "back"
         # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
         draft.vague = token.value == "this" or (self._next() is Kind.COMMA and self._next(2) in _DEEDS)
-
-    def _talk(self, token: Token) -> None:
-        if token.kind is Kind.TALK_START and not (self.boundary or self.cur is None):
-            self._unknown(token)
-            return
-        if self.cur:
-            self.cur.closed = True
-        self.mode = _Mode.TALK
-        self.sentence.talked = True
-        self.talk_has_motion = False
-        self.joined_by_and = False
 
     def _verb(self, token: Token) -> None:
         cur = self._open()
@@ -308,13 +169,13 @@ class _Reader:
         """Words that say how, how often, or are not known."""
         kind = token.kind
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
-        if kind is Kind.TIMES and last and self._open() is last and not last.unknown:
+        if kind is Kind.TIMES and last and self._counts(last):
             last.times, last.counted, last.end = _count(token), True, token.end
         elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
             last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
             if self.cur and not self.cur.closed and self.cur.op is Op.GET_FRONT_IMAGE:
-                self.mode = _Mode.SUBJECT
+                self.mode = Mode.SUBJECT
         elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
             self._manner(token)
         elif kind is Kind.PICTURE and (self._open() is None or (self._open() is last and last and last.bare_picture)):
@@ -325,6 +186,11 @@ class _Reader:
             pass  # "send a pic picture"
         else:
             self._unknown(token)
+
+    def _counts(self, last: Draft) -> bool:
+        """ "Wave twice", "wave, twice"."""
+        afterwards = self.at > 0 and self.tokens[self.at - 1].kind is Kind.COMMA and not last.counted
+        return not last.unknown and (self._open() is last or afterwards)
 
     def _manner(self, token: Token) -> None:
         cur = self._open()
@@ -368,25 +234,7 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
 
 
 _DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP)
-_VERBS = ([Kind.MOVE], [Kind.TURN])
-_CORRECTING = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.DIR, Kind.AGREE, Kind.BACK, Kind.FIX, Kind.NO, *_AMOUNTS)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
-_MARKS = {
-    Kind.AND: _Reader._separate,
-    Kind.COMMA: _Reader._separate,
-    Kind.REQUEST: _Reader._request,
-    Kind.WISH: _Reader._wish,
-    Kind.ASKED: _Reader._asked,
-    Kind.REPORT: _Reader._report,
-    Kind.CONDITION: _Reader._condition,
-    Kind.NOT: _Reader._not,
-    Kind.NO: _Reader._no,
-    Kind.FIX: _Reader._fix,
-    Kind.IS: _Reader._is,
-    Kind.EACH: _Reader._each,
-    Kind.AGREE: _Reader._agree,
-    Kind.THANKS: _Reader._thanks,
-}
 
 
 def _goes(verb: Kind, amount: Kind) -> bool:

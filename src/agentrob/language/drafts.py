@@ -72,7 +72,8 @@ class Sentence:
     denial_joined: bool = False  # … because an "and" stands within it
     fix_unclear: Token | None = None  # "no wait", and nothing after it
     talked: bool = False
+    question: bool = False
+    cancelled: Token | None = None  # "never mind"
     denied: bool = False
     help: bool = False
     status: bool = False
-    repeated: bool = False

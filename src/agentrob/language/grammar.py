@@ -10,7 +10,7 @@ put such a file beside them: `docs/languages.md`.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from agentrob.language.addressing import part_for
 from agentrob.language.again import Background
@@ -23,6 +23,7 @@ from agentrob.language.phrases import quote, say
 from agentrob.language.render import sentence
 from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
+from agentrob.language.talk import Talk, talk_in
 from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
 
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
@@ -57,6 +58,14 @@ def parse(
         spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
         return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
     return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk | None:
+    """What a post is that `parse` finds to want nothing, if anything plain: a cancel, a question, a report."""
+    part = part_for(visible, names, others)
+    if len(part) > MAX_CHARS or stop_intent(part):
+        return None
+    return talk_in(_sentences(part, names, language_of(part))[0])
 
 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:

@@ -1,7 +1,8 @@
 """Words and what they mean to the grammar: the parts of speech, and cutting a text into them.
 
-A language is one file of the folder `tongues` with a table from meanings to the phrases people use. A meaning is one or more
-symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" says verb and direction at once ("back up").
+A language is one file of the folder `tongues` with a table from meanings to the phrases people use. A meaning is one
+or more symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" says verb and direction at once ("back
+up").
 """
 
 from __future__ import annotations
@@ -67,6 +68,7 @@ class Kind(StrEnum):
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
     FIX = "fix"  # "no wait", 不对: what follows corrects what was said
+    CANCEL = "cancel"  # "never mind": what was posted before is not wanted any more
     HELP = "help"
     STATUS = "status"
     MORE_STOP = "stop"  # "and stop" at the end
@@ -138,9 +140,9 @@ class Lexicon:
         """The longest phrase at this place: (how many pieces, its meaning), or (0, None)."""
         node, best, meaning = self._tree, 0, None
         for here in range(at, len(pieces)):
-            node = node.get(pieces[here].text)
-            if node is None:
+            if pieces[here].text not in node:
                 break
+            node = node[pieces[here].text]
             if "" in node:
                 best, meaning = here + 1 - at, node[""]
         return best, meaning

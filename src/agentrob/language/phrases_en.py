@@ -26,12 +26,12 @@ PHRASES = {
     "ask.understood": "So far I understood: {steps}. ",
     "ask.words": "I did not understand {words}.",
     "ask.place": (
-        "I do not know how to {words}: that needs eyes, a vision model, which I do not have. I find no places or things; "
-        "I walk by distances and turn by angles."
+        "I do not know how to {words}: that needs eyes, a vision model, which I do not have. "
+        "I find no places or things; I walk by distances and turn by angles."
     ),
     "ask.eyes": (
-        "{words}: that needs eyes, a vision model, which I do not have. I find no places or things; I walk by distances "
-        "and turn by angles."
+        "{words}: that needs eyes, a vision model, which I do not have. "
+        "I find no places or things; I walk by distances and turn by angles."
     ),
     "ask.hands": "{words}: that is nothing I can do; I walk, turn, take photos and have a few gestures.",
     "ask.wait": "{words}: I cannot wait between steps; each begins when the one before has ended.",

@@ -62,7 +62,7 @@ def _is_false_start(start: Draft, again: Draft) -> bool:
 
 
 def _begins_anew(start: Draft, picture: Draft, again: Draft) -> bool:
-    """ "Turn left and take a picture turn left sixty degrees …", without a pause: the same once more, now with its angle."""
+    """ "Turn left and take a picture turn left sixty degrees …", without a pause: the same, now with its angle."""
     same = start.verb is Kind.TURN is again.verb and start.direction is again.direction is not None
     ours = picture.op is Op.GET_FRONT_IMAGE and start.amount is None and again.amount is not None
     return same and ours and again.joined and not start.unknown and not again.fixes

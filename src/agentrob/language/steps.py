@@ -87,6 +87,8 @@ class _Maker:
             if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
                 continue
             reading.object_to(_doubt(sentence, wants, self.text, self.language))
+            if drafts and sentence.cancelled:  # "Turn left. Never mind."
+                reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
         drafts, unclear = corrected(drafts)
         if unclear is not None:

@@ -15,7 +15,7 @@ class Tongue:
 
     `sentences` are what robots say, by the keys of `phrases_en`; a sentence that is missing is said in English. `stop`,
     `halt` and `polite` are phrases separated by |; they only add to the stop words of all languages (law 13), which
-    stand in `stop`.
+    stand in `stop`. `together` are the words for all robots at once ("both of you").
     """
 
     words: Lexicon
@@ -24,6 +24,7 @@ class Tongue:
     stop: str = ""
     halt: str = ""
     polite: str = ""
+    together: str = ""
 
     @property
     def code(self) -> str:

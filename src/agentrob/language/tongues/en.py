@@ -17,15 +17,16 @@ TABLE = {
         |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
     "move dir=backward": "back up|backup|back off|reverse|retreat|step back|move backwards|go in reverse",
     "back move dir=backward": "go back|walk back|move back|head back|go on back",
-    "again=back": """come back|come back here|return|go back to where you were|back to where you were|back to the start
-        |go back to the start|go back to where you started|back to where you started|return to the start|undo that|undo
-        |return to where you were|return to where you started|return to your starting point|retrace your steps
-        |go back to start|return to start|go back where you came from|walk back to where you were
-        |go back to where you came from|return to your starting position|return to your original position""",
+    "again=back": """come back|come back here|return|go back to where you were|back to where you were
+        |back to the start|go back to the start|go back to where you started|back to where you started
+        |return to the start|undo that|undo|return to where you were|return to where you started
+        |return to your starting point|retrace your steps|go back to start|return to start
+        |go back where you came from|walk back to where you were|go back to where you came from
+        |return to your starting position|return to your original position""",
     "turn": """turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn|take a turn|twist|veer
         |turn yourself|rotate yourself|swing""",
-    "turn angle=180": """turn around|turn round|spin around|about face|do a one eighty|do a 180|u turn|make a u turn
-        |do a u turn|turn yourself around|face the other way""",
+    "turn angle=180": """turn around|turn round|spin around|about face|do a one eighty|do a 180
+        |do a one eighty degree turn|u turn|make a u turn|do a u turn|turn yourself around|face the other way""",
     "dir=forward": """forward|forwards|ahead|straight|straight ahead|straight forward|onward|straight on|frontwards
         |in front|to the front""",
     "dir=backward": "backward|backwards|rearward|in reverse|to the rear|to the back",
@@ -50,17 +51,17 @@ TABLE = {
     "beyond=eyes": """find|look for|search|search for|seek|locate|follow|chase|explore|approach|come here|come to me
         |come over here|come over|go see|go look|investigate|inspect|patrol|go home|track|hunt|guard|watch|survey
         |go explore|go find|go and find|go over|go check|check out|check|scan|identify|count""",
-    "beyond=hands": """pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour|clean|wash|cook|unlock
-        |put|place|catch|touch|hold on to|switch on|turn on|switch off|turn off|play|sing|dance|lie down|lay down|roll over
-        |jump|bark|speak|talk|say|climb""",
+    "beyond=hands": """pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour|clean|wash|cook|unlock|put
+        |place|catch|touch|hold on to|switch on|turn on|switch off|turn off|play|sing|dance|lie down|lay down
+        |roll over|jump|bark|speak|talk|say|climb""",
     "beyond=wait": "pause|wait for|sleep|wait a second|wait a moment|wait a minute|hold on",
     "again=this": """do this|do that|do it|do all that|do all of that|do all of this|do all this|do everything|do so
         |the whole thing|do the whole thing|same""",
     "again": """again|once again|once more|one more time|do it again|do that again|do this again|repeat|repeat that
         |repeat it|repeat this|same again|the same again|the same|do the same|do the same again|same thing
-        |the same thing|do the same thing|same thing again|repeat all of that|repeat all that|repeat everything
-        |redo|redo that|another time|the same as before|same as before|repeat the last command
-        |repeat the sequence|repeat the last one|repeat the last move|repeat that sequence|do that sequence""",
+        |the same thing|do the same thing|same thing again|repeat all of that|repeat all that|repeat everything|redo
+        |redo that|another time|the same as before|same as before|repeat the last command|repeat the sequence
+        |repeat the last one|repeat the last move|repeat that sequence|do that sequence""",
     "op=get_front_image of": """show me what you see|show us what you see|show me what is in front of you
         |show me what's in front of you|take a look|show view|show me the view|show me your view|give me a visual
         |let me see what you see|look ahead|what does your camera see|show me your camera""",
@@ -71,8 +72,8 @@ TABLE = {
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
         |from where you are""",
     "each": """after each movement|after each|after each step|after every movement|after every step|after every one
-        |after each one|after each action|after every action|after each of them|after each of these|after each of those
-        |each time|every time you stop|after every|at each step|at every step""",
+        |after each one|after each action|after every action|after each of them|after each of these
+        |after each of those|each time|every time you stop|after every|at each step|at every step""",
     "each=move": "after each move|after every move|after each walk|after every walk|after each leg",
     "each=turn": "after each turn|after every turn|after each rotation|after every rotation",
     # ---------------------------------------------------------------- amounts
@@ -97,6 +98,8 @@ TABLE = {
     "turn angle=180 ": "half turn|a half turn|half a turn",
     "turn angle=360": """full turn|a full turn|full circle|a full circle|full rotation|a full rotation|complete turn
         |a complete turn|turn in a circle|spin in a circle|turn all the way around""",
+    "turn angle=270": "three quarter turn|a three quarter turn|three quarters of a turn",
+    "angle_unit=360": "full turns|full circles|full rotations|rotations|revolutions|circles|complete turns|turns",
     "half": "half a|half an|half of a|a half|half|one half|one half of a",
     "and_part=0.5": "and a half|and one half|and half",
     "and_part=0.25": "and a quarter|and one quarter",
@@ -109,11 +112,13 @@ TABLE = {
     "times_unit": "times|x",
     "vague": """a bit|a little|a little bit|slightly|some|somewhat|a few|few|several|a couple|a couple of
         |as far as you can|as far as possible|far|further|farther|a lot|a touch|a tad|a little ways|a ways|a way""",
-    "slow": """slowly|slow|carefully|gently|gradually|at low speed|at a slow pace|very slowly|really slowly|slow and steady
-        |at a slow speed|with care|nice and slow|slow down|cautiously|real slow|at a crawl""",
-    "slow=er": "slower|more slowly|a bit slower|a little slower|a bit more slowly|much slower|only slower|at half speed",
-    "faster": """quickly|fast|at full speed|as fast as you can|as fast as possible|at top speed|at maximum speed|full speed
-        |very fast|really fast|at high speed|rapidly|at a fast pace|as quickly as you can|as quickly as possible""",
+    "slow": """slowly|slow|carefully|gently|gradually|at low speed|at a slow pace|very slowly|really slowly
+        |slow and steady|at a slow speed|with care|nice and slow|slow down|cautiously|real slow|at a crawl""",
+    "slow=er": """slower|more slowly|a bit slower|a little slower|a bit more slowly|much slower|only slower
+        |at half speed""",
+    "faster": """quickly|fast|at full speed|as fast as you can|as fast as possible|at top speed|at maximum speed
+        |full speed|very fast|really fast|at high speed|rapidly|at a fast pace|as quickly as you can
+        |as quickly as possible""",
     "faster=er": "faster|more quickly|a bit faster|a little faster|much faster|speed up|hurry up|hurry",
     # ---------------------------------------------------------------- what joins and separates
     "and": """and|then|and then|next|after that|afterwards|followed by|and after that|then next|and also|also
@@ -121,11 +126,11 @@ TABLE = {
         |and when done|and next|then after that|after this""",
     "comma": "but|just|only|instead|rather|finally|but then|and just",
     "no": "no|nope|nah",
-    "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant|or rather
-        |make that|make it|correction|actually no|no actually|actually|scratch that|strike that|oops|whoops|my mistake
-        |my bad|er no|uh no|um no|no i mean|no i meant|no make that|no make it|rather make it|i meant to say|sorry make it
-        |sorry make that|no not that|not that|wait i mean|wait i meant|or actually|wait actually|wait sorry|on second thought
-        |on second thoughts|no hold on|no hang on|hang on no|i should say""",
+    "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant
+        |or rather|make that|make it|correction|actually no|no actually|actually|scratch that|strike that|oops
+        |whoops|my mistake|my bad|er no|uh no|um no|no i mean|no i meant|no make that|no make it|rather make it
+        |i meant to say|sorry make it|sorry make that|no not that|not that|wait i mean|wait i meant|or actually
+        |wait actually|wait sorry|on second thought|on second thoughts|no hold on|no hang on|hang on no|i should say""",
     "condition": """if|unless|until|till|while|whenever|when|once you|before|after|or|either|except|without|in case
         |as soon as|as long as|provided|assuming|every time|otherwise|maybe|perhaps|instead of|rather than|whether
         |suppose|imagine|almost|were you to|pretend""",
@@ -137,24 +142,34 @@ TABLE = {
     # ---------------------------------------------------------------- wanted, or only talk
     "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please
         |would you please|i think we should|i think you should|maybe we should|perhaps we should|perhaps you should
-        |maybe you should|i'm going to need you to|i'd appreciate it if you could|do me a favor and|do me a favour and
-        |be a dear and|please go ahead and|go ahead and|let's have you|i'd like to have you|i'd like for you to
-        |i would like for you to|please could you|please can you|please would you|your task is to|your next task is to
-        |are you able to|are you able to please|is it possible for you to|how about you|why don't you|i want you to|i'd like you to|i would like you to|i need you to|i'd love you to
+        |maybe you should|i'm going to need you to|i'd appreciate it if you could|do me a favor and
+        |do me a favour and|be a dear and|please go ahead and|go ahead and|let's have you|i'd like to have you
+        |i'd like for you to|i would like for you to|please could you|please can you|please would you
+        |your task is to|your next task is to|are you able to|are you able to please|is it possible for you to
+        |how about you|why don't you|i want you to|i'd like you to|i would like you to|i need you to|i'd love you to
         |would you mind|you have to|you must|can we|could we|may i have|can i have|can i get|could i have
         |could i get|i want|i'd like|i would like|kindly|i need|have the robot|tell the robot to|robot please""",
-    "wish": """now we|now you|we should|you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to
-        |you need to|try to""",
-    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|what|what's|how|how's|do you|did you|did we|did it|do we
-        |do i|that's|there's|there|it's|let me know|tell me|who|who's|why|where|where's|which|i am|they|he|she|he's
-        |she's|you are|you're|you were|you've|you have|can i|can you tell|can you see|can you describe
-        |can you detect|can you locate|can you hear|can you fit|can you get|can you manipulate|can you go through
-        |could you tell|could i|should i|should we|should you|may i|have you|have we|are you|is it|is there|is that
-        |is this|are there|was it|was that|was there|what if""",
+    "wish": """now we|now you|we should|you should|you can|you could|let's|lets|we can|let us|you may|time to
+        |we need to|you need to|try to""",
+    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know|tell me
+        |i am|they|he|she|he's|she's|you are|you're|you were|you've|you have|it is|it was|that is|that was""",
+    "talk=question": """what|what's|how|how's|do you|did you|did we|did it|do we|do i|there|who|who's|why|where
+        |where's|which|can i|can you tell|can you see|can you describe|can you detect|can you locate|can you hear
+        |can you fit|can you get|can you manipulate|can you go through|could you tell|could i|should i|should we
+        |should you|may i|have you|have we|are you|is it|is there|is that|is this|are there|was it|was that
+        |was there|what if|are there any|can we see|could you see|could you describe|can you identify
+        |can you recognize|can you read|can you move through|can you count|can you find out|does it|do they|does the
+        |is the|are the|were there|has it|can you tell me|could you tell me|can you explain|could you explain""",
     "talk_start": """is|are|was|were|does|did|has|had|have|am|would|will|should|these|those|his|her|their|to recap
         |earlier""",
     "report": """yesterday|walked|moved|went|turned|rotated|ran|earlier today|last time|last week|last night|ago
         |told|said|asked|was told|has moved|has walked|previously|back then""",
+    "cancel": """never mind|nevermind|never mind that|forget it|forget about it|forget that|forget what i said
+        |leave it|don't bother|do not bother|cancel my command|cancel my last command|cancel the last command
+        |cancel my request|i changed my mind|i've changed my mind|i have changed my mind|changed my mind|scrap that
+        |ignore that|ignore my last post|ignore that last one|ignore my last command|disregard|disregard that
+        |disregard my last post|no longer needed|withdrawn|not any more|not anymore|belay that|ignore this
+        |disregard this|no need any more|no need anymore|cancel this|cancel my post""",
     "help": """help|what can you do|what do you do|what can i say|how do i use you|how does this work|commands|usage
         |what commands|show help|help me|which commands do you know|what are your commands|list commands
         |what are you able to do|how can i command you|instructions""",
@@ -163,28 +178,30 @@ TABLE = {
         |are you ok|are you okay|report status|are you ready|what is your battery|what's your battery level
         |are you busy|are you online|your battery""",
     "soft=1": "a|an|another|one more|one additional",
-    "thanks": """thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers|good job
-        |great job|good work|well done|nice work|good boy|thanks so much|much appreciated|hello|hi|hey|good morning
-        |hi there|hello there|no problem|no worries|thanks again|thank you again|good day|greetings|dear""",
+    "thanks": """thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers
+        |good job|great job|good work|well done|nice work|good boy|thanks so much|much appreciated|hello|hi|hey
+        |good morning|hi there|hello there|no problem|no worries|thanks again|thank you again|good day|greetings
+        |dear""",
     "soft ": """the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left|um
         |uh|uhh|uhhh|umm|hm|hmm|mm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now
         |yes|yeah|yep|yup|sure|please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot
-        |got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four
-        |very good|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground|one time
-        |on the floor|in the room|here|there|in total|total|in all|overall|as well|too|again please|for me please|both of you
-        |you both|you two|all of you|for us|if it is safe|if it's safe|when safe|safely|from this angle|from this position
-        |from that angle|from that position|from this spot|from this view|nicely|politely|kind sir|doggo|pup|puppy|mate
-        |pal|bot|little one|little guy|my dear|my good robot|everyone else|the same amount|so please|so then|okay so|doing a good job|doing great|you're doing great
-        |you are doing great|there we go|here we go|good evening
-        |good afternoon|robot|dog|doggy|buddy|my friend|friend|first|first up|firstly|second|secondly
-        |third|thirdly|to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly
-        |precisely|more|additional|extra|further more|side|direction|way|hand side|straight away|immediately
-        |directly|now then|if you can|if you're able|if you are able|if possible|if you please|if you could|if you would|if you don't mind
-        |when you are ready|when you're ready|when ready|when you can|do|do a|make a|make|give me|perform|perform a
-        |execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight|with|on|as
-        |be so kind and|be so kind to|would be nice|from your location|sir|from your position|go on and|your body
-        |your camera|with your camera|with the camera|everyone|everybody|all|both|each of you|of you|at normal speed
-        |there you go|that would be great|that would be nice|at your own pace|final|last|feel free to""",
+        |got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger
+        |ten four|very good|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time
+        |on the ground|one time|on the floor|in the room|here|in total|total|in all|overall|as well|too|again please
+        |for me please|both of you|you both|you two|all of you|for us|if it is safe|if it's safe|when safe|safely
+        |from this angle|from this position|from that angle|from that position|from this spot|from this view|nicely
+        |politely|kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy|my dear|my good robot|everyone else
+        |the same amount|so please|so then|okay so|doing a good job|doing great|you're doing great
+        |you are doing great|there we go|here we go|good evening|good afternoon|robot|dog|doggy|buddy|my friend
+        |friend|first|first up|firstly|second|secondly|third|thirdly|to start|lastly|about|around|approximately
+        |roughly|approx|maybe about|at least|exactly|precisely|more|additional|extra|further more|side|direction|way
+        |hand side|straight away|immediately|directly|now then|if you can|if you're able|if you are able|if possible
+        |if you please|if you could|if you would|if you don't mind|when you are ready|when you're ready|when ready
+        |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|ready|i think
+        |i guess|i believe|keep straight|with|on|as|be so kind and|be so kind to|would be nice|from your location
+        |sir|from your position|go on and|your body|your camera|with your camera|with the camera|everyone|everybody
+        |all|both|each of you|of you|at normal speed|there you go|that would be great|that would be nice
+        |at your own pace|final|last|feel free to""",
 }
 
 
@@ -249,4 +266,4 @@ def _decimals(said: str) -> float:
 
 
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
-TONGUE = Tongue(LEXICON, PHRASES)
+TONGUE = Tongue(LEXICON, PHRASES, together="both of you|all of you|you both|you two|everyone|everybody")
