@@ -12,7 +12,7 @@ from agentrob.language.drafts import Draft
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
 from agentrob.language.render import sentence
-from agentrob.model import Direction, Language, Op, Plan, Primitive
+from agentrob.model import Capabilities, Direction, Language, Op, Plan, Primitive
 
 #: What "slowly" means, in metres per second.
 SLOW_MPS = 0.2
@@ -30,12 +30,14 @@ class Background:
     """What is known besides the words of a post.
 
     `history`: the plans done before in the thread, oldest first. `pace_mps`: how fast a robot walks for a time that is
-    said without a speed. `step_m`: the length of the robot's step, where it has one.
+    said without a speed. `step_m`: the length of the robot's step, where it has one. `can`: what the robot can do, so
+    that examples stay within it.
     """
 
     history: Sequence[Plan] = ()
     pace_mps: float = 0.3
     step_m: float | None = None
+    can: Capabilities | None = None
 
 
 class Unclear(Exception):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.language.lexicon import Kind, Token
 from agentrob.model import Op
@@ -27,7 +28,8 @@ def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
     while at < len(tokens):
         amount, used = _amount(tokens, at, text)
         if amount is None:
-            found.append(tokens[at])
+            # "Second, turn left" is no time.
+            found.append(tokens[at] if tokens[at].kind is not Kind.TIME_UNIT else replace(tokens[at], kind=Kind.SOFT))
             at += 1
             continue
         _append(found, amount)
@@ -57,6 +59,12 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
             at = end + 1
         else:
             found.append(_settled(tokens, at))
+            if (
+                tokens[at].kind is Kind.SHOW
+                and tokens[_skip_soft(tokens, at + 1) :][:1]
+                and (tokens[_skip_soft(tokens, at + 1)].kind is Kind.STEPS)
+            ):  # "take two steps"
+                found[-1] = replace(tokens[at], kind=Kind.MOVE)
             at += 1
     return found
 
@@ -140,16 +148,20 @@ def _skip_soft(tokens: Sequence[Token], at: int) -> int:
 
 
 def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | None:
-    """The tenths after a unit: 一米五 is 1.5 m and 一米半 too; a digit with a unit of its own is not meant."""
+    """The part after a unit: 一米五 is 1.5 m, 一米零五 1.05 m, 一米半 1.5 m.
+
+    A digit with a unit of its own is not meant.
+    """
     if at >= len(tokens) or tokens[at].start != tokens[at - 1].end or text[tokens[at].start - 1].isascii():
         return None
     if at + 1 < len(tokens) and tokens[at + 1].kind in (*_AMOUNT_OF, Kind.NUMBER, Kind.HALF, Kind.WORD):
         return None
     if tokens[at].kind is Kind.HALF:
         return 0.5
-    if tokens[at].kind is not Kind.NUMBER or tokens[at].end - tokens[at].start > 1:
+    said = text[tokens[at].start : tokens[at].end]
+    if tokens[at].kind is not Kind.NUMBER or len(said) > 2 or (len(said) == 2 and said[0] not in "0零〇"):
         return None
-    return _float(tokens[at]) / 10
+    return _float(tokens[at]) / (10.0 if len(said) == 1 else 100.0)
 
 
 def _float(token: Token) -> float:

@@ -127,7 +127,7 @@ class _Reader(Marks):
             cur is not None
             and cur.verb is None
             and not cur.unknown
-            and not cur.bare_picture
+            and not (cur.bare_picture or cur.stop_word)
             and (cur.amount is None or (cur.direction is None and _goes(token.kind, cur.amount.kind)))
         )
         if cur is not None and fits:
@@ -180,7 +180,7 @@ class _Reader(Marks):
             self._manner(token)
         elif kind is Kind.PICTURE and (self._open() is None or (self._open() is last and last and last.bare_picture)):
             (self._open() or self._new(token, None)).bare_picture = True
-        elif kind is Kind.MORE_STOP and self._open() is None:
+        elif kind is Kind.MORE_STOP and (self._open() is None or self._next() in (Kind.END, Kind.COMMA, Kind.AND)):
             self._new(token, None).stop_word = True
         elif kind is Kind.PICTURE and last and self._open() is last and last.op is Op.GET_FRONT_IMAGE:
             pass  # "send a pic picture"
@@ -208,6 +208,7 @@ class _Reader(Marks):
             return
         cur = self._open() or self._new(token, None)
         cur.unknown.append((token.start, token.end))
+        cur.odd_number |= token.value == "number"
         cur.end = token.end
 
     def _open(self) -> Draft | None:

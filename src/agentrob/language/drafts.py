@@ -34,6 +34,7 @@ class Draft:
     beyond: str = ""  # eyes, hands, wait: what it would take
     fixes: Token | None = None  # said in place of the draft before
     unknown: list[tuple[int, int]] = field(default_factory=list)
+    odd_number: bool = False
     stop_word: bool = False
     joined: bool = False  # nothing separated it from the draft before
     closed: bool = False

@@ -17,6 +17,8 @@ from agentrob.language.again import Background
 from agentrob.language.amounts import with_amounts, with_pictures
 from agentrob.language.clauses import sentences_of
 from agentrob.language.drafts import Sentence
+from agentrob.language.help import examples as help_examples
+from agentrob.language.help import within
 from agentrob.language.languages import language_of, tongue
 from agentrob.language.lexicon import Lexicon, tokens_of
 from agentrob.language.phrases import quote, say
@@ -24,7 +26,7 @@ from agentrob.language.render import sentence
 from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
 from agentrob.language.talk import Talk, talk_in
-from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
+from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
 
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
 MAX_CHARS = 2_000
@@ -53,7 +55,7 @@ def parse(
     sentences, mistyped = _sentences(part, names, language)
     reading = read(sentences, part, language, background)
     if reading.problem:
-        return _without_command(sentences, language) or _ask(reading, ops, language)
+        return _without_command(sentences, language) or _ask(reading, ops, language, background.can)
     if reading.steps:
         spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
         return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
@@ -94,19 +96,25 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
     return None
 
 
-def _ask(reading: Reading, ops: frozenset[Op], language: Language) -> Understanding:
+def _ask(reading: Reading, ops: frozenset[Op], language: Language, can: Capabilities | None = None) -> Understanding:
     understood = say("ask.understood", language, steps=sentence(reading.steps, language)) if reading.steps else ""
-    question = say(
-        "ask.frame", language, problem=reading.problem, understood=understood, examples=_examples(ops, language)
-    )
+    limits = can or Capabilities("", ops)
+    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hint))
+    question = say("ask.frame", language, problem=reading.problem, understood=understood, examples=examples)
     return Understanding(Intent.ASK_BACK, language, question=question)
 
 
-def _examples(ops: frozenset[Op], language: Language) -> str:
-    """Two sentences that would work with this robot."""
-    walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
-    turn = Primitive(Op.TURN, Direction.LEFT, degrees=90.0)
-    gestures = [[Primitive(op)] for op in Op if op not in (Op.MOVE, Op.TURN)]
-    chains = [[walk, turn], [turn, Primitive(Op.GET_FRONT_IMAGE)], [walk], [turn], *gestures]
-    possible = [c for c in chains if all(step.op in ops for step in c)][:2]
-    return " · ".join(f"`{sentence(chain, language)}`" for chain in possible)
+def _examples(can: Capabilities, hint: Primitive | None) -> list[list[Primitive]]:
+    """Two commands that would work with this robot; the first is like the one that was not understood."""
+    steps = help_examples(can)
+    firsts = {step.op: step for step in reversed(steps)}
+    chain = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]
+    pictured = [firsts[op] for op in (Op.TURN, Op.GET_FRONT_IMAGE) if op in firsts]
+    found = [[within(hint, can)]] if hint and hint.op in can.ops and _goes(hint, can) else []
+    found += [c for c in (chain, pictured) if len(c) > 1]
+    found += [chain] + [[step] for step in steps if step.op not in (Op.MOVE, Op.TURN)]
+    return [c for at, c in enumerate(found) if c and c not in found[:at]][:2]
+
+
+def _goes(step: Primitive, can: Capabilities) -> bool:
+    return step.op is not Op.MOVE or step.direction in can.move_directions

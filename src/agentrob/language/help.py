@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from agentrob.language.phrases import say
 from agentrob.language.render import sentence
 from agentrob.model import Capabilities, Direction, Language, Op, Primitive
@@ -49,6 +51,14 @@ def examples(capabilities: Capabilities) -> list[Primitive]:
     ]
     steps += [Primitive(op) for op in Op if op not in (Op.MOVE, Op.TURN)]
     return [step for step in steps if step.op in capabilities.ops]
+
+
+def within(step: Primitive, capabilities: Capabilities) -> Primitive:
+    """The same step, no further than one step may go."""
+    limits = capabilities.limits
+    if step.distance_m is not None:
+        return replace(step, distance_m=min(step.distance_m, limits.step_m))
+    return replace(step, degrees=min(step.degrees, limits.step_deg)) if step.degrees is not None else step
 
 
 def _chain(capabilities: Capabilities) -> list[Primitive]:

@@ -73,7 +73,7 @@ class Kind(StrEnum):
     STATUS = "status"
     MORE_STOP = "stop"  # "and stop" at the end
     GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
-    WORD = "word"  # not known
+    WORD = "word"  # not known; value "number": one that cannot be told
 
 
 Value = float | str | None
@@ -172,7 +172,7 @@ def lexicon(
 
 #: Marks mean the same in every language.
 MARKS = {
-    "comma": ",|;|:|(|)|[|]|—|，|、|；|：|（|）|【|】",
+    "comma": ",|/|;|:|(|)|[|]|—|，|、|；|：|（|）|【|】",
     "end": ".|!|…|。|！|．",
     "asked end": "?|？",
     "and": "&|+",
@@ -242,11 +242,17 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
             length, meaning = number[1], ((Kind.NUMBER, number[0]),)
         if meaning is None:
             length = _hesitation(pieces, at, words)
-            length, meaning = (length, ((Kind.SOFT, None),)) if length else (1, ((Kind.WORD, None),))
+            odd = "number" if _is_number(pieces[at].text, words) else None
+            length, meaning = (length, ((Kind.SOFT, None),)) if length else (1, ((Kind.WORD, odd),))
         start, end = pieces[at].start, pieces[at + length - 1].end
         found += (Token(kind, value, start, end) for kind, value in meaning)
         at += length
     return found, mistyped
+
+
+def _is_number(piece: str, words: Lexicon) -> bool:
+    """Whether a piece that nobody reads is some number: "1,500", "2-3", 两 of 两三米."""
+    return piece.startswith("\0") or piece in words.numerals
 
 
 def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple[str, str]]]:

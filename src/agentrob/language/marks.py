@@ -83,6 +83,9 @@ class Marks:
     def _not(self, token: Token) -> None:
         if self.mode is Mode.TALK:
             return
+        if token.value == "no" and self._next() is Kind.COMMA and self.sentence.drafts:  # 前进两米，不，三米
+            self._fix(token)
+            return
         self._end_denial()
         self.mode, self.denied, self.denial_used = Mode.DENIED, token, False
         self.sentence.denied = True

@@ -40,6 +40,7 @@ PHRASES = {
     "ask.turn": "Which way and how far shall I turn? {words} does not say.",
     "ask.side": "To which side shall I turn? {words} does not say left or right.",
     "ask.unit": "Which unit is meant in {words}? I know metres, centimetres, feet, inches and degrees.",
+    "ask.number": "I cannot tell which number is meant in {words}; please write it plainly, such as 1.5.",
     "ask.steps": "{words}: a step has no fixed length here; please say it in metres.",
     "ask.turn_time": "{words}: I turn by angle, not by time; please say it in degrees.",
     "ask.again": "{words}: there is nothing in this thread that I have done and could repeat or undo.",

@@ -34,6 +34,7 @@ PHRASES = {
     "ask.turn": "往哪边转、转多少度？{words}没有说。",
     "ask.side": "往哪边转？{words}没有说左还是右。",
     "ask.unit": "{words}是什么单位？我懂米、厘米、英尺、英寸和度。",
+    "ask.number": "{words}里的数字我看不明白，请写得清楚些，例如1.5。",
     "ask.steps": "{words}：一步没有固定的长度，请用米来说。",
     "ask.turn_time": "{words}：我按角度转，不按时间转，请用度来说。",
     "ask.again": "{words}：这个话题里还没有我做过、可以重复或撤回的事。",

@@ -105,6 +105,7 @@ def _overlay(last: Draft, fix: Draft) -> bool:
         return False
     if fix.amount is not None and last.amount is not None and _is_angle(fix.amount) is not _is_angle(last.amount):
         return False
+    last.end = max(last.end, fix.end)
     last.direction = fix.direction or last.direction
     last.amount = fix.amount or last.amount
     last.vague = fix.vague if fix.amount is None and fix.vague else last.vague and fix.amount is None

@@ -31,6 +31,7 @@ class Reading:
     notes: list[str]
     problem: str = ""
     picture_after: Kind | None = None
+    hint: Primitive | None = None  # what the first motion that is not understood might be
 
     def object_to(self, problem: str) -> None:
         self.problem = self.problem or problem
@@ -67,6 +68,7 @@ def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> st
 
 
 _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
+_SIDES = (Direction.LEFT, Direction.RIGHT)
 _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -123,6 +125,8 @@ class _Maker:
     def _not_understood(self, draft: Draft, said: str) -> str:
         if draft.stop_word and draft.amount and draft.amount.kind is Kind.DURATION:
             return self._say("ask.wait", said)
+        if draft.odd_number:
+            return self._say("ask.number", said)
         # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
         known_part = draft.is_motion or draft.stop_word or not draft.unknown
         words = said if known_part else self.text[draft.unknown[0][0] : draft.unknown[-1][1]]
@@ -153,6 +157,7 @@ class _Maker:
             step, problem = _PICTURE, ""
         if step is None:
             reading.object_to(problem)
+            reading.hint = reading.hint or _hint(draft)
         elif not 1 <= draft.times <= MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
         elif draft.each is not None:
@@ -188,7 +193,7 @@ class _Maker:
             self.reading.note(say("note.turn_speed", self.language))
         if direction in _AHEAD:
             return None, self._say("ask.words", said)
-        if direction is None and degrees not in (180.0, 360.0):
+        if direction is None and degrees % 180:
             return None, self._say("ask.side", said)
         if not 0 < degrees <= MAX_DEGREES:
             return None, say("ask.degrees_bound", self.language, degrees=f"{MAX_DEGREES:g}")
@@ -220,6 +225,17 @@ class _Maker:
 
     def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
         return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
+
+
+def _hint(draft: Draft) -> Primitive:
+    """A step of the kind that was meant, with what was said of it."""
+    kind = draft.amount.kind if draft.amount else None
+    value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+    if draft.verb is Kind.TURN or kind is Kind.ANGLE:
+        degrees = value if kind in (Kind.ANGLE, Kind.NUMBER) and 5 <= value <= MAX_DEGREES else 90.0
+        return Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
+    metres = value if kind in (Kind.LENGTH, Kind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
+    return Primitive(Op.MOVE, draft.direction or Direction.FORWARD, distance_m=metres)
 
 
 def _in_bounds(step: Primitive) -> bool:

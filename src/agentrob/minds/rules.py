@@ -21,5 +21,5 @@ class RulesMind:
     async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
         can = listener.capabilities
         pace_mps = min(PACE_MPS, can.limits.speed_mps)
-        background = Background(tuple(history), pace_mps, listener.step_m)
+        background = Background(tuple(history), pace_mps, listener.step_m, can)
         return parse(text, listener.names, listener.others, can.ops, background)

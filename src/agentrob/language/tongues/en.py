@@ -25,6 +25,10 @@ TABLE = {
         |return to your starting position|return to your original position""",
     "turn": """turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn|take a turn|twist|veer
         |turn yourself|rotate yourself|swing""",
+    "turn dir=left": """a left turn|a left hand turn|make a left|take a left|hang a left|make a left turn
+        |take a left turn|do a left turn|hard left turn|make a left hand turn|make a hard left""",
+    "turn dir=right": """a right turn|a right hand turn|make a right|take a right|hang a right|make a right turn
+        |take a right turn|do a right turn|hard right turn|make a right hand turn|make a hard right""",
     "turn angle=180": """turn around|turn round|spin around|about face|do a one eighty|do a 180
         |do a one eighty degree turn|u turn|make a u turn|do a u turn|turn yourself around|face the other way""",
     "dir=forward": """forward|forwards|ahead|straight|straight ahead|straight forward|onward|straight on|frontwards
@@ -37,7 +41,8 @@ TABLE = {
     "move dir=forward": "move up|go up|come up|walk up|move down|go down|come down|walk down|move along|walk along",
     "along": "down|up|along",
     # ---------------------------------------------------------------- deeds
-    "op=hello": """wave|wave hello|say hello|say hi|wave at me|wave to me|wave your paw|wave your hand|wave at us
+    "op=hello": """shake hands|shake my hand|give me your paw|give paw|give me a paw|shake paws|shake paw|high five
+        |give me five|wave|wave hello|say hello|say hi|wave at me|wave to me|wave your paw|wave your hand|wave at us
         |wave at everyone|wave to everyone|give a wave|greet|greet me|greet us|greet everyone|do a wave
         |say hello to everyone|wave to everybody|do the hello gesture""",
     "op=heart": """make a heart|show a heart|heart gesture|finger heart|draw a heart|do a heart|make a heart shape
@@ -48,9 +53,9 @@ TABLE = {
     "op=sit": "sit|sit down|take a seat|have a seat",
     "op=stand": "stand|stand up|get up|rise|stand up straight",
     "op=stretch": "stretch|stretch yourself|have a stretch|do a stretch|take a stretch|stretch out",
-    "beyond=eyes": """find|look for|search|search for|seek|locate|follow|chase|explore|approach|come here|come to me
-        |come over here|come over|go see|go look|investigate|inspect|patrol|go home|track|hunt|guard|watch|survey
-        |go explore|go find|go and find|go over|go check|check out|check|scan|identify|count""",
+    "beyond=eyes": """enter|exit|leave|find|look for|search|search for|seek|locate|follow|chase|explore|approach
+        |come here|come to me|come over here|come over|go see|go look|investigate|inspect|patrol|go home|track|hunt
+        |guard|watch|survey|go explore|go find|go and find|go over|go check|check out|check|scan|identify|count""",
     "beyond=hands": """pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour|clean|wash|cook|unlock|put
         |place|catch|touch|hold on to|switch on|turn on|switch off|turn off|play|sing|dance|lie down|lay down
         |roll over|jump|bark|speak|talk|say|climb""",
@@ -65,7 +70,8 @@ TABLE = {
     "op=get_front_image of": """show me what you see|show us what you see|show me what is in front of you
         |show me what's in front of you|take a look|show view|show me the view|show me your view|give me a visual
         |let me see what you see|look ahead|what does your camera see|show me your camera""",
-    "show": "take|send|grab|snap|shoot|get|give|show|capture|make|record|post|share|provide|upload|transmit|return me",
+    "show": """let me see|can i see|could i see|may i see|let us see|take|send|grab|snap|shoot|get|give|show|capture
+        |make|record|post|share|provide|upload|transmit|return me""",
     "picture": """photo|photos|picture|pictures|pic|pics|image|images|photograph|snapshot|shot|selfie|camera image
         |front image|front photo""",
     "soft": "send it|send it to me|send it to us|post it|show it to me|show me|upload it|share it",
@@ -80,24 +86,29 @@ TABLE = {
     "length_unit=1": "m|meter|meters|metre|metres|mtr|mtrs|meteres|meeters|meetres|metters",
     "length_unit=0.01": "cm|centimeter|centimeters|centimetre|centimetres|cms",
     "length_unit=0.001": "mm|millimeter|millimeters|millimetre|millimetres",
+    "length_unit=0.1": "decimeter|decimeters|decimetre|decimetres|dm",
     "length_unit=1000": "km|kilometer|kilometers|kilometre|kilometres",
     "length_unit=0.3048": "ft|foot|feet",
     "length_unit=0.0254": "inch|inches",
     "length_unit=0.9144": "yard|yards|yd|yds",
     "length_unit=1609.344": "mile|miles",
     "angle_unit=1": "degree|degrees|deg|degs|°|degress|degres|degreees|degree angle|degree turn|degrees turn",
+    "angle_unit=1 turn dir=left": "degree left turn|degrees left turn|degree left hand turn|degree turn left",
+    "angle_unit=1 turn dir=right": "degree right turn|degrees right turn|degree right hand turn|degree turn right",
     "angle_unit=57.29577951308232": "radian|radians|rad",
     "speed_unit=1": "m/s|mps|m per s|meters per second|metres per second|meter per second|metre per second|m / sec",
     "speed_unit=0.01": "cm/s|centimeters per second|centimetres per second",
     "speed_unit=0.3048": "feet per second|foot per second|ft/s",
     "speed_unit=0.2777777777777778": "km/h|kmh|kph|kilometers per hour|kilometres per hour",
+    "steps=1": "one step|1 step|a single step|a step|one pace|a pace",
     "step_unit": "steps|pace|paces|stride|strides|footsteps",
     "time_unit=1": "s|second|seconds|sec|secs",
     "time_unit=60": "minute|minutes|min|mins",
     "turn angle=90": "quarter turn|a quarter turn|a quarter of a turn",
     "turn angle=180 ": "half turn|a half turn|half a turn",
-    "turn angle=360": """full turn|a full turn|full circle|a full circle|full rotation|a full rotation|complete turn
-        |a complete turn|turn in a circle|spin in a circle|turn all the way around""",
+    "turn angle=360": """do a three sixty|do a 360|do a full 360|do a full three sixty|full turn|a full turn
+        |full circle|a full circle|full rotation|a full rotation|complete turn|a complete turn|turn in a circle
+        |spin in a circle|turn all the way around""",
     "turn angle=270": "three quarter turn|a three quarter turn|three quarters of a turn",
     "angle_unit=360": "full turns|full circles|full rotations|rotations|revolutions|circles|complete turns|turns",
     "half": "half a|half an|half of a|a half|half|one half|one half of a",
@@ -113,9 +124,9 @@ TABLE = {
     "vague": """a bit|a little|a little bit|slightly|some|somewhat|a few|few|several|a couple|a couple of
         |as far as you can|as far as possible|far|further|farther|a lot|a touch|a tad|a little ways|a ways|a way""",
     "slow": """slowly|slow|carefully|gently|gradually|at low speed|at a slow pace|very slowly|really slowly
-        |slow and steady|at a slow speed|with care|nice and slow|slow down|cautiously|real slow|at a crawl""",
-    "slow=er": """slower|more slowly|a bit slower|a little slower|a bit more slowly|much slower|only slower
-        |at half speed""",
+        |slow and steady|at a slow speed|with care|nice and slow|cautiously|real slow|at a crawl""",
+    "slow=er": """slower|slow down|more slowly|a bit slower|a little slower|a bit more slowly|much slower
+        |only slower|at half speed""",
     "faster": """quickly|fast|at full speed|as fast as you can|as fast as possible|at top speed|at maximum speed
         |full speed|very fast|really fast|at high speed|rapidly|at a fast pace|as quickly as you can
         |as quickly as possible""",
@@ -140,13 +151,19 @@ TABLE = {
     "stop": "stop|halt|wait|stay|stand still|stop there|wait there|then stop|hold",
     "go_ahead": "go ahead",
     # ---------------------------------------------------------------- wanted, or only talk
+    "request move": """would you mind walking|would you mind moving|would you mind going|would you mind stepping
+        |how about walking""",
+    "request turn": "would you mind turning|would you mind rotating|would you mind spinning",
+    "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
+    "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
     "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please
         |would you please|i think we should|i think you should|maybe we should|perhaps we should|perhaps you should
         |maybe you should|i'm going to need you to|i'd appreciate it if you could|do me a favor and
         |do me a favour and|be a dear and|please go ahead and|go ahead and|let's have you|i'd like to have you
         |i'd like for you to|i would like for you to|please could you|please can you|please would you
         |your task is to|your next task is to|are you able to|are you able to please|is it possible for you to
-        |how about you|why don't you|i want you to|i'd like you to|i would like you to|i need you to|i'd love you to
+        |how about you|why don't you|i want you to|we want you to|we would like you to|we need you to
+        |we'd like you to|i want for you to|i'd like you to|i would like you to|i need you to|i'd love you to
         |would you mind|you have to|you must|can we|could we|may i have|can i have|can i get|could i have
         |could i get|i want|i'd like|i would like|kindly|i need|have the robot|tell the robot to|robot please""",
     "wish": """now we|now you|we should|you should|you can|you could|let's|lets|we can|let us|you may|time to
@@ -173,35 +190,38 @@ TABLE = {
     "help": """help|what can you do|what do you do|what can i say|how do i use you|how does this work|commands|usage
         |what commands|show help|help me|which commands do you know|what are your commands|list commands
         |what are you able to do|how can i command you|instructions""",
-    "status": """status|state|where are you|battery|how is your battery|battery level|how are you
-        |what is your status|what's your status|are you there|how much battery do you have|what are you doing
-        |are you ok|are you okay|report status|are you ready|what is your battery|what's your battery level
-        |are you busy|are you online|your battery""",
-    "soft=1": "a|an|another|one more|one additional",
-    "thanks": """thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers
-        |good job|great job|good work|well done|nice work|good boy|thanks so much|much appreciated|hello|hi|hey
-        |good morning|hi there|hello there|no problem|no worries|thanks again|thank you again|good day|greetings
-        |dear""",
-    "soft ": """the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left|um
-        |uh|uhh|uhhh|umm|hm|hmm|mm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now
-        |yes|yeah|yep|yup|sure|please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot
-        |got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger
-        |ten four|very good|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time
-        |on the ground|one time|on the floor|in the room|here|in total|total|in all|overall|as well|too|again please
-        |for me please|both of you|you both|you two|all of you|for us|if it is safe|if it's safe|when safe|safely
-        |from this angle|from this position|from that angle|from that position|from this spot|from this view|nicely
-        |politely|kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy|my dear|my good robot|everyone else
-        |the same amount|so please|so then|okay so|doing a good job|doing great|you're doing great
-        |you are doing great|there we go|here we go|good evening|good afternoon|robot|dog|doggy|buddy|my friend
-        |friend|first|first up|firstly|second|secondly|third|thirdly|to start|lastly|about|around|approximately
-        |roughly|approx|maybe about|at least|exactly|precisely|more|additional|extra|further more|side|direction|way
-        |hand side|straight away|immediately|directly|now then|if you can|if you're able|if you are able|if possible
-        |if you please|if you could|if you would|if you don't mind|when you are ready|when you're ready|when ready
-        |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|ready|i think
-        |i guess|i believe|keep straight|with|on|as|be so kind and|be so kind to|would be nice|from your location
-        |sir|from your position|go on and|your body|your camera|with your camera|with the camera|everyone|everybody
-        |all|both|each of you|of you|at normal speed|there you go|that would be great|that would be nice
-        |at your own pace|final|last|feel free to""",
+    "status": """what's your battery|what is your battery level|what's the battery|what's the battery level
+        |how much battery is left|how much battery|how charged are you|battery status|what's your state
+        |what is your state|where are you now|are you moving|are you free|how are you doing|are you alive
+        |are you awake|your status|your position|what is your position|what's your position|position|status|state
+        |where are you|battery|how is your battery|battery level|how are you|what is your status|what's your status
+        |are you there|how much battery do you have|what are you doing|are you ok|are you okay|report status
+        |are you ready|what is your battery|what's your battery level|are you busy|are you online|your battery""",
+    "soft=1": "a|an|another|one more|new|a new|one additional",
+    "thanks": """yo|howdy|hiya|heya|ahoy|lol|haha|hahaha|thanks|thank you|thank you very much|thank you so much
+        |thanks a lot|many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy
+        |thanks so much|much appreciated|hello|hi|hey|good morning|hi there|hello there|no problem|no worries
+        |thanks again|thank you again|good day|greetings|dear""",
+    "soft ": """let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed|the|to|your|yourself|me
+        |us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left|um|uh|uhh|uhhh|umm|hm|hmm|mhm|er
+        |erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now|yes|yeah|yep|yup|sure
+        |please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot|got it|fantastic|wonderful
+        |beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four|very good|very nice
+        |very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground|one time|on the floor
+        |in the room|here|in total|total|in all|overall|as well|too|again please|for me please|both of you|you both
+        |you two|all of you|for us|if it is safe|if it's safe|when safe|safely|from this angle|from this position
+        |from that angle|from that position|from this spot|from this view|nicely|politely|kind sir|doggo|pup|puppy
+        |mate|pal|bot|little one|little guy|my dear|my good robot|everyone else|the same amount|so please|so then
+        |okay so|doing a good job|doing great|you're doing great|you are doing great|there we go|here we go
+        |good evening|good afternoon|robot|dog|doggy|buddy|my friend|friend|first|first up|firstly|secondly|third
+        |thirdly|to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly|precisely
+        |more|additional|extra|further more|side|direction|way|hand side|straight away|immediately|directly|now then
+        |if you can|if you're able|if you are able|if possible|if you please|if you could|if you would
+        |if you don't mind|when you are ready|when you're ready|when ready|when you can|do|do a|make a|make|give me
+        |perform|perform a|execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight|with|on|as
+        |be so kind and|be so kind to|would be nice|from your location|sir|from your position|go on and|your body
+        |your camera|with your camera|with the camera|everyone|everybody|all|both|each of you|of you|at normal speed
+        |there you go|that would be great|that would be nice|at your own pace|final|last|feel free to""",
 }
 
 
