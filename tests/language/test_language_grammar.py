@@ -7,6 +7,7 @@ import time
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from saying import OPS, read, short
 
 from agentrob.language.grammar import MAX_CHARS, parse
 from agentrob.language.render import sentence
@@ -14,25 +15,6 @@ from agentrob.language.tongues.en import LEXICON as EN
 from agentrob.language.tongues.zh import LEXICON as ZH
 from agentrob.language.visible import visible_text
 from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
-
-OPS = frozenset(Op)
-
-
-def read(text: str) -> Understanding:
-    return parse(visible_text(text), ["quadruped"], ["dog2"], OPS)
-
-
-def short(plan: Plan) -> str:
-    """ "f1 l90 hello": direction and amount of walks (upper case) and turns, or the operation."""
-    return " ".join(_short(step) for step in plan.steps)
-
-
-def _short(step: Primitive) -> str:
-    letter = str(step.direction or "?")[0]
-    if step.op is Op.MOVE:
-        return f"{letter.upper()}{step.distance_m:g}" + (f"@{step.speed_mps:g}" if step.speed_mps else "")
-    return f"{letter}{step.degrees:g}" if step.op is Op.TURN else {"get_front_image": "photo"}.get(step.op, step.op)
-
 
 COMMANDS = [
     ("@quadruped walk forward 1 metre, turn left, wave and take a photo", "F1 l90 hello photo"),
@@ -85,6 +67,49 @@ COMMANDS = [
     ("请你能往前走一米吗？", "F1"),
     ("比个心，坐下，站起来，伸个懒腰，来个后空翻", "heart sit stand stretch backflip"),
     ("给我看看你前面有什么", "photo"),
+    ("yo quadruped go forward 1m pls", "F1"),
+    ("walk forward – 1 m – and then “wave”", "F1 hello"),
+    ("walk forward 100 mm", "F0.1"),
+    ("walk two and a quarter metres", "F2.25"),
+    ("move six inches to the left", "L0.1524"),
+    ("make a ninety degree left turn", "l90"),
+    ("take a right", "r90"),
+    ("three quarter turn right", "r270"),
+    ("make two full turns to the left", "l720"),
+    ("move to the right by 20 centimetres", "R0.2"),
+    ("turn left 90 degrees, twice", "l90 l90"),
+    ("walk 2m/turn left", "F2 l90"),
+    ("drive forward fifteen feet stop", "F4.572"),
+    ("move six feet down", "F1.8288"),
+    ("right, take a photo", "photo"),
+    ("right, walk forward 2 m", "F2"),
+    ("thank you, Henry. Turn left", "l90"),
+    ("i think we should take a picture first", "photo"),
+    ("would you mind waving?", "hello"),
+    ("shake hands", "hello"),
+    ("walk very slowly 1 m forward", "F1@0.2"),
+    ("walk 2 m, at 0.3 m/s", "F2@0.3"),
+    ("at a speed of 20 cm/s walk forward 1 metre", "F1@0.2"),
+    ("walk 2 m at full speed", "F2"),
+    ("@quadruped。 walk forward 1 m", "F1"),
+    ("turn fif ninety degrees left", "l90"),
+    ("turn nin degree ninety degrees right", "r90"),
+    ("turn to the r left one hundred and thirty five degrees", "l135"),
+    ("turn fff twenty degrees to your left", "l20"),
+    ("turn to the left and take a picture turn to the left sixty degrees and take a picture", "l60 photo"),
+    ("turn left and take a picture, turn left 60 degrees and take a picture", "l90 photo l60 photo"),
+    ("take a photo after each turn: turn left 90 degrees, walk 1 m, turn right 90 degrees", "l90 photo F1 r90 photo"),
+    ("after each turn, take a photo: turn left 90 degrees, turn right 45 degrees", "l90 photo r45 photo"),
+    ("左转90度，右转90度，每次之后拍照", "l90 photo r90 photo"),
+    ("向前走兩米，然後左轉九十度", "F2 l90"),
+    ("前进一米零五", "F1.05"),
+    ("前进一百八十厘米", "F1.8"),
+    ("前进１００厘米", "F1"),
+    ("前进2米5", "F2.5"),
+    ("转两圈", "l720"),
+    ("连续挥手三次", "hello hello hello"),
+    ("往前走1米 turn left 90 degrees", "F1 l90"),
+    ("快点前进一米", "F1"),
 ]
 
 
@@ -116,10 +141,11 @@ for example walk 2 m|walk 1_000 m
 don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m
 walk forward 1 parsec|turn slightly left|wave 1000 times|walk 1 m, wait 5 seconds, turn left|2 metres
 walk forward 2 c m
+walk two three metres|left ninety|take another photo to the left|go through the doorway|turn down|left turn 2 m
 walk 1 m at 0 m/s|turn 2 metres|turn left 90 degrees right|walking forward 2 m is dangerous|forward left|walk 2² m
 向前走|走两步|往前走一点|去厨房|走过去|前进一公里|如果看到猫就前进一米|左转或者右转|转90度|跟我来|向前走三
 不要左转和前进一米
-往前走一米五十|向前走一米然后开门
+前进两三米|前进三四十厘米|前进十二三米|前进二〇厘米|走三步|往前走一米五十|向前走一米然后开门
 """
 
 
@@ -182,6 +208,10 @@ def test_other_intents(text: str, intent: Intent) -> None:
         ("@quadruped wave @bob take a photo", None),
         ("@quadruped walk 1 m @dog2 turn left @quadruped wave", "F1 hello"),
         ("@quadruped向前走一米@dog2左转", "F1"),
+        ("@quadruped walk 1 m. @dog2 turn left. Then both of you wave.", "F1 hello"),
+        ("@quadruped @dog2 both of you walk 1 m", "F1"),
+        ("@quadruped 前进一米，@dog2 左转。你们都挥手", "F1 hello"),
+        ("@dog2 both of you wave", ""),
     ],
 )
 def test_only_the_part_for_this_robot_counts(text: str, plan: str | None) -> None:

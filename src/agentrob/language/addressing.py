@@ -36,14 +36,14 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
             continue
         if called:
             parts.append(text)
-        elif any(is_mine for is_mine, _, _ in spans) and (shared := _together().search(text)):
+        elif any(is_mine for is_mine, _, _ in spans) and (shared := together().search(text)):
             parts.append(text[shared.start("words") :])
         called = False
     return "\n".join(parts).strip()
 
 
 @cache
-def _together() -> re.Pattern[str]:
+def together() -> re.Pattern[str]:
     """Words for all at the beginning of a clause: "… Then both of you wave"."""
     words = [w for t in known().values() for w in t.together.replace("\n", "").split("|") if w]
     said = "|".join(re.escape(w) for w in sorted(words, key=len, reverse=True))

@@ -180,6 +180,15 @@ MARKS = {
 _SPELT = (Kind.MOVE, Kind.TURN, Kind.DIR, Kind.AGREE, Kind.OP, Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.PICTURE)
 
 
+def digits(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
+    """A number in digits: "2", "0.5", "1/2"."""
+    first = pieces[at].text
+    if first[-1] not in "0123456789" or first[0] not in "0123456789.":
+        return None
+    above, _, below = first.replace("⁄", "/").partition("/")
+    return float(above) / float(below or 1), 1
+
+
 def _symbol(text: str) -> tuple[Kind, Value]:
     name, _, value = text.partition("=")
     try:
@@ -196,7 +205,7 @@ _PIECE = re.compile(
     r"|[\u3400-\u9fff]"
     r"|[^\s\w]|\w",
 )
-_IGNORED_MARKS = frozenset("*_\"'“”‘’「」『』«»`-~#")
+_IGNORED_MARKS = frozenset("*_\"'“”‘’「」『』«»`-~#¡¿")
 _DASHES = frozenset("–—―")
 
 

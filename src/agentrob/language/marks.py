@@ -137,8 +137,9 @@ class Marks:
 
     def _thanks(self, token: Token) -> None:
         """ "Thank you, Henry" at an end: a name."""
-        if self._next() is Kind.WORD and self._next(2) in (Kind.END, Kind.COMMA):
-            self.named = self.tokens[self.at + 1]
+        at = 2 if self._next() is Kind.COMMA else 1
+        if self._next(at) is Kind.WORD and self._next(at + 1) in (Kind.END, Kind.COMMA):
+            self.named = self.tokens[self.at + at]
 
     def _agree(self, token: Token) -> None:
         """ "Right, take a photo", "right, walk forward 2 m": no direction where a command of its own follows."""

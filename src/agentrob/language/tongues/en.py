@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from text_to_num import text2num
 
-from agentrob.language.lexicon import Piece, lexicon
+from agentrob.language.lexicon import Piece, digits, lexicon
 from agentrob.language.phrases_en import PHRASES
 from agentrob.language.tongue import Tongue
 
@@ -236,11 +236,9 @@ _TENS = frozenset(["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "ei
 
 def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
     """ "2", "0.5", "forty five", "one hundred and thirty five", "a hundred", "zero point eight", "one eighty"."""
-    first = pieces[at].text
-    if first[-1] in "0123456789" and first[0] in "0123456789.":
-        above, _, below = first.replace("⁄", "/").partition("/")
-        return float(above) / float(below or 1), 1
-    if first not in _STARTS:
+    if found := digits(pieces, at):
+        return found
+    if pieces[at].text not in _STARTS:
         return None
     words = _number_words(pieces, at)
     if not words:

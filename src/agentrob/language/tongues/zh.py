@@ -123,7 +123,10 @@ TABLE = {
 }
 
 _NUMERALS = frozenset("零〇一二两三四五六七八九十百千万点")
-_SEVERAL = re.compile("[一二两三四五六七八九]{2}")
+_DIGIT = "[一二两三四五六七八九]"
+_BELOW_TEN_THOUSAND = f"(?:{_DIGIT}千)?零?(?:{_DIGIT}百)?零?(?:{_DIGIT}?十)?零?{_DIGIT}?"
+#: What the library is asked about; what else it takes for numbers is not what people mean.
+_NUMERAL = re.compile(f"(?:{_BELOW_TEN_THOUSAND}万)?{_BELOW_TEN_THOUSAND}(?:点[零〇一二两三四五六七八九]+)?|〇")
 _DIGITS = {c: i for i, c in enumerate("零一二三四五六七八九")} | {"两": 2, "〇": 0}
 #: Traditional characters, each for the simplified one of the same place.
 _TWINS = str.maketrans(
@@ -141,14 +144,11 @@ def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
         if piece.text not in _NUMERALS:
             break
         run += piece.text
-    if _SEVERAL.search(run.partition("点")[0]):  # 两三米 is two or three
-        return None
     run = run.rstrip("点")  # 一点 without digits after it means "a bit"
-    while run:
-        if (value := _value(run)) is not None:
-            return value, len(run)
-        run = run[:-1]
-    return None
+    if not run or not _NUMERAL.fullmatch(run):  # 两三米 is two or three
+        return None
+    value = _value(run)
+    return None if value is None else (value, len(run))
 
 
 def _value(numeral: str) -> float | None:
