@@ -13,8 +13,7 @@ from agentrob.language.grammar import MAX_CHARS, parse
 from agentrob.language.render import sentence
 from agentrob.language.tongues.en import LEXICON as EN
 from agentrob.language.tongues.zh import LEXICON as ZH
-from agentrob.language.visible import visible_text
-from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
+from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive
 
 COMMANDS = [
     ("@quadruped walk forward 1 metre, turn left, wave and take a photo", "F1 l90 hello photo"),

@@ -14,6 +14,8 @@ from agentrob.language.phrases import quote, say
 from agentrob.language.render import sentence
 from agentrob.model import Capabilities, Direction, Language, Op, Plan, Primitive
 
+#: The most that one post is taken to mean.
+MAX_STEPS = 100
 #: What "slowly" means, in metres per second.
 SLOW_MPS = 0.2
 _SIDES = (Direction.LEFT, Direction.RIGHT)
@@ -61,6 +63,8 @@ def once_more(
             raise Unclear(say("ask.again_which", language, words=quote(said)))
         # "Walk 1 m, do this twice": twice in all. "Again" with nothing before it: as often as it says.
         times = draft.times - 1 if before and draft.counted else draft.times
+        if not 0 <= times * len(base) <= MAX_STEPS or draft.times < 1:
+            raise Unclear(say("ask.too_many", language, steps=MAX_STEPS))
         steps = _changed(base, draft, said, language) * times
     return steps, say("note.again", language, words=quote(said), steps=sentence([*before, *steps], language))
 

@@ -184,6 +184,8 @@ class _Reader(Marks):
             self._new(token, None).stop_word = True
         elif kind is Kind.PICTURE and last and self._open() is last and last.op is Op.GET_FRONT_IMAGE:
             pass  # "send a pic picture"
+        elif kind in _UNITS and last and last.vague and self._open() is last:
+            last.end = token.end  # "a few metres"
         else:
             self._unknown(token)
 
@@ -234,6 +236,7 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
     pending.speed_mps = None
 
 
+_UNITS = (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.STEP_UNIT)
 _DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 

@@ -180,10 +180,13 @@ MARKS = {
 _SPELT = (Kind.MOVE, Kind.TURN, Kind.DIR, Kind.AGREE, Kind.OP, Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.PICTURE)
 
 
+_LONGEST_NUMBER = 15
+
+
 def digits(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
-    """A number in digits: "2", "0.5", "1/2"."""
+    """A number in digits: "2", "0.5", "1/2"; none of more digits than anybody means."""
     first = pieces[at].text
-    if first[-1] not in "0123456789" or first[0] not in "0123456789.":
+    if len(first) > _LONGEST_NUMBER or first[-1] not in "0123456789" or first[0] not in "0123456789.":
         return None
     above, _, below = first.replace("⁄", "/").partition("/")
     return float(above) / float(below or 1), 1
@@ -261,7 +264,7 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
 
 def _is_number(piece: str, words: Lexicon) -> bool:
     """Whether a piece that nobody reads is some number: "1,500", "2-3", 两 of 两三米."""
-    return piece.startswith("\0") or piece in words.numerals
+    return piece[0] in "\0.0123456789" or piece in words.numerals
 
 
 def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple[str, str]]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from agentrob.language.again import SLOW_MPS, Background, Unclear, once_more
+from agentrob.language.again import MAX_STEPS, SLOW_MPS, Background, Unclear, once_more
 from agentrob.language.drafts import Draft, Sentence
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
@@ -19,7 +19,6 @@ from agentrob.model import Direction, Language, Op, Primitive
 #: Bounds of the language, whatever a robot can do: beyond them something was misunderstood.
 MAX_DISTANCE_M = 100.0
 MAX_DEGREES = 3600.0
-MAX_STEPS = 100
 SLOW_FROM_MPS, FAST_TO_MPS = 0.01, 10.0
 
 
@@ -101,6 +100,7 @@ class _Maker:
             reading.steps = _after_each(reading.steps, reading.picture_after)
         if len(reading.steps) > MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+            del reading.steps[MAX_STEPS:]
         return reading
 
     def _say(self, key: str, words: str) -> str:
@@ -148,6 +148,8 @@ class _Maker:
             return
         reading.steps += more
         reading.note(note)
+        if len(reading.steps) > MAX_STEPS:  # from here on it would only double
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
 
     def _one(self, draft: Draft, said: str) -> None:
         reading = self.reading
@@ -164,7 +166,7 @@ class _Maker:
             reading.picture_after = draft.each
         elif step == _PICTURE and not draft.counted and reading.steps[-1:] == [step]:
             pass  # "take a picture, take a picture": said twice, meant once
-        else:
+        elif len(reading.steps) <= MAX_STEPS:
             reading.steps += [step] * draft.times
 
     # -------------------------------------------------------------- walks and turns
