@@ -146,3 +146,5 @@ def test_examples_stay_within_what_the_robot_can_do() -> None:
     question = read("walk backward", Background(can=small)).question
     assert "`walk backward 0.4 m`" in question
     assert "1 m" not in question
+    assert "at most 0.4 m" in read("walk 200 m", Background(can=small)).question
+    assert "at most 30 degrees" in read("turn left 9999 degrees", Background(can=small)).question

@@ -52,7 +52,7 @@ PHRASES = {
     "ask.denial": "I cannot tell what {words} refers to.",
     "ask.question": "Is this a question or a command?",
     "ask.speed": "I cannot walk as {words} says; a speed is between 0.01 and 10 m/s.",
-    "ask.distance_bound": "That is no distance I can take: it must be more than 0 and at most {metres} m.",
+    "ask.distance_bound": "That is no distance I can take: a step must be more than 0 and at most {metres} m.",
     "ask.degrees_bound": "That is no angle I can take: it must be more than 0 and at most {degrees} degrees.",
     "ask.too_many": "That is too much for one command: at most {steps} steps, and at least one of each.",
     "ask.long": "That is longer than the {chars} characters I read; please say it shorter.",

@@ -198,7 +198,8 @@ class _Maker:
         if direction is None and degrees % 180:
             return None, self._say("ask.side", said)
         if not 0 < degrees <= MAX_DEGREES:
-            return None, say("ask.degrees_bound", self.language, degrees=f"{MAX_DEGREES:g}")
+            most = min(MAX_DEGREES, can.limits.step_deg) if (can := self.background.can) else MAX_DEGREES
+            return None, say("ask.degrees_bound", self.language, degrees=f"{most:g}")
         return Primitive(Op.TURN, direction or Direction.LEFT, degrees=round(degrees, 4)), ""
 
     def _move(self, draft: Draft, value: float, said: str) -> tuple[Primitive | None, str]:
@@ -219,7 +220,8 @@ class _Maker:
             distance_m = self.background.step_m * value
             self.reading.note(self._converted("note.steps", said, distance_m, self.background.step_m))
         if not 0 < distance_m <= MAX_DISTANCE_M:
-            return None, say("ask.distance_bound", self.language, metres=f"{MAX_DISTANCE_M:g}")
+            most = min(MAX_DISTANCE_M, can.limits.step_m) if (can := self.background.can) else MAX_DISTANCE_M
+            return None, say("ask.distance_bound", self.language, metres=f"{most:g}")
         if draft.faster and speed is None:
             self.reading.note(say("note.own_speed", self.language))
         step = Primitive(Op.MOVE, draft.direction or Direction.FORWARD, distance_m=round(distance_m, 4))

@@ -126,6 +126,9 @@ _NUMERALS = frozenset("零〇一二两三四五六七八九十百千万点")
 _DIGIT = "[一二两三四五六七八九]"
 _BELOW_TEN_THOUSAND = f"(?:{_DIGIT}千)?零?(?:{_DIGIT}百)?零?(?:{_DIGIT}?十)?零?{_DIGIT}?"
 #: What the library is asked about; what else it takes for numbers is not what people mean.
+_SMALL = re.compile(
+    f"(?:({_DIGIT})百(?=$|零|点|{_DIGIT}十)零?)?(?:({_DIGIT}?)(十))?({_DIGIT}|零(?=点|$))?(?:点([零〇一二两三四五六七八九]+))?"
+)
 _NUMERAL = re.compile(f"(?:{_BELOW_TEN_THOUSAND}万)?{_BELOW_TEN_THOUSAND}(?:点[零〇一二两三四五六七八九]+)?|〇")
 _DIGITS = {c: i for i, c in enumerate("零一二三四五六七八九")} | {"两": 2, "〇": 0}
 #: Traditional characters, each for the simplified one of the same place.
@@ -152,10 +155,11 @@ def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
 
 
 def _value(numeral: str) -> float | None:
-    """The value of a whole numeral. Up to 99 without the library, whose import takes longer than a robot's thought."""
-    tens, ten, ones = numeral.rpartition("十")
-    if len(tens) < 2 and len(ones) < 2 and all(c in _DIGITS for c in tens + ones) and not (ten and "零" in tens + ones):
-        return _DIGITS.get(tens, 1) * 10.0 * bool(ten) + _DIGITS.get(ones, 0)
+    """The value of a whole numeral; plain ones below 1000 without the library, which takes 0.15 s to import."""
+    if small := _SMALL.fullmatch(numeral):
+        hundreds, tens, ten, ones, decimals = (group or "" for group in small.groups())
+        whole = 100 * _DIGITS.get(hundreds, 0) + 10 * _DIGITS.get(tens, 1) * bool(ten) + _DIGITS.get(ones, 0)
+        return float(f"{whole}." + "".join(str(_DIGITS[d]) for d in decimals))
     import cn2an
 
     try:
