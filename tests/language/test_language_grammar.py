@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import time
 
+import cn2an
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from saying import OPS, read, short
 
 from agentrob.language.grammar import MAX_CHARS, parse
+from agentrob.language.lexicon import pieces_of
 from agentrob.language.render import sentence
 from agentrob.language.tongues.en import LEXICON as EN
 from agentrob.language.tongues.zh import LEXICON as ZH
+from agentrob.language.tongues.zh import number as zh_number
 from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive
 
 COMMANDS = [
@@ -335,9 +338,12 @@ UNITS = [
 def test_long_inputs_stay_quick(unit: str) -> None:
     text = (unit * MAX_CHARS)[:MAX_CHARS]
     read(text)
-    start = time.process_time()
-    read(text)
-    assert time.process_time() - start < 0.1
+    spent = []
+    for _ in range(3):
+        start = time.process_time()
+        read(text)
+        spent.append(time.process_time() - start)
+    assert min(spent) < 0.1
 
 
 def test_sentences_are_read_within_milliseconds() -> None:
@@ -357,3 +363,10 @@ def test_longer_texts_than_anybody_needs_are_not_read() -> None:
 @pytest.mark.parametrize("numeral", ["十十一", "一十零", "百百", "点点", "零零", "半半"])
 def test_a_chinese_numeral_that_is_none_asks_back_and_never_raises(numeral: str) -> None:
     assert parse(f"@rex 向前走{numeral}米", ("rex",), (), frozenset(Op)).intent is not Intent.COMMAND
+
+
+def test_chinese_numerals_have_the_values_that_the_library_gives_them() -> None:
+    for n in (*range(1, 1000), 1000, 1050, 2305, 9999, 12_000):
+        for numeral in (cn2an.an2cn(n, "low"), cn2an.an2cn(n + 0.25, "low")):
+            pieces = pieces_of(numeral)
+            assert zh_number(pieces, 0) == (float(cn2an.cn2an(numeral, "smart")), len(numeral)), numeral

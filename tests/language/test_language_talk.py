@@ -10,10 +10,9 @@ from agentrob.language.talk import Talk
 from agentrob.model import Intent
 
 POSTS = {
-    Talk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks|算了|不用了
-        |算了吧""",
+    Talk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
+        |算了|不用了|算了吧""",
     Talk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
-        |你叫什么名字？""",
     Talk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
     None: "hello|thanks, good job!|谢谢|@quadruped|ok",
 }

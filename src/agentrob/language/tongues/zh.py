@@ -124,12 +124,11 @@ TABLE = {
 
 _NUMERALS = frozenset("零〇一二两三四五六七八九十百千万点")
 _DIGIT = "[一二两三四五六七八九]"
-_BELOW_TEN_THOUSAND = f"(?:{_DIGIT}千)?零?(?:{_DIGIT}百)?零?(?:{_DIGIT}?十)?零?{_DIGIT}?"
-#: What the library is asked about; what else it takes for numbers is not what people mean.
+_BELOW = f"(?:{_DIGIT}千)?(?:零?{_DIGIT}百)?(?:零?{_DIGIT}?十)?(?:零?{_DIGIT})?"
 _SMALL = re.compile(
     f"(?:({_DIGIT})百(?=$|零|点|{_DIGIT}十)零?)?(?:({_DIGIT}?)(十))?({_DIGIT}|零(?=点|$))?(?:点([零〇一二两三四五六七八九]+))?"
 )
-_NUMERAL = re.compile(f"(?:{_BELOW_TEN_THOUSAND}万)?{_BELOW_TEN_THOUSAND}(?:点[零〇一二两三四五六七八九]+)?|〇")
+_NUMERAL = re.compile(f"(?:(?:{_BELOW}万)?{_BELOW}|零)(?:点[零〇一二两三四五六七八九]+)?|〇")
 _DIGITS = {c: i for i, c in enumerate("零一二三四五六七八九")} | {"两": 2, "〇": 0}
 #: Traditional characters, each for the simplified one of the same place.
 _TWINS = str.maketrans(
@@ -148,7 +147,7 @@ def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
             break
         run += piece.text
     run = run.rstrip("点")  # 一点 without digits after it means "a bit"
-    if not run or not _NUMERAL.fullmatch(run):  # 两三米 is two or three
+    if not run or run[0] == "点" or not _NUMERAL.fullmatch(run):  # 两三米 is two or three
         return None
     value = _value(run)
     return None if value is None else (value, len(run))
