@@ -72,6 +72,8 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
 def _settled(tokens: Sequence[Token], at: int) -> Token:
     """ "Go ahead" is a direction when a length follows ("go ahead two feet"), otherwise encouragement."""
     token = tokens[at]
+    if token.kind is Kind.SHOW and token.value == "talk":  # "I want to see", and no picture
+        return replace(token, kind=Kind.TALK)
     if token.kind is not Kind.GO_AHEAD:
         return token
     following = tokens[_skip_soft(tokens, at + 1) :][:1]

@@ -111,7 +111,7 @@ class _Reader(Marks):
 
     def _again(self, token: Token) -> None:
         cur = self._open()
-        if cur is not None and not cur.unknown and not cur.bare_picture and token.value is None:
+        if cur is not None and not cur.unknown and token.value is None:
             return  # "turn left 90 degrees again"
         draft = self._new(token, Kind.AGAIN)
         draft.back = token.value == "back"

@@ -12,10 +12,12 @@ from agentrob.language.tongue import Tongue
 
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
-    "move": """move|go|walk|proceed|travel|step|drive|advance|come|head|run|trot|keep going|keep moving|keep walking
-        |continue|march|stroll|strafe|sidestep|side step|shift|slide|scoot|roll|crawl|creep|inch forward|navigate
-        |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
-    "move dir=backward": "back up|backup|back off|reverse|retreat|step back|move backwards|go in reverse",
+    "move": """try moving|try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive
+        |advance|come|head|run|trot|keep going|keep moving|keep walking|continue|march|stroll|strafe|sidestep
+        |side step|shift|slide|scoot|roll|crawl|creep|inch forward|navigate|continue moving|continue walking
+        |continue going|keep on going|move yourself|get moving|go on|move on""",
+    "move dir=backward": """back away|back it up|back yourself up|keep backing up|continue backing up|back up|backup
+        |back off|reverse|retreat|step back|move backwards|go in reverse""",
     "back move dir=backward": "go back|walk back|move back|head back|go on back",
     "again=back": """come back|come back here|return|go back to where you were|back to where you were
         |back to the start|go back to the start|go back to where you started|back to where you started
@@ -23,13 +25,17 @@ TABLE = {
         |return to your starting point|retrace your steps|go back to start|return to start
         |go back where you came from|walk back to where you were|go back to where you came from
         |return to your starting position|return to your original position""",
-    "turn": """turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn|take a turn|twist|veer
-        |turn yourself|rotate yourself|swing""",
-    "turn dir=left": """a left turn|a left hand turn|make a left|take a left|hang a left|make a left turn
-        |take a left turn|do a left turn|hard left turn|make a left hand turn|make a hard left""",
-    "turn dir=right": """a right turn|a right hand turn|make a right|take a right|hang a right|make a right turn
-        |take a right turn|do a right turn|hard right turn|make a right hand turn|make a hard right""",
-    "turn angle=180": """turn around|turn round|spin around|about face|do a one eighty|do a 180
+    "turn": """continue turning|keep turning|keep rotating|continue rotating|try turning|start turning
+        |continue to turn|keep on turning|turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn
+        |take a turn|twist|veer|turn yourself|rotate yourself|swing""",
+    "turn dir=left": """angle left|angle to the left|angle to your left|a left turn|a left hand turn|make a left
+        |take a left|hang a left|make a left turn|take a left turn|do a left turn|hard left turn
+        |make a left hand turn|make a hard left""",
+    "turn dir=right": """angle right|angle to the right|angle to your right|a right turn|a right hand turn
+        |make a right|take a right|hang a right|make a right turn|take a right turn|do a right turn|hard right turn
+        |make a right hand turn|make a hard right""",
+    "turn angle=180": """make a one eighty|make a 180|do a 180 turn|do a one eighty turn|turn completely around
+        |turn fully around|turn right around|turn around|turn round|spin around|about face|do a one eighty|do a 180
         |do a one eighty degree turn|u turn|make a u turn|do a u turn|turn yourself around|face the other way""",
     "dir=forward": """forward|forwards|ahead|straight|straight ahead|straight forward|onward|straight on|frontwards
         |in front|to the front""",
@@ -70,8 +76,10 @@ TABLE = {
     "op=get_front_image of": """show me what you see|show us what you see|show me what is in front of you
         |show me what's in front of you|take a look|show view|show me the view|show me your view|give me a visual
         |let me see what you see|look ahead|what does your camera see|show me your camera""",
-    "show": """let me see|can i see|could i see|may i see|let us see|take|send|grab|snap|shoot|get|give|show|capture
-        |make|record|post|share|provide|upload|transmit|return me""",
+    "op=get_front_image": "send it again|send that again|resend|resend it|resend that|send me that again",
+    "show=talk": """let me see|can i see|could i see|may i see|let us see|i want to see|i wanna see|i'd like to see
+        |we want to see|i would like to see|can we see|could we see|i need to see|we need to see""",
+    "show": "take|send|grab|snap|shoot|get|give|show|capture|make|record|post|share|provide|upload|transmit|return me",
     "picture": """photo|photos|picture|pictures|pic|pics|image|images|photograph|snapshot|shot|selfie|camera image
         |front image|front photo""",
     "soft": "send it|send it to me|send it to us|post it|show it to me|show me|upload it|share it",
@@ -153,19 +161,21 @@ TABLE = {
     # ---------------------------------------------------------------- wanted, or only talk
     "request move": """would you mind walking|would you mind moving|would you mind going|would you mind stepping
         |how about walking""",
-    "request turn": "would you mind turning|would you mind rotating|would you mind spinning",
+    "request turn": """how about turning|how about rotating|would you mind turning|would you mind rotating
+        |would you mind spinning""",
     "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
-    "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please
-        |would you please|i think we should|i think you should|maybe we should|perhaps we should|perhaps you should
-        |maybe you should|i'm going to need you to|i'd appreciate it if you could|do me a favor and
-        |do me a favour and|be a dear and|please go ahead and|go ahead and|let's have you|i'd like to have you
-        |i'd like for you to|i would like for you to|please could you|please can you|please would you
-        |your task is to|your next task is to|are you able to|are you able to please|is it possible for you to
-        |how about you|why don't you|i want you to|we want you to|we would like you to|we need you to
-        |we'd like you to|i want for you to|i'd like you to|i would like you to|i need you to|i'd love you to
-        |would you mind|you have to|you must|can we|could we|may i have|can i have|can i get|could i have
-        |could i get|i want|i'd like|i would like|kindly|i need|have the robot|tell the robot to|robot please""",
+    "request": """we need|we want|we'd like|need|wanna|i wanna|can you|could you|would you|will you|please|pls|plz
+        |can you please|could you please|would you please|i think we should|i think you should|maybe we should
+        |perhaps we should|perhaps you should|maybe you should|i'm going to need you to
+        |i'd appreciate it if you could|do me a favor and|do me a favour and|be a dear and|please go ahead and
+        |go ahead and|let's have you|i'd like to have you|i'd like for you to|i would like for you to
+        |please could you|please can you|please would you|your task is to|your next task is to|are you able to
+        |are you able to please|is it possible for you to|how about you|why don't you|i want you to|we want you to
+        |we would like you to|we need you to|we'd like you to|i want for you to|i'd like you to|i would like you to
+        |i need you to|i'd love you to|would you mind|you have to|you must|can we|could we|may i have|can i have
+        |can i get|could i have|could i get|i want|i'd like|i would like|kindly|i need|have the robot
+        |tell the robot to|robot please""",
     "wish": """now we|now you|we should|you should|you can|you could|let's|lets|we can|let us|you may|time to
         |we need to|you need to|try to""",
     "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know|tell me
@@ -174,9 +184,9 @@ TABLE = {
         |where's|which|can i|can you tell|can you see|can you describe|can you detect|can you locate|can you hear
         |can you fit|can you get|can you manipulate|can you go through|could you tell|could i|should i|should we
         |should you|may i|have you|have we|are you|is it|is there|is that|is this|are there|was it|was that
-        |was there|what if|are there any|can we see|could you see|could you describe|can you identify
-        |can you recognize|can you read|can you move through|can you count|can you find out|does it|do they|does the
-        |is the|are the|were there|has it|can you tell me|could you tell me|can you explain|could you explain""",
+        |was there|what if|are there any|could you see|could you describe|can you identify|can you recognize
+        |can you read|can you move through|can you count|can you find out|does it|do they|does the|is the|are the
+        |were there|has it|can you tell me|could you tell me|can you explain|could you explain""",
     "talk_start": """is|are|was|were|does|did|has|had|have|am|would|will|should|these|those|his|her|their|to recap
         |earlier""",
     "report": """yesterday|walked|moved|went|turned|rotated|ran|earlier today|last time|last week|last night|ago
@@ -202,26 +212,27 @@ TABLE = {
         |thanks a lot|many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy
         |thanks so much|much appreciated|hello|hi|hey|good morning|hi there|hello there|no problem|no worries
         |thanks again|thank you again|good day|greetings|dear""",
-    "soft ": """let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed|the|to|your|yourself|me
-        |us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left|um|uh|uhh|uhhh|umm|hm|hmm|mhm|er
-        |erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now|yes|yeah|yep|yup|sure
-        |please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot|got it|fantastic|wonderful
-        |beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four|very good|very nice
-        |very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground|one time|on the floor
-        |in the room|here|in total|total|in all|overall|as well|too|again please|for me please|both of you|you both
-        |you two|all of you|for us|if it is safe|if it's safe|when safe|safely|from this angle|from this position
-        |from that angle|from that position|from this spot|from this view|nicely|politely|kind sir|doggo|pup|puppy
-        |mate|pal|bot|little one|little guy|my dear|my good robot|everyone else|the same amount|so please|so then
-        |okay so|doing a good job|doing great|you're doing great|you are doing great|there we go|here we go
-        |good evening|good afternoon|robot|dog|doggy|buddy|my friend|friend|first|first up|firstly|secondly|third
-        |thirdly|to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly|precisely
-        |more|additional|extra|further more|side|direction|way|hand side|straight away|immediately|directly|now then
-        |if you can|if you're able|if you are able|if possible|if you please|if you could|if you would
-        |if you don't mind|when you are ready|when you're ready|when ready|when you can|do|do a|make a|make|give me
-        |perform|perform a|execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight|with|on|as
-        |be so kind and|be so kind to|would be nice|from your location|sir|from your position|go on and|your body
-        |your camera|with your camera|with the camera|everyone|everybody|all|both|each of you|of you|at normal speed
-        |there you go|that would be great|that would be nice|at your own pace|final|last|feel free to""",
+    "soft ": """a full|a complete|completely|fully|all the way|entirely|let's see|at a speed of|speed of
+        |with a speed of|a speed of|speed|at speed|the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in
+        |on the spot|in place|on your left|um|uh|uhh|uhhh|umm|hm|hmm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay
+        |k|alright|all right|right now|now|yes|yeah|yep|yup|sure|please please|great|good|nice|perfect|excellent
+        |cool|awesome|good dog|good robot|got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time
+        |all set|copy|copy that|roger|ten four|very good|very nice|very well|looks good|okay great|interesting|sorry
+        |oh boy|wow|at a time|on the ground|one time|on the floor|in the room|here|in total|total|in all|overall
+        |as well|too|again please|for me please|both of you|you both|you two|all of you|for us|if it is safe
+        |if it's safe|when safe|safely|from this angle|from this position|from that angle|from that position
+        |from this spot|from this view|nicely|politely|kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy
+        |my dear|my good robot|everyone else|the same amount|so please|so then|okay so|doing a good job|doing great
+        |you're doing great|you are doing great|there we go|here we go|good evening|good afternoon|robot|dog|doggy
+        |buddy|my friend|friend|first|first up|firstly|secondly|third|thirdly|to start|lastly|about|around
+        |approximately|roughly|approx|maybe about|at least|exactly|precisely|more|additional|extra|further more|side
+        |direction|way|hand side|straight away|immediately|directly|now then|if you can|if you're able
+        |if you are able|if possible|if you please|if you could|if you would|if you don't mind|when you are ready
+        |when you're ready|when ready|when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready
+        |i am ready|ready|i think|i guess|i believe|keep straight|with|on|as|be so kind and|be so kind to
+        |would be nice|from your location|sir|from your position|go on and|your body|your camera|with your camera
+        |with the camera|everyone|everybody|all|both|each of you|of you|at normal speed|there you go
+        |that would be great|that would be nice|at your own pace|final|last|feel free to""",
 }
 
 
