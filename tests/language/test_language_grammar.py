@@ -138,7 +138,7 @@ turn left?
 turn left and then right|walk forward and turn left|open the door and walk forward 1 m
 walk forward 1 m and jump over it
 walk 2 0.5 m|Don't... walk forward 1 m|Unless I say so. Walk 1 m
-walk 1 000 m|walk 1.5.2 m|the sign says walk 2 m
+walk 1 000 m|walk 1.5.2 m
 for example walk 2 m|walk 1_000 m
 don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m
 walk forward 1 parsec|turn slightly left|wave 1000 times|walk 1 m, wait 5 seconds, turn left|2 metres
@@ -146,7 +146,8 @@ walk forward 2 c m
 walk two three metres|left ninety|take another photo to the left|go through the doorway|turn down|left turn 2 m
 walk 1 m at 0 m/s|turn 2 metres|turn left 90 degrees right|walking forward 2 m is dangerous|forward left|walk 2² m
 向前走|走两步|往前走一点|去厨房|走过去|前进一公里|如果看到猫就前进一米|左转或者右转|转90度|跟我来|向前走三
-不要左转和前进一米
+不要左转和前进一米|5秒后前进一米|两秒后左转|一会儿前进一米|一分钟后坐下
+in two seconds walk 1 m|walk 1 m in 5 seconds|walk 1 m, then after 5 seconds turn left|turn left, actually don't
 前进两三米|前进三四十厘米|前进十二三米|前进二〇厘米|走三步|往前走一米五十|向前走一米然后开门
 """
 
@@ -165,6 +166,9 @@ hello|thanks, good job!|did you walk forward 2 m?|yesterday you walked forward 2
 he said walk forward 2 m|don't turn left|never walk forward 1 m|what do you see|is there a door
 if I told you to walk 2 m would you
 I don't think you should walk forward 2 m|do you think we should move forward 2 feet|I don't want you to turn left
+the sign says walk 2 m|he wrote: walk 2 m|do we need to turn left 90 degrees|I don't think I want you to turn left
+do you think I want you to walk 1 m|I'm not sure I need you to walk 1 m|I don't think we should walk 1 m
+我没说我要你左转90度|我不觉得我想让你左转90度
 I'd rather you didn't walk forward 2 m|you turned left|what if you walk 2 m|the robot moved 2 m|
 谢谢，辛苦了！|你叫什么名字？|昨天它往前走了三米，撞到了桌子|如果我让你前进两米，你会撞墙吗？|不要左转
 你会往前走吗？|走了两米|万一

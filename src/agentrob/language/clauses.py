@@ -60,8 +60,8 @@ class _Reader(Marks):
             self.mode = Mode.WANTED
             self._wanted(token)
         # A wish within talk ("I do not think you should walk") begins nothing.
-        wished = kind is Kind.WISH and self.mode is Mode.WANTED
-        self.boundary = wished or kind in (Kind.AND, Kind.COMMA, Kind.REQUEST)
+        wished = kind in (Kind.WISH, Kind.REQUEST) and self.mode is not Mode.TALK
+        self.boundary = wished or kind in (Kind.AND, Kind.COMMA)
 
     def _leaves_talk(self, token: Token) -> bool:
         """A verb after a comma begins a command again, unless the talk itself told of motion ("I stood up, …")."""

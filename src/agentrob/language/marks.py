@@ -35,6 +35,7 @@ class Marks:
         self.boundary = True  # whether a clause may begin here
         self.joined_by_and = False
         self.talk_has_motion = False
+        self.talk_doubts = False  # a question, or something is denied in it
         self.denied: Token | None = None
         self.denial_used = False
         self.pending = Draft(0, 0)  # manners said before their verb
@@ -61,6 +62,8 @@ class Marks:
         self.joined_by_and = token.kind is Kind.AND
 
     def _request(self, token: Token) -> None:
+        if self.mode is Mode.TALK and token.value == "stated" and self.talk_doubts:
+            return  # "I do not think I want you to …", "do you think we should …"
         self.sentence.requested = True
         if self.mode is not Mode.DENIED:
             self.mode = Mode.WANTED
@@ -82,6 +85,7 @@ class Marks:
 
     def _not(self, token: Token) -> None:
         if self.mode is Mode.TALK:
+            self.talk_doubts = True
             return
         if token.value == "no" and self._next() is Kind.COMMA and self.sentence.drafts:  # 前进两米，不，三米
             self._fix(token)
@@ -157,6 +161,7 @@ class Marks:
         self.sentence.talked = True
         self.sentence.question |= token.value == "question"
         self.talk_has_motion = False
+        self.talk_doubts = token.value == "question"
         self.joined_by_and = False
 
     def _end_denial(self) -> None:

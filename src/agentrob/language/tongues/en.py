@@ -165,17 +165,17 @@ TABLE = {
         |would you mind spinning""",
     "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
-    "request": """we need|we want|we'd like|need|wanna|i wanna|can you|could you|would you|will you|please|pls|plz
-        |can you please|could you please|would you please|i think we should|i think you should|maybe we should
+    "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please
+        |would you please|do me a favor and|do me a favour and|be a dear and|please go ahead and|go ahead and
+        |let's have you|please could you|please can you|please would you|your task is to|your next task is to
+        |are you able to|are you able to please|is it possible for you to|how about you|why don't you|would you mind
+        |you have to|you must|can we|could we|may i have|can i have|can i get|could i have|could i get|kindly
+        |have the robot|tell the robot to|robot please""",
+    "request=stated": """we need|we want|we'd like|i think we should|i think you should|maybe we should
         |perhaps we should|perhaps you should|maybe you should|i'm going to need you to
-        |i'd appreciate it if you could|do me a favor and|do me a favour and|be a dear and|please go ahead and
-        |go ahead and|let's have you|i'd like to have you|i'd like for you to|i would like for you to
-        |please could you|please can you|please would you|your task is to|your next task is to|are you able to
-        |are you able to please|is it possible for you to|how about you|why don't you|i want you to|we want you to
-        |we would like you to|we need you to|we'd like you to|i want for you to|i'd like you to|i would like you to
-        |i need you to|i'd love you to|would you mind|you have to|you must|can we|could we|may i have|can i have
-        |can i get|could i have|could i get|i want|i'd like|i would like|kindly|i need|have the robot
-        |tell the robot to|robot please""",
+        |i'd appreciate it if you could|i'd like to have you|i'd like for you to|i would like for you to
+        |i want you to|we want you to|we would like you to|we need you to|we'd like you to|i want for you to
+        |i'd like you to|i would like you to|i need you to|i'd love you to|i want|i'd like|i would like|i need""",
     "wish": """now we|now you|we should|you should|you can|you could|let's|lets|we can|let us|you may|time to
         |we need to|you need to|try to""",
     "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know|tell me
@@ -189,8 +189,9 @@ TABLE = {
         |were there|has it|can you tell me|could you tell me|can you explain|could you explain""",
     "talk_start": """is|are|was|were|does|did|has|had|have|am|would|will|should|these|those|his|her|their|to recap
         |earlier""",
-    "report": """yesterday|walked|moved|went|turned|rotated|ran|earlier today|last time|last week|last night|ago
-        |told|said|asked|was told|has moved|has walked|previously|back then""",
+    "report": """wrote|says|writes|suggested|suggests|claimed|claims|thinks|thought|yesterday|walked|moved|went
+        |turned|rotated|ran|earlier today|last time|last week|last night|ago|told|said|asked|was told|has moved
+        |has walked|previously|back then""",
     "cancel": """never mind|nevermind|never mind that|forget it|forget about it|forget that|forget what i said
         |leave it|don't bother|do not bother|cancel my command|cancel my last command|cancel the last command
         |cancel my request|i changed my mind|i've changed my mind|i have changed my mind|changed my mind|scrap that
