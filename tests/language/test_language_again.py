@@ -90,6 +90,20 @@ def test_without_anything_done_before_it_asks_back(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK
 
 
+GREETINGS = "thanks again|hello again|here we go again|once again thank you|never again|I'm back|回来了|我回来了|再见"
+
+
+@pytest.mark.parametrize("text", GREETINGS.split("|"))
+def test_words_of_again_in_greetings_do_nothing(text: str) -> None:
+    assert read(text, THREAD).intent is Intent.NOTHING
+
+
+def test_another_deed_is_that_deed_alone() -> None:
+    assert short(read("再来个后空翻", THREAD).plan) == "backflip"
+    assert short(read("再来一张照片", THREAD).plan) == "photo"
+    assert short(read("again wave", THREAD).plan) == "hello"
+
+
 @pytest.mark.parametrize("text", ["don't do it again", "never come back", "did you do it again?", "不要再来一次"])
 def test_what_is_denied_or_asked_is_not_done_again(text: str) -> None:
     assert read(text, THREAD).intent is not Intent.COMMAND

@@ -88,6 +88,7 @@ class _Reader(Marks):
         elif kind in AMOUNTS:
             self._amount(token)
         elif kind is Kind.OP:
+            self._another()
             self._new(token, Kind.OP).op = Op(str(token.value))
         elif kind is Kind.BEYOND:
             self._beyond(token)
@@ -113,16 +114,16 @@ class _Reader(Marks):
         cur = self._open()
         if cur is not None and not cur.unknown and token.value is None:
             return  # "turn left 90 degrees again"
+        if self.at and self.tokens[self.at - 1].kind is Kind.THANKS and token.value is None:
+            return  # "hello again"
         draft = self._new(token, Kind.AGAIN)
         draft.back = token.value == "back"
         # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
         draft.vague = token.value == "this" or (self._next() is Kind.COMMA and self._next(2) in _DEEDS)
 
     def _verb(self, token: Token) -> None:
+        self._another()
         cur = self._open()
-        if cur is not None and cur.verb is Kind.AGAIN and cur.bare and not cur.back:  # "again, turn left"
-            self.sentence.drafts.remove(cur)
-            cur = self.cur = None
         fits = (
             cur is not None
             and cur.verb is None
@@ -165,9 +166,18 @@ class _Reader(Marks):
             cur = self._new(token, None)
         cur.amount, cur.end = token, token.end
 
+    def _another(self) -> None:
+        """ "Again wave", 再来个后空翻: a deed of its own, not what was done before and then that."""
+        cur = self._open()
+        if cur is not None and cur.verb is Kind.AGAIN and cur.bare and not cur.back:
+            self.sentence.drafts.remove(cur)
+            self.cur = None
+
     def _qualify(self, token: Token) -> None:
         """Words that say how, how often, or are not known."""
         kind = token.kind
+        if kind is Kind.PICTURE:
+            self._another()
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
         if kind is Kind.TIMES and last and self._counts(last):
             last.times, last.counted, last.end = _count(token), True, token.end

@@ -71,8 +71,8 @@ TABLE = {
     "again": """again|once again|once more|one more time|do it again|do that again|do this again|repeat|repeat that
         |repeat it|repeat this|same again|the same again|the same|do the same|do the same again|same thing
         |the same thing|do the same thing|same thing again|repeat all of that|repeat all that|repeat everything|redo
-        |redo that|another time|the same as before|same as before|repeat the last command|repeat the sequence
-        |repeat the last one|repeat the last move|repeat that sequence|do that sequence""",
+        |redo that|the same as before|same as before|repeat the last command|repeat the sequence|repeat the last one
+        |repeat the last move|repeat that sequence|do that sequence""",
     "op=get_front_image of": """show me what you see|show us what you see|show me what is in front of you
         |show me what's in front of you|take a look|show view|show me the view|show me your view|give me a visual
         |let me see what you see|look ahead|what does your camera see|show me your camera""",
@@ -209,10 +209,11 @@ TABLE = {
         |are you there|how much battery do you have|what are you doing|are you ok|are you okay|report status
         |are you ready|what is your battery|what's your battery level|are you busy|are you online|your battery""",
     "soft=1": "a|an|another|one more|new|a new|one additional",
-    "thanks": """yo|howdy|hiya|heya|ahoy|lol|haha|hahaha|thanks|thank you|thank you very much|thank you so much
-        |thanks a lot|many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy
-        |thanks so much|much appreciated|hello|hi|hey|good morning|hi there|hello there|no problem|no worries
-        |thanks again|thank you again|good day|greetings|dear""",
+    "thanks": """once again thank you|once again thanks|again thank you|again thanks|here we go again|welcome back
+        |yo|howdy|hiya|heya|ahoy|lol|haha|hahaha|thanks|thank you|thank you very much|thank you so much|thanks a lot
+        |many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy|thanks so much
+        |much appreciated|hello|hi|hey|good morning|hi there|hello there|no problem|no worries|thanks again
+        |thank you again|good day|greetings|dear""",
     "soft ": """a full|a complete|completely|fully|all the way|entirely|let's see|at a speed of|speed of
         |with a speed of|a speed of|speed|at speed|the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in
         |on the spot|in place|on your left|um|uh|uhh|uhhh|umm|hm|hmm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay
