@@ -112,6 +112,11 @@ COMMANDS = [
     ("连续挥手三次", "hello hello hello"),
     ("往前走1米 turn left 90 degrees", "F1 l90"),
     ("快点前进一米", "F1"),
+    ("挥手打招呼", "hello"),
+    ("wave wave", "hello"),
+    ("wave, wave", "hello hello"),
+    ("向右横移半米", "R0.5"),
+    ("strafe right 20 cm", "R0.2"),
 ]
 
 
@@ -140,7 +145,7 @@ walk forward 1 m and jump over it
 walk 2 0.5 m|Don't... walk forward 1 m|Unless I say so. Walk 1 m
 walk 1 000 m|walk 1.5.2 m
 for example walk 2 m|walk 1_000 m
-don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m
+don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m|strafe 1 m|sidestep half a metre|slide 1 m
 walk forward 1 parsec|turn slightly left|wave 1000 times|walk 1 m, wait 5 seconds, turn left|2 metres
 walk forward 2 c m
 walk two three metres|left ninety|take another photo to the left|go through the doorway|turn down|left turn 2 m
@@ -148,7 +153,8 @@ walk 1 m at 0 m/s|turn 2 metres|turn left 90 degrees right|walking forward 2 m i
 向前走|走两步|往前走一点|去厨房|走过去|前进一公里|如果看到猫就前进一米|左转或者右转|转90度|跟我来|向前走三
 不要左转和前进一米|5秒后前进一米|两秒后左转|一会儿前进一米|一分钟后坐下
 in two seconds walk 1 m|walk 1 m in 5 seconds|walk 1 m, then after 5 seconds turn left|turn left, actually don't
-前进两三米|前进三四十厘米|前进十二三米|前进二〇厘米|走三步|往前走一米五十|向前走一米然后开门
+平移30厘米|斜着走一米|千万不要左转和前进一米
+前进两三米|前进三四十厘米|前进十二三米|前进二〇厘米|走三步|横移半米|侧着走一米|往前走一米五十|向前走一米然后开门
 """
 
 

@@ -134,7 +134,8 @@ class _Reader(Marks):
         if cur is not None and fits:
             cur.verb, cur.end = token.kind, token.end
         else:
-            self._new(token, token.kind)
+            cur = self._new(token, token.kind)
+        cur.sideways |= token.value == "sideways"
 
     def _direction(self, token: Token) -> None:
         if token is self.agreed:

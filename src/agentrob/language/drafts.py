@@ -22,6 +22,7 @@ class Draft:
     direction: Direction | None = None
     amount: Token | None = None
     speed_mps: float | None = None
+    sideways: bool = False  # "strafe": left or right must be said
     slow: bool = False
     slower: bool = False
     faster: bool = False

@@ -38,7 +38,7 @@ PHRASES = {
     "ask.distance": "How far? {words} has no distance, and I do not guess.",
     "ask.angle": "How far shall I turn? {words} does not say how many degrees.",
     "ask.turn": "Which way and how far shall I turn? {words} does not say.",
-    "ask.side": "To which side shall I turn? {words} does not say left or right.",
+    "ask.side": "To which side? {words} does not say left or right.",
     "ask.unit": "Which unit is meant in {words}? I know metres, centimetres, feet, inches and degrees.",
     "ask.number": "I cannot tell which number is meant in {words}; please write it plainly, such as 1.5.",
     "ask.steps": "{words}: a step has no fixed length here; please say it in metres.",

@@ -32,7 +32,7 @@ PHRASES = {
     "ask.distance": "要走多远？{words}没有说距离，我不会去猜。",
     "ask.angle": "要转多少度？{words}没有说角度。",
     "ask.turn": "往哪边转、转多少度？{words}没有说。",
-    "ask.side": "往哪边转？{words}没有说左还是右。",
+    "ask.side": "往哪一边？{words}没有说左还是右。",
     "ask.unit": "{words}是什么单位？我懂米、厘米、英尺、英寸和度。",
     "ask.number": "{words}里的数字我看不明白，请写得清楚些，例如1.5。",
     "ask.steps": "{words}：一步没有固定的长度，请用米来说。",

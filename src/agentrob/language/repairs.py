@@ -21,6 +21,10 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
             joined.pop()
         if len(joined) > 1 and _begins_anew(joined[-2], joined[-1], draft):
             del joined[-2:]
+        if draft.op and draft.joined and joined and joined[-1].op is draft.op and not joined[-1].counted:
+            joined[-1].times, joined[-1].counted = draft.times, draft.counted  # 挥手打招呼: one gesture in two words
+            joined[-1].each = joined[-1].each or draft.each
+            continue
         joined.append(draft)
     return joined
 

@@ -208,6 +208,8 @@ class _Maker:
         speed = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)
         if speed is not None and not SLOW_FROM_MPS <= speed <= FAST_TO_MPS:
             return None, self._say("ask.speed", said)
+        if draft.sideways and draft.direction is None:
+            return None, self._say("ask.side", said)
         distance_m = value
         if draft.amount.kind is Kind.DURATION:
             speed = speed or min(self.background.pace_mps, SLOW_MPS if draft.slow else FAST_TO_MPS)
@@ -239,7 +241,8 @@ def _hint(draft: Draft) -> Primitive:
         degrees = value if kind in (Kind.ANGLE, Kind.NUMBER) and 5 <= value <= MAX_DEGREES else 90.0
         return Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
     metres = value if kind in (Kind.LENGTH, Kind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
-    return Primitive(Op.MOVE, draft.direction or Direction.FORWARD, distance_m=metres)
+    usual = Direction.LEFT if draft.sideways else Direction.FORWARD
+    return Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
 
 
 def _in_bounds(step: Primitive) -> bool:

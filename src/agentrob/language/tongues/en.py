@@ -13,9 +13,11 @@ from agentrob.language.tongue import Tongue
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
     "move": """try moving|try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive
-        |advance|come|head|run|trot|keep going|keep moving|keep walking|continue|march|stroll|strafe|sidestep
-        |side step|shift|slide|scoot|roll|crawl|creep|inch forward|navigate|continue moving|continue walking
-        |continue going|keep on going|move yourself|get moving|go on|move on""",
+        |advance|come|head|run|trot|keep going|keep moving|keep walking|continue|march|stroll|roll|crawl|creep
+        |inch forward|navigate|continue moving|continue walking|continue going|keep on going|move yourself
+        |get moving|go on|move on""",
+    "move=sideways": """strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
+        |go sideways""",
     "move dir=backward": """back away|back it up|back yourself up|keep backing up|continue backing up|back up|backup
         |back off|reverse|retreat|step back|move backwards|go in reverse""",
     "back move dir=backward": "go back|walk back|move back|head back|go on back",
