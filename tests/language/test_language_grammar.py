@@ -145,7 +145,8 @@ walk forward 1 m and jump over it
 walk 2 0.5 m|Don't... walk forward 1 m|Unless I say so. Walk 1 m
 walk 1 000 m|walk 1.5.2 m
 for example walk 2 m|walk 1_000 m
-don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m|strafe 1 m|sidestep half a metre|slide 1 m
+don't turn left and walk forward 1 m|walk forward 1 m without stopping|walk sideways 1 m|strafe 1 m
+sidestep half a metre|slide 1 m
 walk forward 1 parsec|turn slightly left|wave 1000 times|walk 1 m, wait 5 seconds, turn left|2 metres
 walk forward 2 c m
 walk two three metres|left ninety|take another photo to the left|go through the doorway|turn down|left turn 2 m

@@ -112,6 +112,9 @@ class _Reader(Marks):
 
     def _again(self, token: Token) -> None:
         cur = self._open()
+        if cur is not None and cur.verb is Kind.AGAIN and cur.back:  # "undo come back"
+            cur.vague = True
+            return
         if cur is not None and not cur.unknown and token.value is None:
             return  # "turn left 90 degrees again"
         if self.at and self.tokens[self.at - 1].kind is Kind.THANKS and token.value is None:
@@ -173,6 +176,8 @@ class _Reader(Marks):
         if cur is not None and cur.verb is Kind.AGAIN and cur.bare and not cur.back:
             self.sentence.drafts.remove(cur)
             self.cur = None
+        elif cur is not None and cur.back and cur.verb is Kind.AGAIN:  # "undo walk forward 1 m"
+            cur.vague = True
 
     def _qualify(self, token: Token) -> None:
         """Words that say how, how often, or are not known."""
