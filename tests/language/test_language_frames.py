@@ -44,6 +44,33 @@ FRAMES_ZH = """
 一会儿{}|五分钟后{}|等五秒{}|饭后{}|取消{}|忘了{}|不{}|{}，算了|{}，不|{}？不|{}就算了|你为什么{}|它会{}
 我想知道怎么{}|怎么让你{}|谁让你{}的|是谁{}的
 """
+PLAIN = """
+walk forward 1 m|turn left 90 degrees|go back 2 feet|sit down|wave twice|do a backflip|turn around
+strafe left 30 cm|take a photo|back up half a metre|move forward one and a half metres
+"""
+PLAIN_ZH = """
+前进一米|左转九十度|后退两米|坐下|挥手两次|来个后空翻|掉头|向左平移30厘米|拍张照片|往前走一米五
+"""
+POLITE = """
+please {}|{} please|{}, please!|could you {}?|could you please {}?|can you {}|would you {} please|will you {}?
+hey robot, {}|Hey @robot, {}|@robot {}|@robot: {}|@robot, please {}|robot {}|ok {}|okay now {}|now {}
+alright, {}|so {}|well, {}|um {}|uh, {}|{} thanks|{}, thank you!|thanks! {}|good job! {}|great, now {}
+perfect. {}|I want you to {}|I'd like you to {}|I would like you to {}|I need you to {}|let's {}|we should {}
+you should {}|try to {}|go ahead and {}|just {}|simply {}|kindly {}|first {}|then {}|and then {}|next, {}
+finally, {}|{} now|{} right now|{} immediately|{} for me|{} if you can|{} when you're ready|**{}**|*{}*|- {}
+1. {}|“{}”|{}.|{}!|{} 🙂|🐕 {}|hello! {}|hi there, {}|good morning robot, {}|yes {}|yes, {}|sure, {}|actually {}
+oh and {}|also {}|do me a favor and {}|would you be so kind to {}|feel free to {}|be a good dog and {}
+good boy, {}|carefully {}|I think you should {}|maybe you could {}|you can {} now|time to {}|your task: {}
+command: {}|task: {}|please, robot, {}|ok robot please {} thank you|can you please {} for us?|{} pls|pls {}
+plz {}|{} asap|quickly {}|{} again|it's time to {}|do this: {}|do the following: {}|here is your command: {}
+"""
+POLITE_ZH = """
+请{}|请你{}|麻烦{}|麻烦你{}|{}，谢谢|谢谢，{}|{}吧|{}！|{}。|能{}吗|能不能{}|可以{}吗？|你能{}吗|帮我{}|帮忙{}
+机器人，{}|小狗{}|好的，{}|好，{}|现在{}|那就{}|先{}|然后{}|再{}|接着{}|最后{}|你好，{}|嗯，{}|我想让你{}
+我要你{}|我希望你{}|你应该{}|快{}|赶快{}|马上{}|立刻{}|慢慢{}|**{}**|“{}”|- {}|1. {}|{}，好吗|{}好不好|{}行吗
+{}就行|{}就可以了|直接{}|只要{}|请问可以{}吗|辛苦了，{}|任务：{}|命令：{}|拜托{}|给我{}|你{}|你给我{}|来，{}
+喂，{}|@robot {}|@robot，{}|@robot请{}
+"""
 
 
 def _rows(text: str) -> list[str]:
@@ -68,3 +95,22 @@ def test_what_makes_no_command_of_a_chinese_command_moves_nothing(frame: str) ->
 @pytest.mark.parametrize("command", [*_rows(COMMANDS), *_rows(COMMANDS_ZH)])
 def test_the_same_commands_alone_move(command: str) -> None:
     assert parse(command, ["quadruped"], [], OPS, THREAD).intent is Intent.COMMAND
+
+
+def _changed(frame: str, commands: str) -> list[str]:
+    posts = {command: frame.replace("@robot", "@quadruped").format(command) for command in _rows(commands)}
+    return [post for command, post in posts.items() if _deeds(post) != _deeds(command)]
+
+
+def _deeds(text: str) -> list[tuple[object, ...]]:
+    return [(step.op, step.direction, step.distance_m, step.degrees) for step in read(text).plan.steps]
+
+
+@pytest.mark.parametrize("frame", _rows(POLITE))
+def test_manners_and_hesitations_change_nothing(frame: str) -> None:
+    assert _changed(frame, PLAIN) == []
+
+
+@pytest.mark.parametrize("frame", _rows(POLITE_ZH))
+def test_manners_and_hesitations_change_nothing_in_chinese(frame: str) -> None:
+    assert _changed(frame, PLAIN_ZH) == []

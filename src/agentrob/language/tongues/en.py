@@ -173,13 +173,14 @@ TABLE = {
         |are you able to|are you able to please|is it possible for you to|how about you|why don't you|would you mind
         |you have to|you must|can we|could we|may i have|can i have|can i get|could i have|could i get|kindly
         |have the robot|tell the robot to|robot please""",
-    "request=stated": """we need|we want|we'd like|i think we should|i think you should|maybe we should
-        |perhaps we should|perhaps you should|maybe you should|i'm going to need you to
-        |i'd appreciate it if you could|i'd like to have you|i'd like for you to|i would like for you to
-        |i want you to|we want you to|we would like you to|we need you to|we'd like you to|i want for you to
-        |i'd like you to|i would like you to|i need you to|i'd love you to|i want|i'd like|i would like|i need""",
-    "wish": """now we|now you|we should|you should|you can|you could|let's|lets|we can|let us|you may|time to
-        |we need to|you need to|try to""",
+    "request=stated": """maybe you could|perhaps you could|maybe you can|perhaps you can|we need|we want|we'd like
+        |i think we should|i think you should|maybe we should|perhaps we should|perhaps you should|maybe you should
+        |i'm going to need you to|i'd appreciate it if you could|i'd like to have you|i'd like for you to
+        |i would like for you to|i want you to|we want you to|we would like you to|we need you to|we'd like you to
+        |i want for you to|i'd like you to|i would like you to|i need you to|i'd love you to|i want|i'd like
+        |i would like|i need""",
+    "wish": """it's time to|it is time to|it's your turn to|now it's time to|now we|now you|we should|you should
+        |you can|you could|let's|lets|we can|let us|you may|time to|we need to|you need to|try to""",
     "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know|tell me
         |i am|they|he|she|he's|she's|you are|you're|you were|you've|you have|it is|it was|that is|that was""",
     "talk=question": """what|what's|how|how's|do you|did you|did we|did it|do we|do i|there|who|who's|why|where
@@ -216,27 +217,30 @@ TABLE = {
         |many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy|thanks so much
         |much appreciated|hello|hi|hey|good morning|hi there|hello there|no problem|no worries|thanks again
         |thank you again|good day|greetings|dear""",
-    "soft ": """a full|a complete|completely|fully|all the way|entirely|let's see|at a speed of|speed of
-        |with a speed of|a speed of|speed|at speed|the|to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in
-        |on the spot|in place|on your left|um|uh|uhh|uhhh|umm|hm|hmm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay
-        |k|alright|all right|right now|now|yes|yeah|yep|yup|sure|please please|great|good|nice|perfect|excellent
-        |cool|awesome|good dog|good robot|got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time
-        |all set|copy|copy that|roger|ten four|very good|very nice|very well|looks good|okay great|interesting|sorry
-        |oh boy|wow|at a time|on the ground|one time|on the floor|in the room|here|in total|total|in all|overall
-        |as well|too|again please|for me please|both of you|you both|you two|all of you|for us|if it is safe
-        |if it's safe|when safe|safely|from this angle|from this position|from that angle|from that position
-        |from this spot|from this view|nicely|politely|kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy
-        |my dear|my good robot|everyone else|the same amount|so please|so then|okay so|doing a good job|doing great
-        |you're doing great|you are doing great|there we go|here we go|good evening|good afternoon|robot|dog|doggy
-        |buddy|my friend|friend|first|first up|firstly|secondly|third|thirdly|to start|lastly|about|around
-        |approximately|roughly|approx|maybe about|at least|exactly|precisely|more|additional|extra|further more|side
-        |direction|way|hand side|straight away|immediately|directly|now then|if you can|if you're able
-        |if you are able|if possible|if you please|if you could|if you would|if you don't mind|when you are ready
-        |when you're ready|when ready|when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready
-        |i am ready|ready|i think|i guess|i believe|keep straight|with|on|as|be so kind and|be so kind to
-        |would be nice|from your location|sir|from your position|go on and|your body|your camera|with your camera
-        |with the camera|everyone|everybody|all|both|each of you|of you|at normal speed|there you go
-        |that would be great|that would be nice|at your own pace|final|last|feel free to""",
+    "soft ": """simply|asap|task:|your task:|command:|your command:|here is your command:|here is your task:
+        |do the following:|do this:|do this for me:|be a good dog and|be a good robot and|be a good boy and
+        |do as i say:|the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely
+        |fully|all the way|entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed|the
+        |to|your|yourself|me|us|you|my|our|it|that|this|at|by|for|in|on the spot|in place|on your left|um|uh|uhh
+        |uhhh|umm|hm|hmm|mhm|er|erm|ah|oh|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now|yes|yeah
+        |yep|yup|sure|please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot|got it
+        |fantastic|wonderful|beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four
+        |very good|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground
+        |one time|on the floor|in the room|here|in total|total|in all|overall|as well|too|again please|for me please
+        |both of you|you both|you two|all of you|for us|if it is safe|if it's safe|when safe|safely|from this angle
+        |from this position|from that angle|from that position|from this spot|from this view|nicely|politely
+        |kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy|my dear|my good robot|everyone else
+        |the same amount|so please|so then|okay so|doing a good job|doing great|you're doing great
+        |you are doing great|there we go|here we go|good evening|good afternoon|robot|dog|doggy|buddy|my friend
+        |friend|first|first up|firstly|secondly|third|thirdly|to start|lastly|about|around|approximately|roughly
+        |approx|maybe about|at least|exactly|precisely|more|additional|extra|further more|side|direction|way
+        |hand side|straight away|immediately|directly|now then|if you can|if you're able|if you are able|if possible
+        |if you please|if you could|if you would|if you don't mind|when you are ready|when you're ready|when ready
+        |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|ready|i think
+        |i guess|i believe|keep straight|with|on|as|be so kind and|be so kind to|would be nice|from your location
+        |sir|from your position|go on and|your body|your camera|with your camera|with the camera|everyone|everybody
+        |all|both|each of you|of you|at normal speed|there you go|that would be great|that would be nice
+        |at your own pace|final|last|feel free to""",
 }
 
 
