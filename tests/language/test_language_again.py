@@ -50,6 +50,12 @@ def test_what_is_done_again_is_told() -> None:
     assert note == "`the same`: walk forward 2 m at 0.2 m/s, then turn left 90 degrees, then take a photo."
 
 
+def test_of_many_steps_only_the_first_are_told() -> None:
+    (note,) = read("walk 1 m and wave, do this twenty times").plan.notes
+    assert note.count("walk") == 5
+    assert note.endswith(" ….")
+
+
 def test_slower_than_slow_is_half_as_fast() -> None:
     slow = Background(history=(Plan((walk(Direction.FORWARD, 1.0, 0.3),)),))
     assert short(read("the same but slower", slow).plan) == "F1@0.15"

@@ -89,6 +89,10 @@ COMMANDS = [
     ("i think we should take a picture first", "photo"),
     ("would you mind waving?", "hello"),
     ("shake hands", "hello"),
+    ("wave to the class and turn left 90 degrees", "hello l90"),
+    ("greet the visitors", "hello"),
+    ("wave goodbye", "hello"),
+    ("heart please", "heart"),
     ("walk very slowly 1 m forward", "F1@0.2"),
     ("walk 2 m, at 0.3 m/s", "F2@0.3"),
     ("at a speed of 20 cm/s walk forward 1 metre", "F1@0.2"),
@@ -137,7 +141,7 @@ ASK_BACK = """
 walk forward|turn|walk 2|turn 90|walk 2 steps|walk a bit|go to the kitchen
 walk to the door
 walk into the wall|turn left into the hall|walk 1,5 m|walk 1,500 m|walk -2 m|walk 2-3 m|walk 200 m|walk 0 m
-turn left 9999 degrees
+turn left 9999 degrees|wave to those who walk 2 m|greet people and jump
 walk forward 1 m if you see a cat|walk 1 m or 2 m|turn left or right|walk until you see a door|walk forward 2 m?
 turn left?
 turn left and then right|walk forward and turn left|open the door and walk forward 1 m

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from agentrob.language.drafts import Draft
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
-from agentrob.language.render import sentence
+from agentrob.language.render import outline
 from agentrob.model import Capabilities, Direction, Language, Op, Plan, Primitive
 
 #: The most that one post is taken to mean.
@@ -56,7 +56,7 @@ def once_more(
     if draft.back:
         steps = way_back(base)
         if not steps or draft.counted or draft.amount is not None:
-            raise Unclear(say("ask.again_how", language, words=quote(said), steps=sentence(base, language)))
+            raise Unclear(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
         steps = _changed(steps, draft, said, language)
     else:
         if before and not draft.counted and len(base) > 1:
@@ -66,7 +66,7 @@ def once_more(
         if not 0 <= times * len(base) <= MAX_STEPS or draft.times < 1:
             raise Unclear(say("ask.too_many", language, steps=MAX_STEPS))
         steps = _changed(base, draft, said, language) * times
-    return steps, say("note.again", language, words=quote(said), steps=sentence([*before, *steps], language))
+    return steps, say("note.again", language, words=quote(said), steps=outline([*before, *steps], language))
 
 
 def way_back(steps: Sequence[Primitive]) -> list[Primitive]:
@@ -77,7 +77,7 @@ def way_back(steps: Sequence[Primitive]) -> list[Primitive]:
 
 def _changed(steps: Sequence[Primitive], draft: Draft, said: str, language: Language) -> list[Primitive]:
     """ "The same but slower, to the left, two metres": only where it is plain which step is meant."""
-    unclear = Unclear(say("ask.again_how", language, words=quote(said), steps=sentence(steps, language)))
+    unclear = Unclear(say("ask.again_how", language, words=quote(said), steps=outline(steps, language)))
     plain = not (draft.counted or draft.slow or draft.direction or draft.amount or draft.speed_mps)
     walks = [step for step in steps if step.op is Op.MOVE]
     if draft.faster or (draft.vague and plain) or ((draft.slow or draft.speed_mps is not None) and not walks):

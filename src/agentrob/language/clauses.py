@@ -56,6 +56,8 @@ class _Reader(Marks):
             self._deny(token)
         elif self.mode is Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
             pass
+        elif self.mode is Mode.SUBJECT and self.cur and self.cur.op is Op.HELLO:
+            self._unknown(token)  # "wave to those who walk 2 m"
         else:
             self.mode = Mode.WANTED
             self._wanted(token)
@@ -190,7 +192,7 @@ class _Reader(Marks):
         elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
             last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
-            if self.cur and not self.cur.closed and self.cur.op is Op.GET_FRONT_IMAGE:
+            if self.cur and not self.cur.closed and self.cur.op in (Op.GET_FRONT_IMAGE, Op.HELLO):
                 self.mode = Mode.SUBJECT
         elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
             self._manner(token)

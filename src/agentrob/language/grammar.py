@@ -22,7 +22,7 @@ from agentrob.language.help import within
 from agentrob.language.languages import language_of, tongue
 from agentrob.language.lexicon import Lexicon, tokens_of
 from agentrob.language.phrases import quote, say
-from agentrob.language.render import sentence
+from agentrob.language.render import outline, sentence
 from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
 from agentrob.language.talk import Talk, talk_in
@@ -97,7 +97,7 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
 
 
 def _ask(reading: Reading, ops: frozenset[Op], language: Language, can: Capabilities | None = None) -> Understanding:
-    understood = say("ask.understood", language, steps=sentence(reading.steps, language)) if reading.steps else ""
+    understood = say("ask.understood", language, steps=outline(reading.steps, language)) if reading.steps else ""
     limits = can or Capabilities("", ops)
     examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hint))
     question = say("ask.frame", language, problem=reading.problem, understood=understood, examples=examples)

@@ -46,7 +46,7 @@ class Kind(StrEnum):
     TIMES = "times"
     SHOW = "show"  # take, send, 拍: with a picture after it
     PICTURE = "picture"
-    OF = "of"  # what follows a picture is its subject and commands nothing
+    OF = "of"  # what follows a picture or a greeting is its subject and commands nothing
     EACH = "each"  # "after each movement"; value: after which operation only
     VAGUE = "vague"  # "a bit"
     SLOW = "slow"  # value "er": slower than before

@@ -51,16 +51,21 @@ TABLE = {
     # ---------------------------------------------------------------- deeds
     "op=hello": """shake hands|shake my hand|give me your paw|give paw|give me a paw|shake paws|shake paw|high five
         |give me five|wave|wave hello|say hello|say hi|wave at me|wave to me|wave your paw|wave your hand|wave at us
-        |wave at everyone|wave to everyone|give a wave|greet|greet me|greet us|greet everyone|do a wave
-        |say hello to everyone|wave to everybody|do the hello gesture""",
-    "op=heart": """make a heart|show a heart|heart gesture|finger heart|draw a heart|do a heart|make a heart shape
-        |make a heart sign|make the heart|do the heart|do the heart gesture|do a heart gesture|show me a heart
-        |show heart""",
+        |wave at everyone|wave to everyone|give a wave|greet me|greet us|greet everyone|do a wave
+        |say hello to everyone|wave to everybody|do the hello gesture|wave goodbye|say goodbye|wave bye|wave hi
+        |give us a wave|give me a wave|give everyone a wave""",
+    "op=hello of": """wave to|wave at|wave hello to|wave hi to|say hello to|say hi to|greet|wave goodbye to
+        |say goodbye to|wave your paw at|wave your paw to""",
+    "op=heart": """heart|a heart|send a heart|form a heart|make me a heart|make us a heart|show us a heart
+        |give me a heart|do a heart for me|make a heart|show a heart|heart gesture|finger heart|draw a heart
+        |do a heart|make a heart shape|make a heart sign|make the heart|do the heart|do the heart gesture
+        |do a heart gesture|show me a heart|show heart""",
     "op=backflip": """backflip|back flip|do a backflip|do a back flip|flip|do a flip|make a backflip|make a flip
         |somersault|do a somersault|perform a backflip""",
     "op=sit": "sit|sit down|take a seat|have a seat",
     "op=stand": "stand|stand up|get up|rise|stand up straight",
-    "op=stretch": "stretch|stretch yourself|have a stretch|do a stretch|take a stretch|stretch out",
+    "op=stretch": """stretch your legs|do some stretching|do some stretches|stretch your back|give a stretch
+        |stretch a bit|stretch|stretch yourself|have a stretch|do a stretch|take a stretch|stretch out""",
     "beyond=eyes": """enter|exit|leave|find|look for|search|search for|seek|locate|follow|chase|explore|approach
         |come here|come to me|come over here|come over|go see|go look|investigate|inspect|patrol|go home|track|hunt
         |guard|watch|survey|go explore|go find|go and find|go over|go check|check out|check|scan|identify|count""",
@@ -212,11 +217,11 @@ TABLE = {
         |are you there|how much battery do you have|what are you doing|are you ok|are you okay|report status
         |are you ready|what is your battery|what's your battery level|are you busy|are you online|your battery""",
     "soft=1": "a|an|another|one more|new|a new|one additional",
-    "thanks": """once again thank you|once again thanks|again thank you|again thanks|here we go again|welcome back
-        |yo|howdy|hiya|heya|ahoy|lol|haha|hahaha|thanks|thank you|thank you very much|thank you so much|thanks a lot
-        |many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy|thanks so much
-        |much appreciated|hello|hi|hey|good morning|hi there|hello there|no problem|no worries|thanks again
-        |thank you again|good day|greetings|dear""",
+    "thanks": """goodbye|bye|bye bye|see you|see you later|good night|once again thank you|once again thanks
+        |again thank you|again thanks|here we go again|welcome back|yo|howdy|hiya|heya|ahoy|lol|haha|hahaha|thanks
+        |thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers|good job|great job
+        |good work|well done|nice work|good boy|thanks so much|much appreciated|hello|hi|hey|good morning|hi there
+        |hello there|no problem|no worries|thanks again|thank you again|good day|greetings|dear""",
     "soft ": """simply|asap|task:|your task:|command:|your command:|here is your command:|here is your task:
         |do the following:|do this:|do this for me:|be a good dog and|be a good robot and|be a good boy and
         |do as i say:|the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely
@@ -303,4 +308,4 @@ def _decimals(said: str) -> float:
 
 
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
-TONGUE = Tongue(LEXICON, PHRASES, together="both of you|all of you|you both|you two|everyone|everybody")
+TONGUE = Tongue(LEXICON, PHRASES, together="both of you|all of you|you both|you two")

@@ -174,4 +174,4 @@ def _value(numeral: str) -> float | None:
 
 
 LEXICON = lexicon("zh", TABLE, number, numerals=_NUMERALS, twins=_TWINS, extends=en.LEXICON)
-TONGUE = Tongue(LEXICON, PHRASES, script="han", together="你们|你们俩|你们两个|大家")
+TONGUE = Tongue(LEXICON, PHRASES, script="han", together="你们|你们俩|你们两个")
