@@ -22,6 +22,9 @@ def help_text(capabilities: Capabilities, name: str, language: Language) -> str:
     ]
     if len(chain := _chain(capabilities)) > 1:
         lines += [say("help.chain", language), "", _example(name, chain, language), ""]
+    if Op.MOVE in capabilities.ops:
+        more = [say("help.example", language, name=name, sentence=words) for words in thread_examples(language)]
+        lines += [say("help.more", language), "", *more, ""]
     lines += [
         say("help.stop", language, name=name),
         "",
@@ -51,6 +54,11 @@ def examples(capabilities: Capabilities) -> list[Primitive]:
     ]
     steps += [Primitive(op) for op in Op if op not in (Op.MOVE, Op.TURN)]
     return [step for step in steps if step.op in capabilities.ops]
+
+
+def thread_examples(language: Language) -> list[str]:
+    """What can be said of a walk that was done before in the thread."""
+    return [say(key, language) for key in ("help.again", "help.slower", "help.back")]
 
 
 def within(step: Primitive, capabilities: Capabilities) -> Primitive:

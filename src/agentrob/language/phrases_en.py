@@ -73,6 +73,10 @@ PHRASES = {
     "help.do": "What I can do:",
     "help.example": "- `@{name} {sentence}`",
     "help.chain": "Several things in one post, in order:",
+    "help.more": "After that, in the same thread:",
+    "help.again": "again",
+    "help.slower": "the same but slower",
+    "help.back": "and now back",
     "help.stop": "To stop me at once, post `@{name} stop`. Everybody who is signed in may do that.",
     "help.limits": (
         "My limits: {step} m a step, {command} m, {seconds} s and {steps} steps a command, {speed} m/s. "

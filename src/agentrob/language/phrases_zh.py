@@ -64,6 +64,10 @@ PHRASES = {
     "help.do": "我会做：",
     "help.example": "- `@{name} {sentence}`",
     "help.chain": "一个帖子里可以按顺序说几件事：",
+    "help.more": "之后，在同一个话题里：",
+    "help.again": "再来一次",
+    "help.slower": "一样，但是慢一点",
+    "help.back": "现在回来",
     "help.stop": "要我马上停下，请发 `@{name} 停`。登录的人都可以让我停。",
     "help.limits": (
         "我的限制：每步{step}米，每条命令{command}米、{seconds}秒、{steps}步，"
