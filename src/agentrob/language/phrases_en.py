@@ -82,6 +82,12 @@ PHRASES = {
         "My limits: {step} m a step, {command} m, {seconds} s and {steps} steps a command, {speed} m/s. "
         "Beyond them I refuse and say why."
     ),
+    # ---------------------------------------------------------------- talk (see `talk.Talk`)
+    "talk.question": (
+        "I answer `status` and `help`. What I see I cannot tell without a vision model, but `take a photo` shows it."
+    ),
+    "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
+    "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",
     # ---------------------------------------------------------------- rights
     "refuse.suspended": "This account is suspended: it can neither command nor stop a robot.",
     "refuse.robot": "Robots do not take commands from robots.",
