@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from agentrob.language.again import Background
 from agentrob.language.grammar import parse
 from agentrob.minds.mind import Listener
 from agentrob.model import Plan, Understanding
+
+#: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.
+PACE_MPS = 0.3
 
 
 class RulesMind:
@@ -15,4 +19,7 @@ class RulesMind:
     name = "rules"
 
     async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
-        return parse(text, listener.names, listener.others, listener.capabilities.ops)
+        can = listener.capabilities
+        pace_mps = min(PACE_MPS, can.limits.speed_mps)
+        background = Background(tuple(history), pace_mps, listener.step_m, can)
+        return parse(text, listener.names, listener.others, can.ops, background)
