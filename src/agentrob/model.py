@@ -162,18 +162,24 @@ class Intent(StrEnum):
     HALT = "halt"
     HELP = "help"
     STATUS = "status"
+    CANCEL = "cancel"
+    QUESTION = "question"
     ASK_BACK = "ask_back"
     NOTHING = "nothing"
 
 
 @dataclass(frozen=True, slots=True)
 class Understanding:
-    """What a mind made of a post. `question` is the sentence to ask back with, in `language`."""
+    """What a mind made of a post. `question` is the sentence to ask back with, in `language`.
+
+    `cancels`: its author's earlier commands that have not begun are not wanted any more ("never mind, turn left").
+    """
 
     intent: Intent
     language: Language = "en"
     plan: Plan = Plan()
     question: str = ""
+    cancels: bool = False
 
 
 @dataclass(frozen=True, slots=True)

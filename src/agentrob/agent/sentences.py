@@ -78,6 +78,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "帖子被修改过，修改不会引发动作。请重新发帖。",
     ),
     "because.removed": ("The post is no longer there.", "帖子已被删除或隐藏。"),
+    "because.taken_back": ("Its author took it back.", "作者撤回了这个命令。"),
     "because.suspended": ("Its author may not command me now.", "作者现在不能指挥我。"),
     "because.unverified": (
         "I could not check whether the command still holds, so nothing moved.",
@@ -209,8 +210,9 @@ _COLUMN = {"en": 0, "zh": 1}
 
 
 def say(key: str, language: Language, **values: object) -> str:
-    """The sentence `key` with `values` put in. An unknown key or a missing value is a `KeyError`."""
-    return _SENTENCES[key][_COLUMN[language]].format(**values)
+    """The sentence `key` with `values` put in, in English for a language that has none here. An unknown key or a
+    missing value is a `KeyError`."""
+    return _SENTENCES[key][_COLUMN.get(language, 0)].format(**values)
 
 
 def known(key: str) -> bool:

@@ -16,6 +16,7 @@ from typing import Any
 
 import structlog
 
+from agentrob.agent import extract, plot
 from agentrob.agent import report as words
 from agentrob.agent.alarm import Alarm
 from agentrob.agent.camera import Camera
@@ -28,7 +29,6 @@ from agentrob.agent.line import Job, Line
 from agentrob.agent.lookback import close_unknown, is_open, recent_posts
 from agentrob.agent.pace import Pace
 from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
-from agentrob.agent.plot import warm_up
 from agentrob.agent.presence import Presence, reset_room
 from agentrob.agent.records import Records
 from agentrob.agent.status import insist
@@ -137,7 +137,8 @@ class RobotAgent:
         self._watermark_at = begun
         self._stopped_at = await self.journal.get_time("stopped") or begun
         self.channel.cursor = await self.journal.get("cursor") or newest
-        self._spawn(asyncio.to_thread(warm_up))
+        self._spawn(asyncio.to_thread(plot.warm_up))
+        self._spawn(asyncio.to_thread(extract.warm_up))
         self._course = self._make_course()
         await self._resume()
         if begun > self.channel.now() - LOOK_BACK:
