@@ -69,11 +69,11 @@ def test_a_file_that_is_none_is_refused_with_what_would_be_valid(
     path = tmp_path / "rows.jsonl"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(ConfigError, match="rows.jsonl") as refused:
+    with pytest.raises(ConfigError, match=r"rows\.jsonl") as refused:
         evaluate.plans(path)
     assert said in str(refused.value)
 
 
 def test_an_unknown_mind_names_those_there_are(file: Path) -> None:
-    with pytest.raises(ConfigError, match="there are: .*rules"):
+    with pytest.raises(ConfigError, match=r"there are: .*rules"):
         evaluate.plans(file, "oracle")
