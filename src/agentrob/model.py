@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from enum import StrEnum
-from typing import Any, Literal
+from typing import Any
 
-Language = Literal["en", "zh"]
+#: The code (ISO 639-1) of a language that `agentrob.language` knows: en, zh, and what a user adds.
+Language = str
 
 
 # ------------------------------------------------------------------ who and what was said

@@ -8,8 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from pydantic import TypeAdapter
 from saying import read, short, turn, walk
 
+from agentrob.agent.extract import Thought
+from agentrob.agent.sentences import say
 from agentrob.language import addressing, stop, tongues
 from agentrob.language.help import help_text
 from agentrob.language.languages import known
@@ -68,6 +71,15 @@ def test_robots_answer_in_it_and_in_english_where_it_has_no_sentence() -> None:
         "Por ejemplo: `camina 1 m hacia adelante` · `camina 1 m hacia adelante, luego gira a la izquierda 90 grados`"
     )
     assert "What I can do" in help_text(Capabilities("go2", frozenset(Op)), "quadruped", SPANISH)
+
+
+@pytest.mark.usefixtures("spanish")
+def test_reports_are_in_it_too_and_journals_keep_it() -> None:
+    assert say("done", SPANISH) == "**Hecho.**"
+    assert say("failed", SPANISH, step=2) == say("failed", "en", step=2)
+    thought = Thought(read("gira a la izquierda 30 grados"), "rules")
+    kept = TypeAdapter(Thought)
+    assert kept.validate_json(kept.dump_json(thought)) == thought
 
 
 @pytest.mark.usefixtures("spanish")

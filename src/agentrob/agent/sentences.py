@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from agentrob.language import languages
 from agentrob.model import Language
 
 _SENTENCES: dict[str, tuple[str, str]] = {
@@ -206,13 +207,16 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "status.not_homed": ("home is not set", "未设置原点"),
     "status.queue": ("commands waiting or running: {count}", "排队或执行中的命令：{count}"),
 }
-_COLUMN = {"en": 0, "zh": 1}
 
 
 def say(key: str, language: Language, **values: object) -> str:
-    """The sentence `key` with `values` put in, in English for a language that has none here. An unknown key or a
-    missing value is a `KeyError`."""
-    return _SENTENCES[key][_COLUMN.get(language, 0)].format(**values)
+    """The sentence `key` with `values` put in; in a further language as its file says it under `agent.KEY`, else in
+    English. An unknown key or a missing value is a `KeyError`."""
+    english, chinese = _SENTENCES[key]
+    if language == "zh":
+        return chinese.format(**values)
+    further = languages.known().get(language)
+    return (further.sentences.get(f"agent.{key}", english) if further else english).format(**values)
 
 
 def known(key: str) -> bool:

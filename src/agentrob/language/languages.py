@@ -45,7 +45,7 @@ def language_of(text: str) -> Language:
     script = "han" if han and han >= len(_LATIN_WORD.findall(text)) else "latin"
     candidates = [code for code, t in known().items() if t.script == script]
     if len(candidates) < 2:
-        return cast(Language, candidates[0]) if candidates else DEFAULT
+        return candidates[0] if candidates else DEFAULT
     said = [piece.text for piece in pieces_of(text)]
     scores = {code: sum(word in known()[code].words.vocabulary for word in said) for code in candidates}
-    return cast(Language, max(candidates, key=lambda code: scores[code]))
+    return max(candidates, key=lambda code: scores[code])
