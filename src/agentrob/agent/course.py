@@ -248,14 +248,16 @@ class Course:
         """Wait while this account may not command again; a refusal when that is long."""
         author, language = job.command.author, job.command.language
         most = self.settings.rates.waiting
-        if most and self.line.waiting_of(author.id, job) >= most:
+        if most and len(self.line.of_same_author(job)) >= most:
             return Verdict(Decision.REFUSE, "rate.waiting", say("rate.waiting", language, count=most))
+        await self.line.in_order(job)
         while job.ended is None and (wait := self.pace.take(author.id)) is not None:
             if not wait.short:
                 count = self.settings.rates.commands_per_hour
                 return Verdict(Decision.REFUSE, wait.rule, say(wait.rule, language, minutes=wait.minutes, count=count))
             self._show(job, say("held", language, seconds=wait.seconds), "queued")
             await self.line.hold(job, wait.seconds)
+        self.line.pace(job)
         return None
 
     async def _move(self, job: Job, plan: Plan) -> str:
@@ -331,8 +333,10 @@ class Course:
             return report.status
 
         try:
+            if report.status == "done":  # before it is told: whoever reads that may say "again" at once
+                await self.journal.did(command.post_id, report.plan)
             await self.journal.once(f"post-{command.post_id}:reply", deed)
-            await self.journal.finish(command.post_id, report.status, report.plan)
+            await self.journal.finish(command.post_id, report.status)
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()

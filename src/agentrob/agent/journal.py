@@ -205,16 +205,19 @@ class Journal:
         """The status post of a claim is on the forum."""
         await self._in_rows(self._do, "UPDATE claim SET status_post = ? WHERE post = ?", (status_post, post_id))
 
-    async def finish(self, post_id: str, final: str, plan: Plan | None = None) -> None:
+    async def did(self, post_id: str, plan: Plan) -> None:
+        """A claim's plan was done as it was meant."""
+        await self._in_rows(
+            self._do, "UPDATE claim SET plan = ? WHERE post = ?", (_PLAN.dump_json(plan).decode(), post_id)
+        )
+
+    async def finish(self, post_id: str, final: str) -> None:
         """The final reply of a claim is on the forum."""
-        text = _PLAN.dump_json(plan).decode() if plan else None
-        await self._in_rows(self._do, "UPDATE claim SET final = ?, plan = ? WHERE post = ?", (final, text, post_id))
+        await self._in_rows(self._do, "UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
 
     async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
         """The plans done before in a thread, oldest first."""
-        query = (
-            "SELECT plan FROM claim WHERE topic = ? AND final = 'done' AND plan NOT NULL ORDER BY number DESC LIMIT ?"
-        )
+        query = "SELECT plan FROM claim WHERE topic = ? AND coalesce(final, 'done') = 'done' AND plan NOT NULL ORDER BY number DESC LIMIT ?"
         found = await self._in_rows(self._all, query, (topic_id, limit))
         return [_PLAN.validate_json(row[0]) for row in reversed(found)]
 

@@ -17,7 +17,8 @@ class Job:
     """One post under way, from its claim to its final reply.
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
-    was. `ended` is a stable word as soon as the command may not go on; while it is `held`, others go before it. `stop`
+    was. `ended` is a stable word as soon as the command may not go on; `paced`: its account may command now; while it
+    is `held`, others go before it. `stop`
     brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
     `status` is its status post, `task` what carries it through.
     """
@@ -27,6 +28,7 @@ class Job:
     accepted_s: float = field(default_factory=time.monotonic)
     waited_s: float = 0.0
     ended: str | None = None
+    paced: bool = False
     held: bool = False
     moving: bool = False
     stopped_by: str = ""
@@ -75,9 +77,20 @@ class Line:
         before = [other for other in self._jobs[: self._jobs.index(job)] if not other.held]
         return len(before) + (self._turn not in (None, job, *before))
 
-    def waiting_of(self, account_id: str, before: Job) -> int:
-        """How many commands of this account were accepted before that one and are not done."""
-        return sum(job.command.author.id == account_id for job in self._jobs[: self._jobs.index(before)])
+    def of_same_author(self, before: Job) -> list[Job]:
+        """What its account asked for before it and is not done."""
+        author = before.command.author.id
+        return [job for job in self._jobs[: self._jobs.index(before)] if job.command.author.id == author]
+
+    async def in_order(self, job: Job) -> None:
+        """Wait until what its account asked for before is paced (or done), whichever was read sooner."""
+        while job.ended is None and not all(other.paced for other in self.of_same_author(job)):
+            job._changed.clear()
+            await job._changed.wait()
+
+    def pace(self, job: Job) -> None:
+        job.paced = True
+        self._moved_up()
 
     def topics(self) -> frozenset[str]:
         """Threads in which a bare "stop" is meant for this robot."""
