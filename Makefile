@@ -16,7 +16,8 @@ demo: setup
 
 test: setup-dev
 	@scripts/system-packages render browser
-	$(BIN)/pytest -m "not slow" $(ARGS)
+	$(BIN)/pytest -n 2 -m "not slow and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -m "not slow and (sim or browser)" $(ARGS)
 
 test-slow: setup-dev
 	@scripts/system-packages render browser

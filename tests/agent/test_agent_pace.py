@@ -93,7 +93,7 @@ async def test_a_restart_begins_to_count_anew_and_loses_nothing_that_waits(drive
         second = await scene.post("alice", TURN)
         await scene.state(second, "queued")
     async with scene.agent():
-        assert state(await scene.final(second, limit_s=5)) == "done"
+        assert state(await scene.final(second, limit_s=20)) == "done"
 
 
 @pytest.mark.parametrize(

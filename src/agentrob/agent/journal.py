@@ -32,7 +32,7 @@ from pydantic import TypeAdapter
 from sqlalchemy.exc import SQLAlchemyError
 
 from agentrob.agent.leftovers import KEEP_S, forget_unfinished
-from agentrob.agent.rows import COLUMNS, COMMAND, TABLES, Claim, boot, boot_s, read_claim
+from agentrob.agent.rows import COLUMNS, COMMAND, TABLES, Claim, boot, boot_s, migrate, read_claim
 from agentrob.errors import JournalError
 from agentrob.model import Command, Plan
 
@@ -93,7 +93,7 @@ class Journal:
             self._db.execute("PRAGMA journal_mode=wal")
             self._db.execute("PRAGMA synchronous=FULL")
             self._db.executescript(TABLES)
-            self._migrate()
+            migrate(self._db)
             self._era = (self._one("SELECT value FROM meta WHERE key = 'era'") or ("",))[0]
             self._prune()
         except BlockingIOError:
@@ -102,11 +102,6 @@ class Journal:
             ) from None
         except (OSError, sqlite3.Error) as e:
             raise JournalError(f"the journal {path} cannot be opened: {e}") from None
-
-    def _migrate(self) -> None:
-        """Journals of earlier versions lack the column."""
-        if "ended" not in [column[1] for column in self._all("PRAGMA table_info(claim)")]:
-            self._do("ALTER TABLE claim ADD COLUMN ended TEXT")
 
     def _launch(self) -> None:
         if _open:
@@ -207,9 +202,8 @@ class Journal:
 
     async def did(self, post_id: str, plan: Plan) -> None:
         """A claim's plan was done as it was meant."""
-        await self._in_rows(
-            self._do, "UPDATE claim SET plan = ? WHERE post = ?", (_PLAN.dump_json(plan).decode(), post_id)
-        )
+        kept = _PLAN.dump_json(plan).decode()
+        await self._in_rows(self._do, "UPDATE claim SET plan = ? WHERE post = ?", (kept, post_id))
 
     async def finish(self, post_id: str, final: str) -> None:
         """The final reply of a claim is on the forum."""
@@ -217,7 +211,10 @@ class Journal:
 
     async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
         """The plans done before in a thread, oldest first."""
-        query = "SELECT plan FROM claim WHERE topic = ? AND coalesce(final, 'done') = 'done' AND plan NOT NULL ORDER BY number DESC LIMIT ?"
+        query = (
+            "SELECT plan FROM claim WHERE topic = ? AND plan NOT NULL AND coalesce(final, 'done') = 'done'"
+            " ORDER BY number DESC LIMIT ?"
+        )
         found = await self._in_rows(self._all, query, (topic_id, limit))
         return [_PLAN.validate_json(row[0]) for row in reversed(found)]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sqlite3
 import time
 from dataclasses import dataclass
 from datetime import datetime
@@ -25,6 +26,12 @@ CREATE TABLE IF NOT EXISTS motion (post TEXT PRIMARY KEY, state TEXT NOT NULL, r
 """
 #: What `read_claim` wants to be given of a row.
 COLUMNS = "command, boot, accepted_s, status_post, final, ended"
+
+
+def migrate(db: sqlite3.Connection) -> None:
+    """Journals of earlier versions lack a column."""
+    if "ended" not in [column[1] for column in db.execute("PRAGMA table_info(claim)")]:
+        db.execute("ALTER TABLE claim ADD COLUMN ended TEXT")
 
 
 @dataclass(frozen=True, slots=True)
