@@ -212,8 +212,8 @@ async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
         role = Role(what) if what in frozenset(Role) else Role.MEMBER
         scene.person(name, role, kind)
         scene.world.set_role(name, role)  # some are there before
-    client = RealClient(driver.name, driver.socket) if story.real else driver.client()
-    async with scene.agent(driver=client) as agent:
+    changed = {"driver": RealClient(driver.name, driver.socket)} if story.real else {}
+    async with scene.agent(**changed) as agent:
         told = Told(scene, agent)
         told.start = await told.place()
         try:
