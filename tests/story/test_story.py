@@ -1,14 +1,19 @@
 """Every story in this folder, told on the memory forum by a fake robot behind a real driver process.
 
-A story is Markdown: front matter with the accounts, then what happens, heading by heading. Text above the first heading
-and between a story's steps is for readers. Headings that are understood:
+A story is Markdown: front matter, then what happens, heading by heading. Text above the first heading and between a
+story's steps is for readers. The front matter names the accounts; it may have `max_edits` and `live` of the forum,
+settings of the robot's agent (`[robot]`, as in agentrob.toml), and `real = true`: then the robot does not say that it
+is simulated. Headings that are understood:
 
     ## NAME posts KEY                       the text below is posted as a new topic
     ## NAME posts KEY, 10 minutes ago       as if it had been posted then
     ## NAME replies to KEY: KEY             the text below is posted in that thread
     ## NAME edits KEY                       the post's text becomes the one below
     ## NAME presses stop                    on the robot's page
-    ## KEY shows STATE                      wait until the status of that command is so
+    ## NAME removes KEY
+    ## NAME is suspended                    from now on
+    ## the owner releases the robot         from its halt
+    ## KEY shows STATE                      wait until the status of that command is so; it contains what is listed
     ## ROBOT answers KEY: STATE             the final answer; it contains each line of the list below (or does not:
                                             "without: …")
     ## ROBOT replies to KEY                 a reply that is no command's status, as to a stop
@@ -27,14 +32,16 @@ import re
 import sys
 import tomllib
 from collections.abc import Awaitable, Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from agentrob.agent.turn import RobotAgent
 from agentrob.forums.memory import MemoryForum
-from agentrob.model import AccountKind, Post, Role
+from agentrob.model import AccountKind, Capabilities, Post, Role
+from agentrob.robots.client import DriverClient
 
 sys.path.append(str(Path(__file__).parents[1] / "agent"))
 from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
@@ -50,6 +57,8 @@ class Story:
     title: str
     accounts: dict[str, str]
     forum: dict[str, Any]
+    robot: dict[str, Any]
+    real: bool
     steps: tuple[tuple[str, str], ...]
 
 
@@ -58,8 +67,15 @@ def read(path: Path) -> Story:
     facts = tomllib.loads(front)
     parts = re.split(r"^## (.+)\n", body, flags=re.MULTILINE)
     steps = tuple((h.strip(), t.strip("\n")) for h, t in zip(parts[1::2], parts[2::2], strict=True))
-    forum = {key: facts[key] for key in ("max_edits", "live") if key in facts}
-    return Story(facts["title"], facts["accounts"], forum, steps)
+    forum: dict[str, Any] = {key: facts[key] for key in ("max_edits", "live") if key in facts}
+    return Story(facts["title"], facts["accounts"], forum, facts.get("robot", {}), facts.get("real", False), steps)
+
+
+class RealClient(DriverClient):
+    """A client of a fake robot's driver that takes it for a real one."""
+
+    async def capabilities(self) -> Capabilities:
+        return replace(await super().capabilities(), simulated=False)
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +90,7 @@ class Told:
     """A story that is being told."""
 
     scene: Scene
+    agent: RobotAgent
     posts: dict[str, Post] = field(default_factory=dict)
     start: tuple[float, float] = (0.0, 0.0)
 
@@ -91,14 +108,31 @@ class Told:
     async def presses(self, name: str, _: str) -> None:
         await self.scene.world.sign_in(name).press_stop(ROBOT)
 
-    async def shows(self, key: str, state: str, _: str) -> None:
-        await self.scene.state(self.posts[key], state)
+    async def removes(self, name: str, key: str, _: str) -> None:
+        assert self.posts[key].author.name == name
+        self.scene.world.remove(self.posts[key].id)
+
+    async def suspended(self, name: str, _: str) -> None:
+        self.scene.world.suspend(name)
+
+    async def released(self, _: str = "") -> None:
+        await self.agent.driver.release("the owner")
+
+    async def shows(self, key: str, state: str, text: str) -> None:
+        _contains(await self.scene.state(self.posts[key], state), text)
 
     async def answers(self, _: str, key: str, state: str, text: str) -> None:
         reply = await self.scene.final(self.posts[key])
         assert reply.card is not None
         assert reply.card.state == state, reply.raw
         _contains(reply, text)
+        await self._settled(key)
+
+    async def _settled(self, key: str) -> None:
+        """Its reply comes a moment before the journal has it, and "again" is read from the journal."""
+        async with asyncio.timeout(5):
+            while self.posts[key].id in {c.command.post_id for c in await self.agent.journal.open_claims()}:
+                await self.scene.world.wait(0.01)
 
     async def robot_replies(self, _: str, key: str, text: str) -> None:
         _contains(await self.scene.until(lambda: next(iter(self.scene.replies(self.posts[key])), None)), text)
@@ -117,8 +151,8 @@ class Told:
         assert math.hypot(x_m - self.start[0], y_m - self.start[1]) == pytest.approx(float(metres), rel=0.1)
 
     async def walks(self, _: str) -> None:
-        async with asyncio.timeout(5), self.scene.driver.client() as client:
-            while math.hypot(*((await client.state()).velocity_mps or (0, 0))) < 0.1:  # noqa: ASYNC110 (a process)
+        async with asyncio.timeout(5):
+            while math.hypot(*((await self.agent.driver.state()).velocity_mps or (0, 0))) < 0.1:  # noqa: ASYNC110 (a process)
                 await asyncio.sleep(0.01)
 
     async def stood(self, _: str) -> None:
@@ -126,8 +160,7 @@ class Told:
 
     async def place(self) -> tuple[float, float]:
         """Where the robot is, by its driver."""
-        async with self.scene.driver.client() as client:
-            pose = (await client.state()).pose
+        pose = (await self.agent.driver.state()).pose
         assert pose is not None
         return pose.x_m, pose.y_m
 
@@ -149,6 +182,9 @@ _STEPS: tuple[tuple[str, Callable[..., Awaitable[None]]], ...] = (
     (r"(\w+) replies to (\w+): (\w+)", Told.replies),
     (r"(\w+) edits (\w+)", Told.edits),
     (r"(\w+) presses stop", Told.presses),
+    (r"(\w+) removes (\w+)", Told.removes),
+    (r"(\w+) is suspended", Told.suspended),
+    (r"the owner releases the robot", Told.released),
     (r"(\w+) shows (\w+)", Told.shows),
     (r"(\w+) answers (\w+): (\w+)", Told.answers),
     (r"(\w+) replied to (\w+) (\d+) times", Told.replied),
@@ -170,16 +206,22 @@ async def tell(told: Told, heading: str, text: str) -> None:
 @pytest.mark.parametrize("path", STORIES, ids=[p.stem for p in STORIES])
 async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
     story = read(path)
-    scene = make_scene(driver, tmp_path, MemoryForum.world(**story.forum), poll_s=0.5)
+    scene = make_scene(driver, tmp_path, MemoryForum.world(**story.forum), poll_s=0.5, **story.robot)
     for name, what in story.accounts.items():
         kind = AccountKind(what) if what in frozenset(AccountKind) else AccountKind.HUMAN
-        scene.person(name, Role(what) if what in frozenset(Role) else Role.MEMBER, kind)
-    told = Told(scene)
-    async with scene.agent():
+        role = Role(what) if what in frozenset(Role) else Role.MEMBER
+        scene.person(name, role, kind)
+        scene.world.set_role(name, role)  # some are there before
+    changed = {"driver": RealClient(driver.name, driver.socket)} if story.real else {}
+    async with scene.agent(**changed) as agent:
+        told = Told(scene, agent)
         told.start = await told.place()
-        for heading, text in story.steps:
-            await tell(told, heading, text)
+        try:
+            for heading, text in story.steps:
+                await tell(told, heading, text)
+        finally:
+            await told.released()  # the driver tells other stories too
 
 
 def test_there_are_stories() -> None:
-    assert len(STORIES) >= 10
+    assert len(STORIES) >= 60
