@@ -104,7 +104,7 @@ class LedgerRobot(FakeRobot):
         self.on_motion: Callable[[Primitive], None] = lambda _: None
         self.stopped = 0
         self._at: Primitive | None = None
-        super().__init__(robot_settings(options={"time_scale": 20}))
+        super().__init__(robot_settings(options={"time_scale": 10}))
 
     def limit(self, step_deg: float) -> None:
         self.capabilities = replace(self.capabilities, limits=replace(self.capabilities.limits, step_deg=step_deg))

@@ -30,6 +30,7 @@ from agentrob.agent.stops import Stops
 from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
+from agentrob.judge.harm import harm_of
 from agentrob.language.help import help_text
 from agentrob.language.phrases import say as phrase
 from agentrob.language.visible import mentions
@@ -135,6 +136,8 @@ class Course:
                 chained = await insist(partial(chain_refusal, self.forum, command))
                 verdict = chained or judge(command, understood.plan, command.author, capabilities, self.terms)
                 thought = replace(thought, verdict=verdict)
+            elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
+                thought = replace(thought, verdict=harm_of(command.text, understood.language))
             return _THOUGHT.dump_json(thought).decode()
 
         thought = _THOUGHT.validate_json(await self.journal.once(f"post-{job.command.post_id}", deed))
@@ -179,6 +182,8 @@ class Course:
                 return self._report(job, "answered", message=phrase(key, language, count=job.took_back))
             case Intent.QUESTION:
                 return self._report(job, "answered", message=phrase("talk.question", language))
+            case Intent.ASK_BACK if thought.verdict is not None:
+                return self._report(job, "refused", verdict=thought.verdict)
             case Intent.ASK_BACK:
                 return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
@@ -235,7 +240,7 @@ class Course:
             return self._report(job, "interrupted", plan, verdict=verdict)
         execution = _EXECUTION.validate_json(text)
         results = self.records.with_pictures(execution.results, execution.pictures)
-        execution = replace(execution, results=results, verdict=execution.verdict or verdict)
+        execution = replace(execution, results=results, verdict=_decisive(execution, verdict))
         job.stopped_by = job.stopped_by or execution.stopped_by
         if job.ended is not None and execution.status != "done":
             return await self._ended(job, plan, execution)
@@ -340,3 +345,11 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+
+
+def _decisive(execution: Execution, verdict: Verdict) -> Verdict:
+    """The verdict that the report names: the guard's, where it refused what the screen had let pass."""
+    last = execution.verdict or verdict
+    if execution.status == "refused" and last.decision is Decision.ALLOW and execution.results:
+        return Verdict(Decision.REFUSE, f"guard.{execution.results[0].reason}")
+    return last

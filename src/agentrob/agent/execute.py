@@ -142,7 +142,7 @@ class _Run:
             if not stepping.done():
                 stepping.cancel()
                 await asyncio.shield(self._stop(SHUTDOWN))
-        if step.moves and self.first_motion_s is None:
+        if step.moves and self.first_motion_s is None and result.outcome is not Outcome.REFUSED:
             self.first_motion_s = result.started_s if sent_s <= result.started_s <= time.monotonic() else sent_s
         stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
         return replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result

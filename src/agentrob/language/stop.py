@@ -69,7 +69,9 @@ def of_any_language() -> StopWords:
     return StopWords(halt, stop, polite, spaced, max(len(p) for p in stop | polite if re.match(_HAN, p)))
 
 
-_CLAUSE_END = re.compile(r"[,;.!?¡¿:\n，。！？；、：…—–()]+|\s-+\s|\b(?:and|then|but|or)\b", re.IGNORECASE)
+_CLAUSE_END = re.compile(
+    r"[,;.!?¡¿:\n，。！？；、：…—–()]+|\s-+\s|\b(?:and|then|but|or)\b|然后|接着|(?<![别不要])再(?!见)", re.IGNORECASE
+)
 _LETTER = r"[^\W\d_\u3400-\u9fff]"
 _WORD = re.compile(rf"{_LETTER}+(?:['-]{_LETTER}+)*|{_HAN}+|[^\s\w*_~'\"]|\w")
 _LONG_RUN = re.compile(r"([a-z])\1{2,}")

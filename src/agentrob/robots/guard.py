@@ -183,7 +183,7 @@ class Guard:
         self._see()
         state = sound(self._robot.state())
         if (why := self._halt.why) is not None:
-            return "halted", f"{why} No motion until the owner releases it."
+            return "halted", f"{why.rstrip('.')}. No motion until the owner releases it."
         if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
             return "consent", "A flip needs the owner's consent (allow_flip)."
         if state.age_s >= STATE_AGE_S or state.pose is None:
