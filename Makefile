@@ -16,8 +16,7 @@ demo: setup
 
 test: setup-dev
 	@scripts/system-packages render browser
-	$(BIN)/pytest -n 2 -m "not slow and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -m "not slow and (sim or browser)" $(ARGS)
+	$(BIN)/pytest -m "not slow" $(ARGS)
 
 test-slow: setup-dev
 	@scripts/system-packages render browser

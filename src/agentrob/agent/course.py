@@ -43,7 +43,7 @@ FINAL = frozenset(
     {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
 )
 #: A mind that answers within this time is waited for before the status is posted: a post that wants nothing gets none.
-GLANCE_S = 0.5
+GLANCE_S = 1.0
 _THOUGHT = TypeAdapter(Thought)
 _EXECUTION = TypeAdapter(Execution)
 _log = structlog.get_logger()

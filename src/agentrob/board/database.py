@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sqlite3
+import time
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,9 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
+
+#: How long is waited for somebody who makes the same database.
+LOCKED_S = 5.0
 
 
 def open_engine(settings: BoardSettings, *, writes: bool) -> Engine:
@@ -40,8 +45,22 @@ def _set_up_sqlite(connection: Any, _record: object) -> None:
     connection.isolation_level = None  # transactions are begun by `_begin_immediate`, not by the driver
     # In WAL, NORMAL keeps the database whole in every case; only a power failure can lose the last commits. What must
     # not happen twice is held by the robot's own journal besides.
-    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "cache_size=-16000"):
+    _patiently(connection, "PRAGMA journal_mode=WAL")
+    for pragma in ("synchronous=NORMAL", "foreign_keys=ON", "cache_size=-16000"):
         connection.execute("PRAGMA " + pragma)
+
+
+def _patiently(connection: Any, statement: str) -> None:
+    """Run what SQLite does not wait for by itself: two who make a database at once are told at once that it is locked."""
+    until_s = time.monotonic() + LOCKED_S
+    while True:
+        try:
+            connection.execute(statement)
+            return
+        except sqlite3.OperationalError as e:
+            if "locked" not in str(e) or time.monotonic() > until_s:
+                raise
+            time.sleep(0.02)
 
 
 def _begin_immediate(connection: Connection) -> None:
