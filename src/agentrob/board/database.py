@@ -51,7 +51,7 @@ def _set_up_sqlite(connection: Any, _record: object) -> None:
 
 
 def _patiently(connection: Any, statement: str) -> None:
-    """Run what SQLite does not wait for by itself: two who make a database at once are told at once that it is locked."""
+    """Run what SQLite does not wait for by itself, as when two make a database at once."""
     until_s = time.monotonic() + LOCKED_S
     while True:
         try:
