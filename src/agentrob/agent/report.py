@@ -98,7 +98,7 @@ def _why(report: Report) -> str:
         said.append(_reason(last, language))
     if report.status == "refused" and verdict is not None:
         said.append(say("rule", language, rule=verdict.rule))
-    return "\n\n".join(said) if report.status == "answered" else " ".join(said)
+    return "\n\n".join(said) if report.status == "answered" else ("" if language == "zh" else " ").join(said)
 
 
 def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
@@ -197,7 +197,8 @@ def state_text(state: RobotState | None, waiting: int, language: Language, messa
     """The answer to "how are you"; `state` None: the robot cannot be reached, as `message` says."""
     if state is None:
         return say("status.unknown", language, message=disarmed(message))
-    said = [say("status.mode", language, mode=state.mode)]
+    mode = say(f"mode.{state.mode}", language) if known(f"mode.{state.mode}") else disarmed(state.mode)
+    said = [say("status.mode", language, mode=mode)]
     if state.battery_percent is None:
         said.append(say("status.battery.unknown", language))
     else:

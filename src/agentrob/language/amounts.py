@@ -24,7 +24,7 @@ _LONGEST_PICTURE = 6
 def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
     """Replace number and unit by one amount wherever they stand together; lone numbers and units stay."""
     found: list[Token] = []
-    at = 0
+    at, unit_m = 0, 0.0  # how long one unit of the last length is
     while at < len(tokens):
         amount, used = _amount(tokens, at, text)
         if amount is None:
@@ -32,8 +32,10 @@ def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
             found.append(tokens[at] if tokens[at].kind is not Kind.TIME_UNIT else replace(tokens[at], kind=Kind.SOFT))
             at += 1
             continue
-        _append(found, amount)
+        _append(found, amount, unit_m)
         at += used
+        unit = tokens[at - 1]
+        unit_m = _float(unit) if unit.kind is Kind.LENGTH_UNIT else 0.0
     return found
 
 
@@ -81,11 +83,11 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
     return Token(Kind.DIR if goes else Kind.SOFT, "forward" if goes else None, token.start, token.end)
 
 
-def _append(found: list[Token], amount: Token) -> None:
+def _append(found: list[Token], amount: Token, unit_m: float) -> None:
     before = found[-1] if found else None
     if before and before.kind is Kind.PER_SECOND and amount.kind is Kind.LENGTH:  # 每秒0.3米
         found[-1] = Token(Kind.SPEED, amount.value, before.start, amount.end)
-    elif before and before.kind is Kind.LENGTH is amount.kind and _float(amount) < 1 <= _float(before):  # 5 ft 6 in
+    elif before and before.kind is Kind.LENGTH is amount.kind and _float(amount) < unit_m:  # 5 ft 6 in
         found[-1] = Token(Kind.LENGTH, _float(before) + _float(amount), before.start, amount.end)
     elif before and before.kind is Kind.ANGLE is amount.kind and len(found) > 1 and found[-2].start == before.start:
         found[-1] = amount  # "turn around 90 degrees": the explicit angle counts
