@@ -7,14 +7,21 @@ module first.
 Topics are created one at a time: cyclonedds 11 deletes a topic that exists already while it holds Python's global lock,
 and another thread that creates one then holds what the deletion waits for (seen: four SDK clients at once, on a busy
 machine, and the process hung for good).
+
+A callback given to DDS lives as long as the process: an entity that Python's cyclic collector takes (whoever drops a
+client of the SDK without closing it) stays in the C library, which goes on calling what was freed (seen: segmentation
+fault in the receiving thread, seconds later). So too everything is deleted before the interpreter takes itself apart.
 """
 
 from __future__ import annotations
 
+import atexit
 import threading
 from functools import wraps
 from typing import Any
 
+from cyclonedds.core import Entity, Listener
+from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import _xt_builder
 from cyclonedds.topic import Topic
 
@@ -37,6 +44,7 @@ class _ByteForUint8:
 
 
 _one_topic = threading.Lock()
+_listeners: list[Listener] = []  # a few for each client
 
 
 def patch() -> None:
@@ -44,14 +52,28 @@ def patch() -> None:
     if isinstance(_xt_builder.xt, _ByteForUint8):
         return
     _xt_builder.xt = _ByteForUint8(_xt_builder.xt)
-    create = Topic.__init__
+    create, listen = Topic.__init__, Listener.__init__
 
     @wraps(create)
     def one_at_a_time(*args: Any, **kwargs: Any) -> None:
         with _one_topic:
             create(*args, **kwargs)
 
+    @wraps(listen)
+    def for_good(self: Listener, *args: Any, **kwargs: Any) -> None:
+        listen(self, *args, **kwargs)
+        _listeners.append(self)
+
     Topic.__init__ = one_at_a_time
+    Listener.__init__ = for_good
+    atexit.register(_end)
+
+
+def _end() -> None:
+    """Delete the participants with all that they hold: no thread of the C library calls Python after this."""
+    for entity in list(Entity._entities.values()):
+        if isinstance(entity, DomainParticipant):
+            entity._delete(entity._ref)
 
 
 def config(interface: str | None) -> str:

@@ -1,0 +1,77 @@
+"""DDS does not crash the process: callbacks outlive what was dropped, and nothing calls Python at its end."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+DOMAIN = 211 + os.getpid() % 10
+
+SPEAK = """
+import gc, sys, time
+from agentrob.robots import unitree
+unitree.connect(int(sys.argv[1]), "lo")
+from unitree_sdk2py.core.channel import ChannelPublisher, ChannelSubscriber
+from unitree_sdk2py.idl.unitree_api.msg.dds_ import *
+
+def answer():
+    return Response_(ResponseHeader_(RequestIdentity_(1, 2), ResponseStatus_(0)), "", [])
+"""
+DROPS = """
+def talk():
+    asking = ChannelPublisher("rt/api/sport/request", Request_)
+    asking.Init()
+    hearing = ChannelSubscriber("rt/api/sport/response", Response_)
+    hearing.Init(lambda message: None, 0)
+
+talk()
+gc.collect()
+filled = [bytearray(64) for _ in range(100_000)]  # over what was freed
+"""
+LISTENS = """
+import threading
+heard = threading.Event()
+hearing = ChannelSubscriber("rt/api/sport/response", Response_)
+hearing.Init(lambda message: heard.set(), 0)
+assert heard.wait(20)
+print("ends")
+"""
+TALKS = """
+asked = ChannelSubscriber("rt/api/sport/request", Request_)
+asked.Init(lambda message: None, 0)
+answers = ChannelPublisher("rt/api/sport/response", Response_)
+answers.Init()
+print("talks", flush=True)
+end_s = time.monotonic() + float(sys.argv[2])
+while time.monotonic() < end_s:
+    answers.Write(answer())
+    time.sleep(0.001)
+"""
+
+
+def run(script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", SPEAK + script, str(DOMAIN), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_a_client_that_was_dropped_without_being_closed_does_not_crash_the_process() -> None:
+    command = f"[sys.executable, '-c', {SPEAK + TALKS!r}, sys.argv[1], '1.0']"
+    peer = f"import subprocess; subprocess.run({command}, check=True, stdout=subprocess.DEVNULL)"
+    ended = run(DROPS + peer + "\nprint('alive')")
+    assert (ended.returncode, ended.stdout.strip()) == (0, "alive"), ended.stderr
+
+
+def test_a_process_ends_well_in_the_middle_of_a_stream_of_messages() -> None:
+    talker = subprocess.Popen(
+        [sys.executable, "-c", SPEAK + TALKS, str(DOMAIN), "60"], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert talker.stdout is not None
+        assert talker.stdout.readline().strip() == "talks"
+        for _ in range(4):
+            ended = run(LISTENS)
+            assert (ended.returncode, ended.stdout.strip()) == (0, "ends"), ended.stderr
+    finally:
+        talker.terminate()
+        talker.communicate(timeout=10)
