@@ -326,12 +326,9 @@ def describe_plan(facts: dict[str, Any]) -> str:
 # ---------------------------------------------------------------------- world
 def serve_world(domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None) -> None:
     """Run a simulated world until SIGTERM or Ctrl-C. `domains` are ROBOT=DOMAIN."""
-    from agentrob.sim.serve import WorldSettings, serve
+    from agentrob.sim.serve import WorldSettings, parse_domains, serve
 
-    pairs: dict[str, int] = {}
-    for text in domains:
-        robot, _, number = text.partition("=")
-        if not number.isdigit() or not 0 <= int(number) <= 230:
-            raise ConfigError(f"--domain {text!r} is not ROBOT=DOMAIN with a domain from 0 to 230, for example go2=1")
-        pairs[robot] = int(number)
-    serve(WorldSettings(domains=pairs, interface=interface, http_port=http_port, world=world, ledger=ledger))
+    settings = WorldSettings(
+        domains=parse_domains(domains), interface=interface, http_port=http_port, world=world, ledger=ledger
+    )
+    serve(settings)
