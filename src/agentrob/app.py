@@ -272,6 +272,20 @@ def capabilities_of(model: str, settings: RobotConfig | None = None) -> Capabili
     return capabilities
 
 
+def simulated_robot(model: str, domain: int) -> RobotConfig:
+    """Settings of a robot in the simulated room, at home where it starts.
+
+    The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
+    nothing stands.
+    """
+    settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
+    if model != "g1":
+        return settings
+    from agentrob.sim.room import G1_FREE
+
+    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": G1_FREE})
+
+
 # ---------------------------------------------------------------------- understanding
 async def understand(text: str, name: str, capabilities: Any, mind: str = "rules") -> Any:
     """What a mind makes of a text that is meant for this robot."""

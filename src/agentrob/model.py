@@ -96,6 +96,8 @@ class Op(StrEnum):
     TURN = "turn"
     HELLO = "hello"
     HEART = "heart"
+    CLAP = "clap"
+    SHAKE = "shake"
     BACKFLIP = "backflip"
     SIT = "sit"
     STAND = "stand"

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from agentrob.sim import assets, meshes
+from agentrob.sim.g1_gestures import Indices
 from agentrob.sim.g1_policy import COMMAND_SLEW, STAND_RAD, TORQUE_NM, G1Policy
 from agentrob.sim.gestures import Motion
 from agentrob.sim.legged import Array, Build, Drive, Legged
@@ -78,7 +79,7 @@ class G1(Legged):
             self._policy.reset()
         self._wanted = np.clip(velocity, -VELOCITY_BOUND, VELOCITY_BOUND)
 
-    def move_arms(self, joints: Array, motion: Motion) -> None:
+    def move_arms(self, joints: Indices, motion: Motion) -> None:
         """Lead these joints through a motion; afterwards they hold its last pose until `free_arms`."""
         seen = self._arms.seen_rad if self._arms and len(self._arms.joints) == len(joints) else self.joints_rad[joints]
         self._arms = _Arms(joints, motion, seen)
@@ -131,7 +132,7 @@ class G1(Legged):
 class _Arms:
     """Arm joints that are led by a motion, then held, then given back to the policy."""
 
-    def __init__(self, joints: Array, motion: Motion, seen_rad: Array) -> None:
+    def __init__(self, joints: Indices, motion: Motion, seen_rad: Array) -> None:
         self.joints, self.seen_rad = joints, seen_rad
         self.motion: Motion | None = motion
         self.ended = False

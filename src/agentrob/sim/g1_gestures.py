@@ -11,10 +11,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agentrob.sim.g1_policy import STAND_RAD
 from agentrob.sim.gestures import Frame, Motion
 from agentrob.sim.legged import Array
+
+Indices = NDArray[np.intp]
 
 LEFT, RIGHT = np.arange(15, 22), np.arange(22, 29)
 BOTH = np.arange(15, 29)
@@ -38,7 +41,7 @@ class ArmGesture:
     """
 
     name: str
-    joints: Array
+    joints: Indices
     show: Callable[[float], Array]
     by_way_of: tuple[Array, ...] = ()
     raise_s: float = RAISE_S

@@ -49,7 +49,6 @@ class Fsm(IntEnum):
 class _Action:
     """A gesture that was begun. `releases` are answered when the arms are down; `holding`: up, and answered."""
 
-    id: int
     gesture: ArmGesture
     answer: Answer
     began_s: float
@@ -75,13 +74,13 @@ class G1Sport:
         if api_id in self._facts:
             answer(OK, json.dumps({"data": self._facts[api_id]()}))
         elif api_id == SET_FSM_ID:
-            answer(self._set_fsm(parameter.get("data")))
+            answer(self._set_fsm(_number(parameter)))
         elif api_id == SET_BALANCE_MODE:
-            answer(OK if parameter.get("data") == 0 else NOT_IMPLEMENTED)  # 1: stepping on the spot
+            answer(OK if _number(parameter) == 0 else NOT_IMPLEMENTED)  # 1: stepping on the spot
         elif api_id == SET_VELOCITY:
             answer(self._velocity(parameter))
         elif api_id == SET_ARM_TASK:
-            self._arm_task(parameter.get("data"), answer)
+            self._arm_task(_number(parameter), answer)
         else:
             answer(NOT_IMPLEMENTED)
 
@@ -95,7 +94,7 @@ class G1Sport:
             GET_PHASE: lambda: [0.0, 0.0],
         }
 
-    def _set_fsm(self, wanted: Any) -> int:
+    def _set_fsm(self, wanted: int) -> int:
         try:
             fsm = Fsm(wanted)
         except ValueError:
@@ -146,7 +145,7 @@ class G1Sport:
         self._held_until_s = None
         self._body.walk(np.zeros(3))
 
-    def _arm_task(self, task: Any, answer: Answer) -> None:
+    def _arm_task(self, task: int, answer: Answer) -> None:
         ids = {WAVE: 26, SHAKE_BEGIN: 27, SHAKE_END: RELEASE}
         if task == WAVE_TURNING:
             answer(NOT_IMPLEMENTED)
@@ -163,9 +162,9 @@ class G1Sport:
             answer(OK, json.dumps([{"id": i, "name": name} for i, name in sorted(names.items())]))
         elif api_id != EXECUTE_ACTION:
             answer(NOT_IMPLEMENTED)
-        elif (action := parameter.get("data")) == RELEASE:
+        elif (action := _number(parameter)) == RELEASE:
             self._release(answer)
-        elif action not in GESTURES:
+        elif (gesture := GESTURES.get(action)) is None:
             answer(ARM_BAD_ID)
         elif self.fsm is not Fsm.WALK:
             answer(ARM_WRONG_FSM)
@@ -173,8 +172,8 @@ class G1Sport:
             answer(ARM_HOLDING if self.action.holding else ARM_BUSY)
         else:
             self._stand()
-            self.action = _Action(action, GESTURES[action], answer, self._now_s())
-            self._note("action_begin", action=self.action.gesture.name)
+            self.action = _Action(gesture, answer, self._now_s())
+            self._note("action_begin", action=gesture.name)
 
     def _release(self, answer: Answer) -> None:
         action = self.action
@@ -255,3 +254,9 @@ class G1Sport:
         x, y = body.xy_m
         pose = {"x_m": round(float(x), 4), "y_m": round(float(y), 4), "yaw_deg": round(math.degrees(body.yaw_rad), 2)}
         self._ledger.write(self._now_s(), body.name, event, pose, facts)
+
+
+def _number(parameter: Mapping[str, Any]) -> int:
+    """What a call carries as `data`; -1, which nothing knows, when that is no whole number."""
+    data = parameter.get("data")
+    return data if isinstance(data, int) else -1
