@@ -8,7 +8,7 @@ import numpy as np
 
 from agentrob.sim import assets, meshes
 from agentrob.sim.g1_gestures import Indices
-from agentrob.sim.g1_policy import COMMAND_SLEW, STAND_RAD, TORQUE_NM, G1Policy
+from agentrob.sim.g1_policy import COMMAND_SLEW, STAND_RAD, TORQUE_NM, G1Policy, G1Trim
 from agentrob.sim.gestures import Motion
 from agentrob.sim.legged import Array, Build, Drive, Legged
 from agentrob.sim.policy import PERIOD_S
@@ -32,6 +32,7 @@ class G1(Legged):
     def __init__(self, name: str = "g1", start: Start = G1_START) -> None:
         super().__init__(name, start)
         self._policy = G1Policy(assets.g1_policy())
+        self._trim = G1Trim()
         motors = self._policy.motors
         self.build = Build(
             root="pelvis",
@@ -71,6 +72,7 @@ class G1(Legged):
         self._limp = False
         self._calm_s = 0.0
         self._policy.reset()
+        self._trim.reset()
 
     def walk(self, velocity: Array) -> None:
         """Go at (vx, vy, yaw rate), clipped to `VELOCITY_BOUND`; zeros mean stand. Ends limpness."""
@@ -113,14 +115,20 @@ class G1(Legged):
     def drive(self) -> Drive:
         if self._limp:
             return Drive(self.joints_rad, 0.0, LIMP_DAMPING)
-        vx, vy, turning = self.heading_velocity()
+        velocity = self.heading_velocity()
+        vx, vy, turning = velocity
         calm = float(np.hypot(vx, vy)) < CALM_MPS and abs(turning) < CALM_RPS
         self._calm_s = self._calm_s + PERIOD_S if calm else 0.0
         self._slewed += np.clip(self._wanted - self._slewed, -COMMAND_SLEW, COMMAND_SLEW)
         joints, speeds = self.joints_rad, self.joint_speeds_rps
         if self._arms is not None:  # it must not see them: beyond what it was trained with it falls
             joints[self._arms.joints], speeds[self._arms.joints] = self._arms.seen_rad, 0.0
-        target = self._policy.targets(self.gyro_rps, -self.rotation[2], joints, speeds, self._slewed)
+        asked = self._slewed
+        if self._wanted.any():
+            asked = self._trim.follow(self._slewed, velocity)
+        else:
+            self._trim.reset()
+        target = self._policy.targets(self.gyro_rps, -self.rotation[2], joints, speeds, asked)
         if self._arms is not None:
             target[self._arms.joints] = self._arms.next(target[self._arms.joints], self._target[self._arms.joints])
             if self._arms.back:

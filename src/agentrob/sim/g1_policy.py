@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from agentrob.sim.legged import Array
-from agentrob.sim.policy import PERIOD_S, onnx_session
+from agentrob.sim.policy import PERIOD_S, VelocityTrim, onnx_session
 
 _LEG = (-0.312, 0.0, 0.0, 0.669, -0.363, 0.0)
 #: Standing with the knees a little bent and the forearms ahead.
@@ -28,6 +28,14 @@ STEP_RAD = 2 * math.pi * PERIOD_S  # of the phase each period: one stride a seco
 CLIP = 100.0
 #: Reflected inertia (kg m²) by the natural frequency that the gains were made for: kp = armature x (10 Hz)².
 _NATURAL_RPS = 2 * math.pi * 10.0
+
+
+class G1Trim(VelocityTrim):
+    """As the Go2's; this policy follows better, and steps while it is trimmed at all."""
+
+    FILTER_S = 0.5
+    GAIN: Array = np.array([0.8, 0.8, 1.0])
+    BOUND: Array = np.array([0.10, 0.10, 0.15])
 
 
 @dataclass(frozen=True, slots=True)
