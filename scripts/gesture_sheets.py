@@ -31,7 +31,7 @@ from agentrob.sim.world import PERIOD_S, ROBOT_GROUP, World
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
 PICTURES, SIDE_PX, COLOURS = 8, 240, 96
-FACING = Start(0.0, 0.0, -2.6)  # towards the camera, half turned
+FACING = Start(0.0, 0.0, -1.9)  # towards the camera, half turned
 LIMIT_S = 30.0
 GO2 = {"hello": sport.HELLO, "heart": sport.HEART, "stretch": sport.STRETCH, "sit": sport.SIT}
 ACTIONS = {gesture.name.replace(" ", "-"): id_ for id_, gesture in GESTURES.items()}
@@ -70,7 +70,7 @@ def stage(robot: str) -> Stage:
         go2 = Go2(start=FACING)
         world = World([go2], ())
         service = sport.Sport(go2, lambda: world.time_s, Ledger())
-        return Stage(world, go2, service, lambda n: [lambda answer: service.call(GO2[n], {}, answer)], 1.9, 0.25)
+        return Stage(world, go2, service, lambda n: [lambda answer: service.call(GO2[n], {}, answer)], 1.35, 0.22)
     g1 = G1(start=FACING)
     world = World([g1], ())
     arm = g1_sport.G1Sport(g1, lambda: world.time_s, Ledger())
@@ -79,7 +79,7 @@ def stage(robot: str) -> Stage:
         wanted = [ACTIONS[name], *([RELEASE] if GESTURES[ACTIONS[name]].holds else [])]
         return [lambda answer, i=i: arm.call_arm(g1_sport.EXECUTE_ACTION, {"data": i}, answer) for i in wanted]
 
-    return Stage(world, g1, arm, calls, 3.2, 0.75)
+    return Stage(world, g1, arm, calls, 2.35, 0.72)
 
 
 def near(stage: Stage) -> View:

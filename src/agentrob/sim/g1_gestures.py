@@ -24,7 +24,7 @@ BOTH = np.arange(15, 29)
 _MIRROR: Array = np.array([1.0, -1, -1, 1, -1, 1, -1])
 
 RAISE_S, SHOW_S, LOWER_S = 1.2, 3.0, 1.2
-#: Two arms that go up faster than this throw the body off its place: the policy does not know of them.
+#: Two arms that go up faster, or by another way, make it step aside by 25 cm: the policy does not know of them.
 SLOWLY_S = 2.6
 
 
@@ -65,7 +65,7 @@ class ArmGesture:
         # Only by those poses that are lower than the arms are now: never up again in order to come down.
         pitch = len(start) - len(RIGHT)  # of the right shoulder
         below = [pose for pose in reversed(self.by_way_of) if pose[pitch] > start[pitch] + 0.1]
-        step_s = (self.raise_s if below else LOWER_S) / (len(below) + 1)
+        step_s = LOWER_S / (len(below) + 1)  # quick: going down moves it by 2 cm at most
         return [Frame(step_s, pose) for pose in (*below, STAND_RAD[self.joints])]
 
 
@@ -93,14 +93,14 @@ def _shaking(t: float) -> Array:
 
 
 # Sideways, not through the front: two arms in front of it shift its weight.
-_ASIDE = both(np.array([0.1, -1.5, 0.0, 0.6, 0.0, 0.0, 0.0]))
-_ABOVE = both(np.array([-2.6, -1.6, 1.0, 0.6, 0.0, 0.0, 0.0]))
+_ASIDE = both(np.array([0.0, -1.95, 0.1, 0.5, 0.0, 0.0, 0.0]))
+_ABOVE = both(np.array([-2.0, -1.87, 1.22, 0.4, 0.0, 0.0, 0.0]))
 
 RELEASE = 99
 #: By the ids of the arm service.
 GESTURES: Mapping[int, ArmGesture] = {
     17: ArmGesture("clap", BOTH, _clapping),
-    20: ArmGesture("heart", BOTH, _heart, (_ASIDE, _ABOVE), raise_s=2 * SLOWLY_S, show_s=1.0, holds=True),
+    20: ArmGesture("heart", BOTH, _heart, (_ASIDE, _ABOVE), raise_s=SLOWLY_S, show_s=1.0, holds=True),
     26: ArmGesture("high wave", RIGHT, _waving),
     27: ArmGesture("shake hand", RIGHT, _shaking, holds=True),
 }
