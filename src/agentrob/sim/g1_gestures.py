@@ -89,7 +89,7 @@ def _heart(_: float) -> Array:
 
 def _shaking(t: float) -> Array:
     swing = _swing(t, 1.5) * min(1.0, t / 0.3, max(0.0, SHOW_S - t) / 0.3)
-    return np.array([-0.75 - 0.12 * swing, -0.05, 0.0, 0.55 - 0.20 * swing, 0.0, 0.0, 0.0])
+    return np.array([-0.50 - 0.10 * swing, -0.05, 0.05, -0.10 - 0.20 * swing, 0.0, 0.0, 0.0])
 
 
 # Sideways, not through the front: two arms in front of it shift its weight.
