@@ -55,9 +55,16 @@ def connected(room: str) -> Iterator[G1]:
 
 @pytest.fixture
 def g1(connected: G1, room: str) -> G1:
-    """At its start."""
+    """At its start: a reset puts the odometry back to zero, which a message from before it does not show."""
+    asked_s = time.monotonic()
     httpx2.post(room + "/reset", timeout=10).raise_for_status()
-    until(lambda: connected.state().mode == "idle")
+
+    def ready() -> bool:
+        state = connected.state()
+        at = (state.pose.x_m, state.pose.y_m) if state.pose else (math.inf, 0.0)
+        return state.mode == "idle" and math.hypot(*at) < 0.05 and state.age_s < time.monotonic() - asked_s
+
+    until(ready)
     return connected
 
 
