@@ -27,7 +27,7 @@ Deliver = Callable[[bytes | None], None]
 
 SEVERAL_S = 0.5  # other views drawn within this time: several cameras are looked at
 SMOOTH_SAMPLES = 4
-FRESH_S = 0.09  # a picture younger than this is given again: 10 a second at most
+FRESH_S = 0.07  # a picture younger than this is given again: ten a second, asked for with some jitter, are all new
 JPEG_QUALITY = 88
 LARGEST = (1280, 720)
 SHADE_M = (0.34, 0.20, 0.004)
