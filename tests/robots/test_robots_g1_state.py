@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import threading
+import time
 
 import pytest
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__SportModeState_
@@ -12,7 +14,7 @@ from agentrob.config import LimitsConfig, RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import Op, RobotState
 from agentrob.robots.g1 import G1, mode_of, read
-from agentrob.robots.g1_fsm import parse
+from agentrob.robots.g1_fsm import FsmWatch, parse
 
 SIMULATED, REAL = RobotConfig(model="g1", simulated=True), RobotConfig(model="g1")
 
@@ -112,3 +114,33 @@ def test_it_offers_no_ranges_and_no_battery() -> None:
 )
 def test_an_answer_that_makes_no_sense_is_no_state(data: str | None, found: int | None) -> None:
     assert parse(data) == found
+
+
+class Service:
+    """Answers for the state of the motion service; counts how often it is asked."""
+
+    def __init__(self) -> None:
+        self.asked, self.answer = threading.Event(), (0, '{"data": 500}')
+
+    def _Call(self, api_id: int, parameter: str) -> tuple[int, str]:  # noqa: N802  the SDK's name
+        assert (api_id, parameter) == (7001, "{}")
+        self.asked.set()
+        return self.answer
+
+
+def test_a_robot_that_is_not_there_is_not_asked_for_its_state() -> None:
+    service, there = Service(), threading.Event()
+    watch = FsmWatch(service, there.is_set)
+    try:
+        assert not service.asked.wait(0.5)
+        assert watch.id is None
+        there.set()
+        assert watch.wait(5.0) == 500
+        service.answer = (3104, "")
+        until_s = time.monotonic() + 5.0
+        while watch.id is not None:
+            assert time.monotonic() < until_s, "an old answer must not count"
+            service.asked.clear()
+            service.asked.wait(1.0)
+    finally:
+        watch.close()

@@ -33,7 +33,7 @@ GAIT = Gait(
     speed_mps=0.5,
     side_mps=0.2,
     turn_rps=0.6,
-    coast_s=0.25,
+    coast_s=0.15,
     settle_s=1.8,  # it sways and makes another step: sooner, its place says nothing
     settle_limit_s=3.5,
     stride_s=1.0,
@@ -108,7 +108,7 @@ class G1:
         )
         made = unitree.clients(*makers)
         asker, self._sport, self._moves, self._stopper, self._arm, self._releaser, self._video = made
-        self._fsm = g1_fsm.FsmWatch(asker)
+        self._fsm = g1_fsm.FsmWatch(asker, lambda: self._age_s() < g1_fsm.OLD_S)
         self._stops = 0
         self._let_go = threading.Event()
         self._gesture: Gesture | None = None
@@ -118,9 +118,12 @@ class G1:
         newest = self._odometry.newest()
         if newest is None:
             return RobotState(age_s=math.inf)
-        came_s, message = newest
-        state = replace(read(message), age_s=time.monotonic() - came_s)
+        state = replace(read(newest[1]), age_s=time.monotonic() - newest[0])
         return replace(state, mode=mode_of(state, self._fsm.id, gesturing=self._gesturing))
+
+    def _age_s(self) -> float:
+        newest = self._odometry.newest()
+        return math.inf if newest is None else time.monotonic() - newest[0]
 
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
         before = self._stops

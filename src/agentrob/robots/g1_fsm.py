@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 GET_FSM_ID, SET_FSM_ID = 7001, 7101
@@ -26,9 +27,9 @@ OLD_S = 1.0
 class FsmWatch:
     """Asks in a thread of its own; `id` is the newest answer, None when there is none or it is old."""
 
-    def __init__(self, client: Any) -> None:
-        """`client` is a LocoClient with a short timeout, used by nobody else."""
-        self._client = client
+    def __init__(self, client: Any, there: Callable[[], bool]) -> None:
+        """`client` is a LocoClient with a short timeout, used by nobody else; a robot that is not there is not asked."""
+        self._client, self._there = client, there
         self._newest: tuple[float, int] | None = None
         self._closed = threading.Event()
         threading.Thread(target=self._poll, name="g1 fsm", daemon=True).start()
@@ -51,7 +52,10 @@ class FsmWatch:
     def _poll(self) -> None:
         wait_s = 0.0
         while not self._closed.wait(wait_s):
-            asked_s, wait_s = time.monotonic(), EVERY_S
+            wait_s = EVERY_S
+            if not self._there():
+                continue
+            asked_s = time.monotonic()
             code, data = self._client._Call(GET_FSM_ID, "{}")
             if code == 0 and (found := parse(data)) is not None:
                 self._newest = asked_s, found
