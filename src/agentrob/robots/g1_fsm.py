@@ -28,7 +28,7 @@ class FsmWatch:
     """Asks in a thread of its own; `id` is the newest answer, None when there is none or it is old."""
 
     def __init__(self, client: Any, there: Callable[[], bool]) -> None:
-        """`client` is a LocoClient with a short timeout, used by nobody else; a robot that is not there is not asked."""
+        """`client` is a LocoClient with a short timeout, used by nobody else; a robot not `there` is not asked."""
         self._client, self._there = client, there
         self._newest: tuple[float, int] | None = None
         self._closed = threading.Event()
