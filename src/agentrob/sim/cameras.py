@@ -79,13 +79,14 @@ class GlRenderer:
         self._data = mujoco.MjData(model)
         self._gl = gl_probe.open_context(backend, *LARGEST)
         self._contexts: dict[bool, Any] = {}
-        self._context()
+        for self.smooth in (False, True):  # both now: making one while the world runs would hold it up
+            self._context()
         self._scene = mujoco.MjvScene(model, maxgeom=1000)
         self._option = mujoco.MjvOption()
         self._robots = [int(b) for b in model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE.value]]
 
     def _context(self) -> Any:
-        """The drawing context for `smooth` as it is now, made when first needed."""
+        """The drawing context for `smooth` as it is now."""
         if self.smooth not in self._contexts:
             self._model.vis.quality.offsamples = SMOOTH_SAMPLES if self.smooth else 0
             context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
