@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -19,7 +20,7 @@ from agentrob.sim.g1_sport import G1Sport
 from agentrob.sim.go2 import Go2
 from agentrob.sim.ledger import Ledger
 from agentrob.sim.meshes import read_stl
-from agentrob.sim.sensors import wrap
+from agentrob.sim.sensors import Ranges, wrap
 from agentrob.sim.world import PERIOD_S, World
 
 pytestmark = pytest.mark.sim
@@ -359,6 +360,16 @@ def test_two_robots_side_by_side_stand_and_walk(both: World) -> None:
     assert [np.hypot(*(r.xy_m - s)) > 0.4 for r, s in zip(both.robots, starts, strict=True)] == [True, True]
     assert min(r.upright for r in both.robots) > 0.97
     assert not any(r.touching() for r in both.robots)
+
+
+def test_the_go2_feels_the_g1_by_its_ranges(both: World) -> None:
+    both.reset()
+    go2, g1 = both.robots
+    ranges = Ranges(go2, np.random.default_rng(0), noisy=False)
+    assert ranges.read()[0] > 3.0
+    both.data.qpos[g1.root_q : g1.root_q + 2] = go2.xy_m + [1.2, 0.0]
+    mujoco.mj_forward(both.model, both.data)
+    assert 0.5 < ranges.read()[0] < 1.0
 
 
 def test_a_binary_stl_is_read_triangle_by_triangle(tmp_path: Any) -> None:
