@@ -367,7 +367,7 @@ def test_the_go2_feels_the_g1_by_its_ranges(both: World) -> None:
     go2, g1 = both.robots
     ranges = Ranges(go2, np.random.default_rng(0), noisy=False)
     assert ranges.read()[0] > 3.0
-    both.data.qpos[g1.root_q : g1.root_q + 2] = go2.xy_m + [1.2, 0.0]
+    both.data.qpos[g1.root_q : g1.root_q + 2] = go2.xy_m + np.array([1.2, 0.0])
     mujoco.mj_forward(both.model, both.data)
     assert 0.5 < ranges.read()[0] < 1.0
 

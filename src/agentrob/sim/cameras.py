@@ -101,6 +101,7 @@ class GlRenderer:
         mujoco.mjv_updateScene(self._model, self._data, self._option, None, view.camera, everything, self._scene)
         self._add_shades()
         area, context = mujoco.MjrRect(0, 0, view.width, view.height), self._context()
+        mujoco.mjr_restoreBuffer(context)  # the other one's may be bound
         mujoco.mjr_render(area, self._scene, context)
         picture = np.empty((view.height, view.width, 3), np.uint8)
         mujoco.mjr_readPixels(picture, None, area, context)
