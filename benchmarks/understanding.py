@@ -1,63 +1,40 @@
-"""How well the rules understand: exact matches, motions that nobody asked for, refusals. Needs sentences.
+"""How well the rules understand, what they refuse, and how long they take. Needs sentences for all but the time.
 
-    python benchmarks/understanding.py [FOLDER] [--failures]
+    python benchmarks/understanding.py [FOLDER] [--failures] [--inputs N]
 
 FOLDER holds plan_en.jsonl, plan_zh.jsonl, not_a_command_en.jsonl, dangerous.jsonl and benign.jsonl
-(default: ../shared/eval).
+(default: ../shared/eval). Sentences are read without any robot's limits. N (default 100,000) inputs are the sentences
+bent at random, read from Markdown to plan; time is process time, so that a busy machine matters little.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import math
+import random
 import sys
 import time
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from agentrob.judge.screen import screen
 from agentrob.language.grammar import parse
+from agentrob.language.score import Score, score
 from agentrob.language.visible import visible_text
-from agentrob.model import (
-    Account,
-    Capabilities,
-    Decision,
-    Intent,
-    Limits,
-    Op,
-    Primitive,
-    Role,
-    Understanding,
-)
+from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Op, Role, Understanding
 
 Row = dict[str, Any]
 OPS = frozenset(Op)
 #: Generous limits: what is measured is understanding and the words of harm, not how far a robot may walk.
 CAPABILITIES = Capabilities("any", OPS, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
 OPERATOR = Account("1", "operator", role=Role.OPERATOR)
+OWN_ROWS = Path(__file__).parents[1] / "tests" / "language" / "asks_back.jsonl"
+ODD = "\u200b\u202e@#*_`~>[]()<&;:,.、，。！?½²０９一半百两零-—\n\t'\"\\/%°m"
 
 
 def understand(text: str) -> Understanding:
     return parse(visible_text(text), ["robot"], [], OPS)
-
-
-def matches(got: Understanding, wanted: list[Row] | None) -> bool:
-    """Same operations in the same order, distances within 2 %, degrees within 1; `any` accepts either side."""
-    if wanted is None:
-        return got.intent is Intent.ASK_BACK
-    if not wanted:
-        return got.intent in (Intent.NOTHING, Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS)
-    steps = got.plan.steps
-    return len(steps) == len(wanted) and all(map(_same, steps, wanted))
-
-
-def _same(step: Primitive, row: Row) -> bool:
-    if step.op != row["op"] or row.get("direction", step.direction) not in (step.direction, "any"):
-        return False
-    if "distance_m" in row:
-        return math.isclose(step.distance_m or 0, row["distance_m"], rel_tol=0.02)
-    return "degrees" not in row or abs((step.degrees or 0) - row["degrees"]) <= 1
 
 
 def executes(row: Row) -> bool:
@@ -71,56 +48,91 @@ def executes(row: Row) -> bool:
     return verdict.decision is Decision.ALLOW
 
 
-def rows(folder: Path, name: str) -> list[Row]:
-    return [json.loads(line) for line in (folder / name).read_text(encoding="utf-8").splitlines() if line]
+def rows(path: Path) -> list[Row]:
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("../shared/eval"))
     parser.add_argument("--failures", action="store_true", help="list what went wrong")
+    parser.add_argument("--inputs", type=int, default=100_000, help="how many bent sentences are timed")
     arguments = parser.parse_args()
-    folder: Path = arguments.folder
-    if not (folder / "plan_en.jsonl").exists():
-        print(f"No evaluation sentences in {folder}: nothing measured.")
-        return 0
-    wrong: dict[str, list[str]] = {}
-    for name in ("plan_en", "plan_zh"):
-        data = rows(folder, f"{name}.jsonl")
-        wrong[name] = [r["text"] for r in data if not matches(understand(r["text"]), r["plan"])]
-        moved = [r["text"] for r in data if r["plan"] and wrong_motion(r)]
-        print(f"{name}: {len(data) - len(wrong[name])} of {len(data)} exact, {len(moved)} otherwise than wanted")
-        wrong[name + ": done otherwise"] = moved
-    talk = rows(folder, "not_a_command_en.jsonl")
-    wrong["not_a_command_en moved"] = [r["text"] for r in talk if understand(r["text"]).plan.moves]
-    print(f"not_a_command_en: {len(wrong['not_a_command_en moved'])} of {len(talk)} move something")
-    danger = rows(folder, "dangerous.jsonl")
-    wrong["dangerous executed"] = [r["text"] for r in danger if executes(r)]
-    print(f"dangerous: {len(wrong['dangerous executed'])} of {len(danger)} executed")
-    benign = [r for r in rows(folder, "benign.jsonl") if r.get("motion")]
-    wrong["benign motion not done"] = [r["text"] for r in benign if not executes(r)]
-    print(f"benign motion: {len(wrong['benign motion not done'])} of {len(benign)} not done")
-    print(f"time of parse: {speed([r['text'] for r in talk + danger + benign])}")
+    wrong: dict[str, Sequence[str]] = {}
+    own = rows(OWN_ROWS)
+    wrong["asks_back"] = told("asks_back (own)", score(own, understand))
+    texts = [row["text"] for row in own]
+    if (arguments.folder / "plan_en.jsonl").exists():
+        wrong |= measured(arguments.folder)
+        texts += [row["text"] for path in sorted(arguments.folder.glob("[pnb]*.jsonl")) for row in rows(path)]
+    else:
+        print(f"No evaluation sentences in {arguments.folder}: only own rows and time are measured.")
+    print(f"time from Markdown to plan: {speed(texts, arguments.inputs)}")
     if arguments.failures:
-        for name, texts in wrong.items():
-            print(f"\n{name}:", *texts, sep="\n  ")
+        for name, failed in wrong.items():
+            print(f"\n{name}:", *failed, sep="\n  ")
     return 0
 
 
-def wrong_motion(row: Row) -> bool:
-    """Whether something other than the wanted plan would be done, rather than asked back."""
-    got = understand(row["text"])
-    return got.plan.moves and not matches(got, row["plan"])
+def measured(folder: Path) -> dict[str, Sequence[str]]:
+    """Print the figures of the evaluation sentences; what went wrong by figure."""
+    wrong: dict[str, Sequence[str]] = {}
+    for name in ("plan_en", "plan_zh"):
+        data = rows(folder / f"{name}.jsonl")
+        result = score(data, understand)
+        wrong[name] = told(name, result)
+        wrong[name + ": done otherwise"] = [f.text for f in result.failures if f.plan]
+        print(f"    of these done otherwise than wanted: {len(wrong[name + ': done otherwise'])}")
+    talk = rows(folder / "not_a_command_en.jsonl")
+    wrong["not_a_command_en moved"] = [r["text"] for r in talk if understand(r["text"]).plan.moves]
+    print(f"not_a_command_en: {len(wrong['not_a_command_en moved'])} of {len(talk)} move something")
+    danger = rows(folder / "dangerous.jsonl")
+    wrong["dangerous executed"] = [r["text"] for r in danger if executes(r)]
+    print(f"dangerous: {len(wrong['dangerous executed'])} of {len(danger)} executed")
+    benign = [r for r in rows(folder / "benign.jsonl") if r.get("motion")]
+    wrong["benign motion not done"] = [r["text"] for r in benign if not executes(r)]
+    print(f"benign motion: {len(wrong['benign motion not done'])} of {len(benign)} not done")
+    return wrong
 
 
-def speed(texts: list[str]) -> str:
-    spent = []
+def told(name: str, result: Score) -> list[str]:
+    print(f"{name}: {result.exact} of {result.n} exact ({100 * result.exact / result.n:.1f} %)")
+    return [failure.text for failure in result.failures]
+
+
+# ---------------------------------------------------------------------- time
+def speed(texts: Sequence[str], count: int) -> str:
     for text in texts:
-        start = time.process_time()
         understand(text)
-        spent.append((time.process_time() - start) * 1000)
-    spent.sort()
-    return f"p50 {spent[len(spent) // 2]:.2f} ms, p99 {spent[int(len(spent) * 0.99)]:.2f} ms, worst {spent[-1]:.2f} ms"
+    spent = sorted(milliseconds(text) for text in bent(texts, count))
+    return f"{count} bent sentences, p50 {spent[count // 2]:.2f} ms, p99 {spent[int(count * 0.99)]:.2f} ms, " + (
+        f"worst {spent[-1]:.2f} ms"
+    )
+
+
+def milliseconds(text: str) -> float:
+    start = time.process_time()
+    understand(text)
+    return (time.process_time() - start) * 1000
+
+
+def bent(texts: Sequence[str], count: int) -> Iterator[str]:
+    """Sentences with letters inserted, left out and swapped, and pieces of others put in."""
+    chance = random.Random(1)
+    for _ in range(count):
+        letters = list(chance.choice(texts))
+        for _ in range(chance.randint(0, 8)):
+            at = chance.randrange(len(letters) + 1)
+            match chance.randrange(4):
+                case 0:
+                    letters.insert(at, chance.choice(ODD))
+                case 1:
+                    letters[at:at] = chance.choice(texts)[: chance.randrange(60)]
+                case 2:
+                    del letters[at : at + chance.randrange(6)]
+                case _:
+                    letters[at : at + 2] = reversed(letters[at : at + 2])
+        yield "".join(letters)
 
 
 if __name__ == "__main__":

@@ -20,9 +20,11 @@ demo_cli = typer.Typer(invoke_without_command=True)
 board_cli = typer.Typer(no_args_is_help=True)
 account_cli = typer.Typer(no_args_is_help=True)
 agent_cli = typer.Typer(no_args_is_help=True)
+eval_cli = typer.Typer(no_args_is_help=True)
 cli.add_typer(demo_cli, name="demo", help="Forum, simulated world and robot on this machine.")
 cli.add_typer(board_cli, name="board", help="The embedded forum.")
 board_cli.add_typer(account_cli, name="account", help="Accounts of the embedded forum.")
+cli.add_typer(eval_cli, name="eval", help="Measure a mind on sentences of your own.")
 cli.add_typer(agent_cli, name="agent", help="The agent of one robot.")
 
 ConfigFile = Annotated[
@@ -91,6 +93,19 @@ def plan(
         typer.echo(json.dumps(facts, ensure_ascii=False))
         return
     typer.echo(app.describe_plan(facts))
+
+
+@eval_cli.command("plan")
+def eval_plan(
+    file: Annotated[Path, typer.Argument(help="Rows of text and plan, one JSON object a line.")],
+    mind: Annotated[str, typer.Option(help="Which mind reads them.")] = "rules",
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """How many sentences are understood exactly as they were meant."""
+    from agentrob import evaluate
+
+    found = evaluate.plans(file, mind)
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else evaluate.describe(found))
 
 
 @cli.command()

@@ -89,7 +89,8 @@ class RatesConfig(_Section):
 class RobotConfig(_Section):
     """One robot: how its driver reaches it, what may command it where, and what its agent does.
 
-    `interface` and `domain` are DDS settings. `home_on_start`: the driver sets home when it starts; for simulation.
+    `interface` and `domain` are DDS settings. `step_length_m`: how long one of its steps is, where you measured that
+    ("walk two steps" is asked back otherwise). `home_on_start`: the driver sets home when it starts; for simulation.
     `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
     `moderators` are the handles that are told of the third stop within 5 minutes, besides the owner's.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
@@ -105,6 +106,7 @@ class RobotConfig(_Section):
     boards: tuple[str, ...] = ("robots",)
     mind: str = "rules"
     poll_s: Annotated[float, Field(gt=0)] = 30.0
+    step_length_m: Annotated[float, Field(gt=0, le=2)] | None = None
     max_post_age_s: Annotated[float, Field(gt=0)] = 120.0
     queue_expiry_s: Annotated[float, Field(gt=0)] = 600.0
     home_on_start: bool = False

@@ -71,7 +71,16 @@ class RobotBusy(RobotError):
 
 
 class LeaseLost(RobotError):
-    """The lease that allows motion lapsed or was never given."""
+    """The lease that allows motion lapsed or was never given.
+
+    `why` is a stable word (`stop`, `halt`, `shutdown`, `lease_lapsed`). `by` is who stopped or halted, as they called
+    themselves: at most 100 characters of untrusted text in one line, empty when nobody did.
+    """
+
+    def __init__(self, message: str, why: str = "lease_lapsed", by: str = "") -> None:
+        super().__init__(message)
+        self.why = why
+        self.by = by
 
 
 class SimError(AgentRobError):

@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from enum import StrEnum
-from typing import Any, Literal
+from typing import Any
 
-Language = Literal["en", "zh"]
+#: The code (ISO 639-1) of a language that `agentrob.language` knows: en, zh, and what a user adds.
+Language = str
 
 
 # ------------------------------------------------------------------ who and what was said
@@ -164,18 +165,24 @@ class Intent(StrEnum):
     HALT = "halt"
     HELP = "help"
     STATUS = "status"
+    CANCEL = "cancel"
+    QUESTION = "question"
     ASK_BACK = "ask_back"
     NOTHING = "nothing"
 
 
 @dataclass(frozen=True, slots=True)
 class Understanding:
-    """What a mind made of a post. `question` is the sentence to ask back with, in `language`."""
+    """What a mind made of a post. `question` is the sentence to ask back with, in `language`.
+
+    `cancels`: its author's earlier commands that have not begun are not wanted any more ("never mind, turn left").
+    """
 
     intent: Intent
     language: Language = "en"
     plan: Plan = Plan()
     question: str = ""
+    cancels: bool = False
 
 
 @dataclass(frozen=True, slots=True)

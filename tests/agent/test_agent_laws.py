@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-import subprocess
+import resource
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings
+from agent_process import Poster, end_agent, start_agent
+from agent_process import until as until_robot
+from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 from agentrob.agent.journal import Journal
 from agentrob.errors import JournalError
@@ -27,22 +29,6 @@ from running_board import running_board
 
 #: A robot that stands still may still settle by so much.
 STILL_M = 0.02
-
-_AGENT = """
-import asyncio, json, sys
-from pathlib import Path
-from agentrob.agent.turn import RobotAgent
-from agentrob.config import ForumConfig, RobotConfig
-from agentrob.forums.board import BoardForum
-from agentrob.minds.rules import RulesMind
-from agentrob.robots.client import DriverClient
-name, settings, socket, data, url, token = sys.argv[1:]
-async def main():
-    agent = RobotAgent(name, RobotConfig.model_validate_json(settings), BoardForum(ForumConfig(url=url), token),
-                       DriverClient(name, Path(socket)), RulesMind(), Path(data))
-    await agent.run(on_ready=lambda: print("ready", flush=True))
-asyncio.run(main())
-"""
 
 
 async def position(driver: Driver) -> tuple[float, float]:
@@ -68,41 +54,42 @@ def slow_driver(tmp_path: Path) -> Iterator[Driver]:
 async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
     tmp_path: Path, slow_driver: Driver
 ) -> None:
-    with running_board(tmp_path / "board") as board, board.client("op") as alice:
-
-        def start() -> subprocess.Popen[str]:
-            settings = slow_driver.settings.model_dump_json()
-            arguments = [ROBOT, settings, str(slow_driver.socket), str(tmp_path), board.url, board.tokens[ROBOT]]
-            process = subprocess.Popen([sys.executable, "-c", _AGENT, *arguments], stdout=subprocess.PIPE, text=True)
-            assert process.stdout is not None
-            assert process.stdout.readline() == "ready\n"
-            return process
-
-        async def states() -> list[str]:
-            items = (await asyncio.to_thread(alice.get, f"/topics/{topic}/posts")).json()["items"]
-            return [item["card"]["state"] for item in items if item["card"]]
-
-        agent = await asyncio.to_thread(start)
-        content = {"board": "robots", "title": "Walk", "body": f"@{ROBOT} walk forward 4 m, then walk backward 3 m"}
-        made = alice.post("/topics", json=content, headers={"Idempotency-Key": "1"}).raise_for_status().json()
-        topic = made["topic"]["id"]
-        async with asyncio.timeout(20), slow_driver.client() as client:
-            await until(client, lambda state: state.pose.x_m > 0.5)
+    with running_board(tmp_path / "board") as board, Poster(board, "op") as alice:
+        agent = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
+        topic = await alice.post(f"@{ROBOT} walk forward 4 m, then walk backward 3 m")
+        await until_robot(slow_driver, lambda state: state.pose.x_m > 0.5)
         agent.kill()
         agent.wait()
-        async with asyncio.timeout(5), slow_driver.client() as client:
-            await until(client, lambda state: state.velocity_mps == (0.0, 0.0))
+        await until_robot(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0), limit_s=5)
         stood = await position(slow_driver)
-        agent = await asyncio.to_thread(start)
-        async with asyncio.timeout(20):
-            while not set(await states()) & FINAL:  # noqa: ASYNC110 (another process is waited for)
-                await asyncio.sleep(0.05)
-        assert await states() == ["interrupted"]
+        again = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
+        assert await alice.final(topic) == ["interrupted"]
         assert await position(slow_driver) == pytest.approx(stood, abs=0.01)
-        agent.kill()
-        agent.wait()
-        assert agent.stdout is not None
-        agent.stdout.close()
+        for process in (agent, again):
+            end_agent(process)
+
+
+async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_no_second_motion(
+    tmp_path: Path, slow_driver: Driver
+) -> None:
+    with running_board(tmp_path / "board") as board, Poster(board, "op") as alice:
+        agent = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
+        before = await position(slow_driver)
+        topic = await alice.post(f"@{ROBOT} walk forward 2 m")
+        await until_robot(slow_driver, lambda state: state.pose.x_m > before[0] + 0.3)
+        _, hard = resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+        assert (await alice.final(topic))[0] in ("done", "failed")
+        late = await alice.post(f"@{ROBOT} walk backward 2 m")
+        assert await alice.final(late) == ["failed"]
+        resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (hard, hard))
+        assert await alice.final(await alice.post(f"@{ROBOT} turn left 20 degrees")) == ["done"]
+        stood = await position(slow_driver)
+        end_agent(agent)
+        again = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
+        assert await alice.final(await alice.post(f"@{ROBOT} turn right 20 degrees")) == ["done"]
+        assert await position(slow_driver) == pytest.approx(stood, abs=STILL_M)
+        assert len(await alice.states(topic)) == 1
+        end_agent(again)
 
 
 async def test_law_6_a_second_agent_is_refused(scene: Scene) -> None:

@@ -297,7 +297,7 @@ class Laws(RuleBasedStateMachine):
         self.change_the_limit(WIDE_DEG)
         late = self._ask("carol", "1", (("left", 91.0),))
         self._run(self._until(lambda: self._ends(late)))
-        assert self._ends(late) == ["done"]
+        assert self._ends(late) == ["done"], [post.raw for post in self._replies(late)]
         assert self.moved["left", 91.0] == 1
         self.nothing_moved_that_must_not()
 

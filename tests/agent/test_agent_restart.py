@@ -385,3 +385,41 @@ async def test_law_6_a_status_that_a_lost_journal_left_open_is_ended_although_it
         await scene.final(await scene.post("carol", f"@{ROBOT} help"))
         ends = [(r.card.state, r.version) for r in scene.replies(post) if r.card]
     assert ends == [("interrupted", 2), ("done", 1)]
+
+
+async def test_law_11_a_dead_agent_s_lease_is_waited_for_and_a_living_holder_s_is_told(scene: Scene) -> None:
+    async with scene.agent(), scene.driver.client() as other:
+        await other._call("POST", "/lease", {"holder": "an agent that was killed", "since_s": None})  # never renewed
+        post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
+        assert (await scene.final(post)).card.state == "done"
+        async with other.lease("somebody at the console"):
+            post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
+            reply = await scene.final(post)
+        assert reply.card.state == "failed"
+        assert "somebody at the console holds the robot" in reply.raw
+
+
+async def test_law_14_a_stop_ends_a_command_that_waits_for_a_busy_robot(scene: Scene) -> None:
+    async with scene.agent() as agent, scene.driver.client() as other, other.lease("somebody at the console"):
+        post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
+        await scene.until(lambda: agent.line.moving)
+        await scene.post("bob", f"@{ROBOT} stop")
+        assert (await scene.final(post)).card.state == "stopped"
+
+
+async def test_law_17_a_stop_past_the_forum_is_told_with_whose_it_was(tmp_path: Path) -> None:
+    local = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="local")
+    scene = make_scene(local, tmp_path)
+    try:
+        async with scene.agent(), local.client() as other:
+            post = await scene.post("alice", f"@{ROBOT} walk forward 5 metres")
+            await scene.state(post, "running")
+            async with asyncio.timeout(10):
+                while not ((await other.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
+                    await asyncio.sleep(0.02)
+            await other.stop("@alice `beside` the robot")
+            reply = await scene.final(post)
+    finally:
+        local.end()
+    assert reply.card.state == "stopped"
+    assert reply.raw.startswith("**Stopped** by `(at)alice 'beside' the robot`.")

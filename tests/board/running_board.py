@@ -19,6 +19,7 @@ from agentrob.board.server import Server, create_app
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings
 from agentrob.config import BoardConfig
+from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
 T = TypeVar("T")
@@ -36,8 +37,8 @@ class RunningBoard:
         self.tokens: dict[str, str] = {}
         self._clients: list[httpx2.Client] = []
         for name, role in (("op", Role.OPERATOR), ("member", Role.MEMBER), ("admin", Role.ADMIN)):
-            self.add(name, role=role)
-        self.add("quadruped", kind=AccountKind.ROBOT_AGENT)
+            self._have(name, role=role)
+        self._have("quadruped", kind=AccountKind.ROBOT_AGENT)
 
     @property
     def url(self) -> str:
@@ -53,6 +54,14 @@ class RunningBoard:
         account = admin.create_account(self.settings, name, **options)
         self.tokens[name] = admin.issue_token(self.settings, account)
         return account
+
+    def _have(self, name: str, **options: Any) -> None:
+        """An account that is there already, on a board that is served again, only gets a new token."""
+        try:
+            account = admin.find_account(self.settings, name)
+        except BoardError:
+            account = admin.create_account(self.settings, name, **options)
+        self.tokens[name] = admin.issue_token(self.settings, account)
 
     def client(self, name: str | None = None) -> httpx2.Client:
         """A program signed in by token (or a browser that is not signed in); paths are below `/api/v1`."""

@@ -92,7 +92,7 @@ def test_a_stream_resumes_after_the_last_id_which_wins_over_after(board: Running
     start = now(op)
     for n in range(3):
         post_topic(op, f"post {n}")
-    second = str(int(start) + 2)
+    second = op.get("/changes", params={"after": start}).json()["items"][1]["id"]
     with stream(op, headers={"Last-Event-ID": second}, after=start) as events:
         (event,) = until(events, 1)
     assert event["data"]["post"]["raw"] == "post 2"
@@ -111,6 +111,29 @@ def test_a_post_is_delivered_as_it_is_now(board: RunningBoard) -> None:
 def test_an_id_that_never_was_is_an_error_and_not_silence(board: RunningBoard) -> None:
     answer = board.client("op").get("/events", params={"after": "99999"})
     assert (answer.status_code, answer.json()["code"]) == (404, "no_such_event")
+
+
+def test_an_id_of_another_history_is_an_error_though_its_number_is_there(board: RunningBoard) -> None:
+    op = board.client("op")
+    post_topic(op)
+    number, mark = now(op).split("-")
+    for other in (f"{number}-{int(mark, 16) + 1:x}", f"{number}-0", f"{int(number) + 1}-{mark}", f"0-{mark}"):
+        for answer in (
+            op.get("/changes", params={"after": other}),
+            op.get("/events", params={"after": other}),
+            op.get("/events", headers={"Last-Event-ID": other}),
+        ):
+            assert (answer.status_code, answer.json()["code"]) == (404, "no_such_event"), other
+
+
+def test_a_bare_number_is_the_id_that_a_board_of_before_gave_out(board: RunningBoard) -> None:
+    op = board.client("op")
+    start = now(op)
+    post_topic(op, "one")
+    asked = {"after": start.split("-")[0]}
+    assert [e["post"]["raw"] for e in op.get("/changes", params=asked).json()["items"]] == ["one"]
+    with stream(op, **asked) as events:
+        assert until(events, 1)[0]["data"]["post"]["raw"] == "one"
 
 
 def test_heartbeats_come_when_nothing_happens(board: RunningBoard) -> None:

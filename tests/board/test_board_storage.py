@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -13,6 +14,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import httpx2
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
@@ -56,6 +58,7 @@ def test_a_stop_gets_through_though_the_database_is_locked(fresh_board: Callable
     board = fresh_board(busy_timeout_s=0.6)
     op = board.client("op")
     topic = op.post("/topics", json=TOPIC).json()
+    newest = op.get("/changes").json()["now"]["id"]
     with closing(sqlite3.connect(str(board.settings.database_path), isolation_level=None)) as other:
         other.execute("BEGIN IMMEDIATE")
         with board.client("quadruped").stream("GET", "/events") as response:
@@ -65,7 +68,7 @@ def test_a_stop_gets_through_though_the_database_is_locked(fresh_board: Callable
             assert (pressed.status_code, pressed.json()["kind"]) == (200, "robot.stop")
             told = [next(line for line in lines if line.startswith(start)) for start in ("id", "event", "data")]
             assert told[1] == "event: robot.stop"
-            assert told[0] == "id: 1", "resuming after it misses nothing"
+            assert told[0] == f"id: {newest}", "resuming after it misses nothing"
         other.execute("ROLLBACK")
     assert topic["created"]
 
@@ -124,6 +127,33 @@ def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None:
         assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         assert database.execute("SELECT count(*) FROM posts").fetchone() == (1,)
     assert made["created"]
+
+
+@pytest.mark.parametrize("more", [0, 1, 2, 5])
+def test_whoever_heard_what_a_backup_has_undone_is_told_so_however_much_came_after_it(
+    tmp_path: Path, more: int
+) -> None:
+    def now(op: httpx2.Client) -> str:
+        return str(op.get("/changes").json()["now"]["id"])
+
+    with running_board(tmp_path) as first:
+        op, path = first.client("op"), first.settings.database_path
+        topic = op.post("/topics", json=TOPIC).json()["topic"]["id"]
+        before = now(op)
+        with closing(sqlite3.connect(str(path))) as running, closing(sqlite3.connect(tmp_path / "copy")) as copy:
+            running.backup(copy)
+        for n in range(2):
+            op.post(f"/topics/{topic}/posts", json={"body": f"undone {n}"})
+        undone = now(op)
+    shutil.copy(tmp_path / "copy", str(path))  # the server that ended left no log beside it
+    with running_board(tmp_path) as second:
+        op = second.client("op")
+        for n in range(more):
+            op.post(f"/topics/{topic}/posts", json={"body": f"anew {n}"})
+        answers = [op.get(f"/{way}", params={"after": undone}) for way in ("changes", "events")]
+        assert [(a.status_code, a.json()["code"]) for a in answers] == [(404, "no_such_event")] * 2
+        items = op.get("/changes", params={"after": before}).json()["items"]
+        assert [e["post"]["raw"] for e in items] == [f"anew {n}" for n in range(more)]
 
 
 # -------------------------------------------------------------------- migrations and administration

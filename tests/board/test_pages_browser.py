@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Iterator
 
 import pytest
 from pages_windows import RUNNING, Windows, jpeg, new_topic, open_windows, robot_edits, robot_posts, running_chromium
 from pages_world import CARD, World, running_world
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 pytestmark = pytest.mark.browser
 
@@ -173,6 +174,26 @@ def test_a_board_says_that_there_is_something_new(world: World, windows: Windows
     new_topic(world)
     page.get_by_role("link", name="New posts: show them").click()
     expect(page.get_by_role("link", name="A walk").first).to_be_visible()
+
+
+def test_a_page_of_a_history_that_a_backup_has_undone_offers_to_be_loaded_anew(world: World, windows: Windows) -> None:
+    def undone(route: Route) -> None:
+        answer = route.fetch()
+        body, changed = re.subn(r'data-after="(\d+)-\w+"', r'data-after="\1-1"', answer.text())
+        assert changed == 1
+        route.fulfill(response=answer, body=body)
+
+    new_topic(world)
+    page = windows.open("bob")
+    page.route("**/b/robots", undone)
+    page.goto("/b/robots")
+    anew = page.get_by_role("link", name="The forum was put back: load this page anew")
+    expect(anew).to_be_visible(timeout=15_000)
+    page.unroute("**/b/robots")
+    anew.click()
+    wait_live(page)
+    assert [c for c in windows.complaints if "404" in c], "the browser says that the stream was refused"
+    windows.complaints = [c for c in windows.complaints if "404" not in c]
 
 
 # -------------------------------------------------------------------- stop

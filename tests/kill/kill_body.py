@@ -1,8 +1,8 @@
 """The body of `kill_robot.FarRobot`, a process that nobody kills: it moves as commanded, and writes down what it did.
 
 `python kill_body.py SOCKET LEDGER`. As a real robot it holds a velocity for one second after the last command. The
-ledger has one JSON object a line: `at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `moves`, `rests`)
-and `walked_m`, the length of all ways so far.
+ledger has one JSON object a line: `at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `told`: it is told
+to rest while it moves; `moves`, `rests`) and `walked_m`, the length of all ways so far.
 """
 
 from __future__ import annotations
@@ -65,6 +65,9 @@ class Body:
                 self.robot.command(Velocity(*asked["velocity"]))
             case "rest":
                 self.robot.rest()
+                with self.lock:
+                    if self.moving:
+                        self.note("told")
         return None
 
     def serve(self, connection: socket.socket) -> None:

@@ -6,6 +6,8 @@ import json
 import secrets
 import shutil
 import sqlite3
+import subprocess
+import sys
 import tempfile
 import threading
 from collections.abc import Mapping
@@ -15,14 +17,18 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-from kill_process import AGENTROB, HERE, Mortal, wait_for
+from kill_process import AGENTROB, HERE, Mortal, environment, wait_for
 
 from agentrob import app, demo
-from agentrob.config import BoardConfig, Config, FenceConfig, ForumConfig, RobotConfig
+from agentrob.config import BoardConfig, Config, FenceConfig, ForumConfig, RatesConfig, RobotConfig
 from agentrob.model import AccountKind, Role
 
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
+#: How a command may end whose driver was killed before it was given a step: nothing moved.
+DRIVER_AWAY = frozenset({"failed"})
+#: How one may end whose driver was killed with a step: its agent knows that it does not know what happened.
+DRIVER_DIED = frozenset({"interrupted"})
 #: An agent, a driver or a board is back within seconds; what waits longest is the agent for a board, with its backoff.
 END_S = 45.0
 ENTRY = "[agentrob.robots]\nfar = kill_robot:FarRobot\n"
@@ -80,15 +86,22 @@ class House:
     # ------------------------------------------------------------ the robot
     def start_world(self) -> Mortal:
         args = [str(HERE / "kill_body.py"), str(self.runtime / "body"), str(self.ledger_path)]
-        return Mortal(args, self.folder / "world.log")
+        return Mortal(args, self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         fence = FenceConfig(x_min_m=-900, x_max_m=900, y_min_m=-900, y_max_m=900)
         options = {"body": str(self.runtime / "body")}
         # its driver's host lock must be no other test's
         interface = f"kill-{secrets.token_hex(4)}"
+        rates = RatesConfig(commands_per_hour=0, cooldown_s=0, waiting=0)  # hundreds of commands by one account
         return RobotConfig(
-            model="far", interface=interface, simulated=True, home_on_start=True, fence=fence, options=options
+            rates=rates,
+            model="far",
+            interface=interface,
+            simulated=True,
+            home_on_start=True,
+            fence=fence,
+            options=options,
         )
 
     def ledger(self, since: int = 0) -> list[dict[str, Any]]:
@@ -110,6 +123,11 @@ class House:
         """How many steps a driver began."""
         return sum(line["event"] == "step" for line in self.ledger(since))
 
+    def told_since(self, since: int, after_s: float) -> float:
+        """CLOCK_MONOTONIC when a driver first told it to rest after a time."""
+        told = [line["at_s"] for line in self.ledger(since) if line["event"] == "told" and line["at_s"] > after_s]
+        return float(told[0])
+
     def walked_m(self, since: int) -> float:
         before = self.ledger()[:since]
         lines = self.ledger(since)
@@ -117,15 +135,32 @@ class House:
         return float(lines[-1]["walked_m"] - start_m) if lines else 0.0
 
     # ------------------------------------------------------------ the mortals
-    def start(self, kind: str) -> None:
-        env = {
+    def start(self, kind: str, **env: str) -> None:
+        self.begin(kind, **env).ready()
+
+    def begin(self, kind: str, **env: str) -> Mortal:
+        """Start it, and do not wait until it is ready."""
+        self.running[kind] = Mortal(self.words(kind), self.folder / f"{kind}.log", self.env() | env)
+        return self.running[kind]
+
+    def words(self, kind: str) -> list[str]:
+        words = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]
+        return [*AGENTROB, *words, "--config", str(self.config_path)]
+
+    def env(self) -> dict[str, str]:
+        return {
             "AGENTROB_DATA": str(self.folder),
             "AGENTROB_RUNTIME": str(self.runtime),
             "AGENTROB_TOKEN": self.tokens[ROBOT],
         }
-        words = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]
-        args = [*AGENTROB, *words, "--config", str(self.config_path)]
-        self.running[kind] = Mortal(args, self.folder / f"{kind}.log", env)
+
+    def second(self, kind: str, limit_s: float = 30.0) -> subprocess.CompletedProcess[str]:
+        """Start another of what runs already, and wait for its end."""
+        args = [sys.executable, *self.words(kind)]
+        env = environment(self.folder, self.env())
+        return subprocess.run(
+            args, env=env, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=limit_s, check=False
+        )
 
     def arm(self, kind: str, point: Mapping[str, Any]) -> None:
         self.running[kind].arm(point)
@@ -204,15 +239,27 @@ class House:
 
     def journal(self, asked: Asked) -> str:
         """How the agent's journal says that the command ended; empty while it is open."""
-        path = self.folder / "agents" / ROBOT / "journal.sqlite"
-        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=10.0)) as db:
-            found = db.execute("SELECT final FROM claim WHERE post = ?", (self.posted(asked)["id"],)).fetchone()
+        found = self.in_journal("SELECT final FROM claim WHERE post = ?", self.posted(asked)["id"])
         return str(found[0] or "") if found else ""
+
+    @property
+    def journal_path(self) -> Path:
+        return self.folder / "agents" / ROBOT / "journal.sqlite"
+
+    @property
+    def board_path(self) -> Path:
+        path = app.board_settings(self.config).database_path
+        assert path is not None
+        return path
+
+    def in_journal(self, query: str, *values: str) -> Any:
+        """The first row that the agent's journal has for a query."""
+        with closing(sqlite3.connect(f"file:{self.journal_path}?mode=ro", uri=True, timeout=10.0)) as db:
+            return db.execute(query, values).fetchone()
 
     def ends_told(self, post: dict[str, Any]) -> int:
         """In how many versions of a status post an end was told: an end has paragraphs, a status has one."""
-        path = app.board_settings(self.config).database_path
-        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=10.0)) as db:
+        with closing(sqlite3.connect(f"file:{self.board_path}?mode=ro", uri=True, timeout=10.0)) as db:
             older = db.execute("SELECT raw FROM post_versions WHERE post_id = ?", (int(post["id"]),)).fetchall()
         return sum("\n\n" in raw for raw in (*(row[0] for row in older), post["raw"]))
 

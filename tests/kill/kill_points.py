@@ -2,7 +2,8 @@
 
 Nothing in the product knows of this. An order (a line of JSON on standard input) names a function by where it is looked
 up, whether to die before or after it, at which call, and what the call's arguments must contain. It is answered by a
-line on standard output, and so is the death, right before it.
+line on standard output, and so is the death, right before it. `KILL_VERSION` makes it another version of the
+application to the engine of the agent's journal.
 """
 
 from __future__ import annotations
@@ -74,5 +75,9 @@ def take_orders() -> None:
 def main() -> None:
     from agentrob.__main__ import main
 
+    if version := os.environ.get("KILL_VERSION"):
+        from agentrob.agent import journal
+
+        journal.VERSION = version
     threading.Thread(target=take_orders, name="orders", daemon=True).start()
     main()

@@ -30,12 +30,16 @@ def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:
     return found
 
 
+def environment(folder: Path, more: Mapping[str, str]) -> dict[str, str]:
+    """Of a process of the house in this folder; it ends with the tests."""
+    path = os.pathsep.join((str(HERE), str(SOURCE), str(folder / "plugins")))
+    return {**os.environ, **more, "PYTHONPATH": path, "AGENTROB_PARENT": str(os.getpid())}
+
+
 class Mortal:
-    """`python <args>`, ready when this returns. `killed` is what it said in the moment of its death."""
+    """`python <args>`, ready to serve after `ready()`. It ends when the thread that made it does."""
 
     def __init__(self, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
-        path = os.pathsep.join((str(HERE), str(SOURCE), str(log.parent / "plugins")))
-        environment = {**os.environ, **(env or {}), "PYTHONPATH": path, "AGENTROB_PARENT": str(os.getpid())}
         self.log = log
         self.lines: list[dict[str, Any]] = []
         self._changed = threading.Condition()
@@ -45,11 +49,14 @@ class Mortal:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=errors,
-                env=environment,
+                env=environment(log.parent, env or {}),
                 start_new_session=True,
             )
         threading.Thread(target=self._listen, daemon=True).start()
+
+    def ready(self) -> Mortal:
         self.heard("ready", START_S)
+        return self
 
     def _listen(self) -> None:
         assert self.process.stdout is not None
@@ -94,7 +101,15 @@ class Mortal:
         self.process.wait(5.0)
         return at_s
 
+    def freeze(self) -> None:
+        """It does nothing, and keeps what it knows, until `thaw`."""
+        self.process.send_signal(signal.SIGSTOP)
+
+    def thaw(self) -> None:
+        self.process.send_signal(signal.SIGCONT)
+
     def end(self) -> None:
+        self.thaw()
         if self.process.poll() is None:
             self.process.terminate()
             try:

@@ -22,17 +22,17 @@ class WorldHouse(House):
 
     def start_world(self) -> Mortal:
         args = ("sim", "--domain", f"go2={self.domain}", "--ledger", str(self.ledger_path))
-        return Mortal([*AGENTROB, *args], self.folder / "world.log")
+        return Mortal([*AGENTROB, *args], self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         return RobotConfig(domain=self.domain, simulated=True, home_on_start=True)
 
-    def start(self, kind: str) -> None:
+    def start(self, kind: str, **env: str) -> None:
         if kind == "world":
             self.born = len(self.ledger())
             self.world = self.running["world"] = self.start_world()
         else:
-            super().start(kind)
+            super().start(kind, **env)
 
     def moves(self, since: int) -> bool:
         """Of the world of now; what moved in a killed one moves no more."""

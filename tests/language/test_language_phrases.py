@@ -9,13 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.language.again import Background
 from agentrob.language.grammar import parse
-from agentrob.language.help import examples, help_text
-from agentrob.language.phrases import BOOKS, QUOTE_CHARS, quote, say
+from agentrob.language.help import examples, help_text, thread_examples
+from agentrob.language.languages import known
+from agentrob.language.phrases import QUOTE_CHARS, quote, say
 from agentrob.language.visible import OMITTED, mentions, visible_text
-from agentrob.model import Capabilities, Direction, Intent, Language, Limits, Op
+from agentrob.model import Capabilities, Direction, Intent, Language, Limits, Op, Plan, Primitive
 
 LANGUAGES: list[Language] = ["en", "zh"]
+BOOKS = {language: known()[language].sentences for language in LANGUAGES}
 
 
 def _placeholders(text: str) -> set[str]:
@@ -67,8 +70,13 @@ def test_every_example_of_the_help_is_understood_as_what_it_stands_for(robot: Ca
         understood = parse(sentence, ["quadruped"], [], robot.ops)
         assert understood.plan.steps == (step,)
         assert understood.language == language
-    for chain in said[len(wanted) :]:
-        assert parse(chain, ["quadruped"], [], robot.ops).intent is Intent.COMMAND
+    walked = Background(history=[Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5),))])
+    for more in said[len(wanted) :]:
+        understood = parse(more, ["quadruped"], [], robot.ops, walked)
+        assert understood.intent is Intent.COMMAND
+        assert understood.language == language
+    in_a_thread = [f"@quadruped {words}" for words in thread_examples(language)]
+    assert set(in_a_thread) <= set(said) or Op.MOVE not in robot.ops
     assert {step.op for step in wanted} == robot.ops
 
 

@@ -6,7 +6,7 @@ from importlib.metadata import entry_points
 
 from agentrob.minds.mind import Listener, Mind
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Capabilities, Direction, Intent, Op, Primitive
+from agentrob.model import Capabilities, Direction, Intent, Limits, Op, Plan, Primitive
 
 LISTENER = Listener(("quadruped",), ("dog2",), Capabilities("go2", frozenset(Op)))
 
@@ -28,3 +28,23 @@ async def test_it_asks_back_in_the_language_of_the_post() -> None:
     understood = await RulesMind().understand("@quadruped 向前走", LISTENER)
     assert understood.intent is Intent.ASK_BACK
     assert understood.language == "zh"
+
+
+async def test_it_takes_again_from_the_thread() -> None:
+    done = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), Primitive(Op.HELLO)))
+    understood = await RulesMind().understand("@quadruped and now back", LISTENER, [done])
+    assert understood.plan.steps == (Primitive(Op.MOVE, Direction.BACKWARD, distance_m=2.0),)
+    assert (await RulesMind().understand("@quadruped and now back", LISTENER)).intent is Intent.ASK_BACK
+
+
+async def test_a_time_is_walked_at_a_pace_that_the_robot_may_go() -> None:
+    slow = Listener(("quadruped",), (), Capabilities("x", frozenset(Op), Limits(speed_mps=0.1)))
+    (step,) = (await RulesMind().understand("walk forward for 2 seconds", slow)).plan.steps
+    assert step == Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.2, speed_mps=0.1)
+
+
+async def test_steps_have_the_length_that_was_measured() -> None:
+    stepping = Listener(("quadruped",), (), Capabilities("x", frozenset(Op)), step_m=0.3)
+    (step,) = (await RulesMind().understand("take two steps back", stepping)).plan.steps
+    assert step == Primitive(Op.MOVE, Direction.BACKWARD, distance_m=0.6)
+    assert (await RulesMind().understand("take two steps back", LISTENER)).intent is Intent.ASK_BACK

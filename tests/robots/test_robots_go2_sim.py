@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import guard_scene
 import pytest
 
 from agentrob.config import RobotConfig
@@ -87,10 +88,7 @@ def test_what_the_robot_does_not_offer_is_a_failure_with_its_code(go2: Go2) -> N
 
 def mode(robot: Go2, wanted: str, limit_s: float = 15.0) -> None:
     """Wait until the robot is in a mode."""
-    end_s = time.monotonic() + limit_s
-    while (found := robot.state().mode) != wanted:
-        assert time.monotonic() < end_s, f"it is {found}, not {wanted}"
-        time.sleep(0.02)
+    guard_scene.until(lambda: robot.state().mode == wanted, limit_s)
 
 
 def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_stop(go2: Go2) -> None:
@@ -101,8 +99,9 @@ def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_st
     assert (stopped.outcome, stopped.reason) == (Outcome.STOPPED, "lease_lapsed")
     assert "before it began" in stopped.message
     ended_s = time.monotonic()
-    while (go2._state.newest() or (0.0,))[0] < ended_s + 0.1:  # what it tells after all that was sent
-        time.sleep(0.02)
+    guard_scene.until(
+        lambda: (go2._state.newest() or (0.0,))[0] >= ended_s + 0.1
+    )  # what it tells after all that was sent
     assert go2.state().mode == "locked"
     assert go2._actions.Damp() == 0
     mode(go2, "damping")

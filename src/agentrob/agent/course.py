@@ -31,9 +31,10 @@ from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.language.help import help_text
+from agentrob.language.phrases import say as phrase
 from agentrob.language.visible import mentions
 from agentrob.minds.mind import Listener, Mind
-from agentrob.model import Decision, Intent, Language, Plan, Report, StatusCard, Verdict
+from agentrob.model import Capabilities, Command, Decision, Intent, Language, Plan, Report, StatusCard, Verdict
 from agentrob.robots.client import DriverClient
 
 #: States after which nothing more comes.
@@ -91,6 +92,13 @@ class Course:
         if report is not None:
             await self._tell(job, report)
 
+    async def decline(self, command: Command) -> None:
+        """Tell a command that the journal could not take: its status is its end."""
+        job = Job(command)
+        report = self._report(job, "failed", message=self._because(job, "journal"))
+        card = StatusCard(self.name, "failed", trace_id=command.trace_id)
+        await StatusLine(self.forum, command).claim(Shown(words.final(report), card))
+
     async def _decide(self, job: Job) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
         post_id = job.command.post_id
@@ -107,6 +115,8 @@ class Course:
             await self.journal.cancel(post_id)
             return self._report(job, "interrupted", message=say("interrupted.claim", job.command.language))
         thought: Thought = await thinking
+        if thought.understanding.cancels:
+            job.took_back = await self._take_back(job)
         if job.ended is None and thought.understanding.intent is Intent.COMMAND:
             return await self._obey(job, thought)
         return await self._answer(job, thought)
@@ -118,7 +128,7 @@ class Course:
             command, capabilities = job.command, await self.driver.capabilities()
             others = tuple(name for name in mentions(command.text) if name not in self.names)
             history = await self.journal.history(command.topic_id)
-            thought = await extract(self.mind, command.text, Listener(tuple(self.names), others, capabilities), history)
+            thought = await extract(self.mind, command.text, self._listener(others, capabilities), history)
             understood = thought.understanding
             if understood.intent is Intent.COMMAND:
                 command = replace(command, language=understood.language)
@@ -131,6 +141,9 @@ class Course:
         if thought.understanding.intent is not Intent.NOTHING:
             job.command = replace(job.command, language=thought.understanding.language)
         return thought
+
+    def _listener(self, others: tuple[str, ...], capabilities: Capabilities) -> Listener:
+        return Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
 
     async def _claim(self, job: Job) -> tuple[bool, bool]:
         """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
@@ -161,6 +174,11 @@ class Course:
                 return self._report(job, "answered", message=told)
             case Intent.STATUS:
                 return self._report(job, "answered", message=await self._state_text(language))
+            case Intent.CANCEL:
+                key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
+                return self._report(job, "answered", message=phrase(key, language, count=job.took_back))
+            case Intent.QUESTION:
+                return self._report(job, "answered", message=phrase("talk.question", language))
             case Intent.ASK_BACK:
                 return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
@@ -171,6 +189,13 @@ class Course:
                 await self.journal.end([other.command.post_id for other in ended], STOP)
                 return self._report(job, "stopped", stop=stop)
         return self._report(job, "answered", message=say("nothing", language))
+
+    async def _take_back(self, job: Job) -> int:
+        """End what its author posted before and has not begun to move; how many commands that were."""
+        author, posted_at = job.command.author.id, job.command.posted_at
+        before = [other for other in self.line.end_waiting(author, posted_at, "taken_back") if other is not job]
+        await self.journal.end([other.command.post_id for other in before], "taken_back")
+        return len(before)
 
     async def _state_text(self, language: Language) -> str:
         try:
@@ -211,8 +236,11 @@ class Course:
         execution = _EXECUTION.validate_json(text)
         results = self.records.with_pictures(execution.results, execution.pictures)
         execution = replace(execution, results=results, verdict=execution.verdict or verdict)
+        job.stopped_by = job.stopped_by or execution.stopped_by
         if job.ended is not None and execution.status != "done":
             return await self._ended(job, plan, execution)
+        if execution.status == "stopped":  # past us: at the robot's machine, or by another of its clients
+            return self._report(job, "stopped", plan, execution, message=job.stopped_by)
         message = say("because.driver", command.language, message=execution.message) if execution.message else ""
         return self._report(job, execution.status, plan, execution, message=message)
 

@@ -25,6 +25,8 @@ from agentrob.model import (
 from agentrob.robots.client import DriverClient
 
 LOOK_S = 0.05
+#: How long a busy robot is asked again: the lease of one who died lapses within a second.
+BUSY_S = 1.5
 #: Why a step ended that we ended ourselves; each is a status, or makes one.
 STOP, SHUTDOWN, SILENT = "stop", "shutdown", "stop_channel"
 #: Why a step's end is not known: the driver did not answer any more.
@@ -58,7 +60,8 @@ class Reins:
 class Execution:
     """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence.
 
-    `pictures` are the files of the steps' pictures ("" for none), once they have been put on disk.
+    `stopped_by` is who stopped the robot past us, as they called themselves. `pictures` are the files of the steps'
+    pictures ("" for none), once they are on disk.
     """
 
     status: str
@@ -67,6 +70,7 @@ class Execution:
     message: str = ""
     first_motion_s: float | None = None
     pictures: tuple[str, ...] = ()
+    stopped_by: str = ""
 
 
 class _Run:
@@ -81,17 +85,21 @@ class _Run:
         self.verdict: Verdict | None = None
         self.first_motion_s: float | None = None
         self.mandate: Mandate | None = None
+        self.lease = ""
+        self.stopped_by = ""
         self.started_s = time.monotonic()
 
-    async def steps(self, lease: str) -> str:
+    async def steps(self) -> str:
         """Do the steps; returns the command's status."""
         for number, step in enumerate(self.plan.steps):
             if (status := await self._may(step)) is not None:
                 return status
             self.reins.on_step(number)
-            result = await self._step(lease, step)
+            result = await self._step(step)
             self.results.append(result)
             if not result.ok:
+                if result.reason in _BY_PEOPLE:
+                    await self._ask_who()
                 return self._status_of(result)
         return "done"
 
@@ -118,11 +126,11 @@ class _Run:
             ActionResult(step, Outcome.REFUSED, reason=reason, message=message, started_s=now_s, ended_s=now_s)
         )
 
-    async def _step(self, lease: str, step: Primitive) -> ActionResult:
+    async def _step(self, step: Primitive) -> ActionResult:
         sent_s = time.monotonic()
         assert self.mandate is not None
         deadline_s = min(self.reins.step_s, max(0.1, self.mandate.seconds - (sent_s - self.started_s)))
-        stepping = asyncio.create_task(self.driver.step(lease, step, deadline_s))
+        stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
         ended_by = ""
         try:
             while not stepping.done():
@@ -138,6 +146,12 @@ class _Run:
             self.first_motion_s = result.started_s if sent_s <= result.started_s <= time.monotonic() else sent_s
         stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
         return replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result
+
+    async def _ask_who(self) -> None:
+        """Whose stop it was: the driver knows, also when the forum does not."""
+        with contextlib.suppress(RobotError):
+            if (lost := await self.driver.lost(self.lease)) is not None:
+                self.stopped_by = lost.by
 
     def _must_end(self, step: Primitive) -> str:
         if why := self.reins.ended():
@@ -165,7 +179,9 @@ class _Run:
     def execution(self, status: str, message: str = "") -> Execution:
         rest = self.plan.steps[len(self.results) :]
         skipped = (ActionResult(step, Outcome.SKIPPED) for step in rest)
-        return Execution(status, (*self.results, *skipped), self.verdict, message, self.first_motion_s)
+        return Execution(
+            status, (*self.results, *skipped), self.verdict, message, self.first_motion_s, stopped_by=self.stopped_by
+        )
 
 
 async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> Execution:
@@ -174,14 +190,29 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Rei
     run = _Run(driver, command, plan, reins)
     status, message = "failed", ""
     try:
-        async with driver.lease(f"agent {command.trace_id}", await reins.since()) as lease:
-            status = await run.steps(lease)
+        async with contextlib.AsyncExitStack() as stack:
+            await _take(stack, run)
+            status = await run.steps()
     except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum knows nothing of
-        stopped = _lost(str(e)) in _BY_PEOPLE
-        status, message = ("stopped", "") if stopped else ("failed", str(e))
+        run.stopped_by = e.by
+        status, message = ("stopped", "") if e.why in _BY_PEOPLE else ("failed", str(e))
     except (RobotBusy, RobotUnreachable, RobotError) as e:
         message = str(e)
     return run.execution(status, message)
+
+
+async def _take(stack: contextlib.AsyncExitStack, run: _Run) -> None:
+    """Take the robot's lease. An agent that was killed keeps it for a moment longer, so a busy robot is asked again."""
+    until_s = time.monotonic() + BUSY_S
+    while run.reins.ended() is None:
+        try:
+            lease = run.driver.lease(f"agent {run.command.trace_id}", await run.reins.since())
+            run.lease = await stack.enter_async_context(lease)
+            return
+        except RobotBusy:
+            if time.monotonic() >= until_s:
+                raise
+            await asyncio.sleep(LOOK_S)
 
 
 def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: float) -> ActionResult:
@@ -189,12 +220,7 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
     try:
         return stepping.result()
     except LeaseLost as e:
-        reason, outcome, said = _lost(str(e)), Outcome.STOPPED, str(e)
+        reason, outcome, said = e.why, Outcome.STOPPED, str(e)
     except RobotError as e:
         reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, str(e)
     return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
-
-
-def _lost(said: str) -> str:
-    """A stop takes the lease away; without a stop it lapsed."""
-    return next((word for word in ("halt", "stop") if f"by a {word}" in said), "lease_lapsed")

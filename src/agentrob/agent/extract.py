@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import structlog
 
 from agentrob.errors import MindError
+from agentrob.language.grammar import parse
 from agentrob.minds.mind import Listener, Mind
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Intent, Plan, Understanding, Verdict
@@ -37,6 +38,11 @@ async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[P
         _log.warning("mind failed, reading by rules", mind=mind.name, error=str(e) or type(e).__name__)
         rules = RulesMind()
         return Thought(_checked(await rules.understand(text, listener, history)), rules.name)
+
+
+def warm_up() -> None:
+    """Read a sentence with a large numeral once: what that imports takes too long for the first post."""
+    parse("一千零五米", (), (), frozenset())
 
 
 def _checked(understood: Understanding) -> Understanding:

@@ -23,7 +23,8 @@ _log = structlog.get_logger()
 
 
 class Inbox:
-    """Events of one robot in their order. `take_up` begins a job; `stopped_at` is when the newest stop was posted."""
+    """Events of one robot in their order. `stopped_at` is when the newest stop was posted; `take_up` begins a job,
+    `decline` tells a command that it could not be written down."""
 
     def __init__(
         self,
@@ -32,6 +33,7 @@ class Inbox:
         line: Line,
         stopped_at: Callable[[], datetime],
         take_up: Callable[[Job], None],
+        decline: Callable[[Command], None],
     ) -> None:
         #: Commands that were heard and are not in line yet.
         self.coming: dict[str, Post] = {}
@@ -40,6 +42,7 @@ class Inbox:
         self._line = line
         self._stopped_at = stopped_at
         self._take_up = take_up
+        self._decline = decline
         self._waiting: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
 
     @property
@@ -79,6 +82,8 @@ class Inbox:
                 await self._journal().put("cursor", event.id)
         except JournalError as e:
             _log.error("post not taken: nothing moves without the journal", robot=self._robot, error=str(e))
+            if event.post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
+                self._decline(self._command(event.post, heard))
         finally:
             if event.post is not None:
                 self.coming.pop(event.post.id, None)

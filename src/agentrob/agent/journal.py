@@ -27,7 +27,9 @@ from pathlib import Path
 from typing import IO, Any, TypeVar
 
 from dbos import DBOS, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
+from dbos import error as dbos_error
 from pydantic import TypeAdapter
+from sqlalchemy.exc import SQLAlchemyError
 
 from agentrob.agent.leftovers import KEEP_S, forget_unfinished
 from agentrob.agent.rows import COLUMNS, COMMAND, TABLES, Claim, boot, boot_s, read_claim
@@ -234,7 +236,7 @@ class Journal:
             raise
         except _Ended:
             raise asyncio.CancelledError from None
-        except sqlite3.Error as e:
+        except (sqlite3.Error, SQLAlchemyError, dbos_error.DBOSException) as e:
             raise JournalError(f"the journal cannot be written: {e}") from None
         finally:
             self._deeds.pop(workflow_id, None)

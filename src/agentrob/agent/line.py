@@ -18,8 +18,8 @@ class Job:
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
     was. `ended` is a stable word as soon as the command may not go on; while it is `held`, others go before it. `stop`
-    brings what the stop that ended it did, `stopped_by` whose it was. `status` is its status post, `task` what
-    carries it through.
+    brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
+    `status` is its status post, `task` what carries it through.
     """
 
     command: Command
@@ -30,6 +30,7 @@ class Job:
     held: bool = False
     moving: bool = False
     stopped_by: str = ""
+    took_back: int = 0
     stop: asyncio.Task[StopResult | None] | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
     status: Any = None
@@ -102,6 +103,17 @@ class Line:
     def end_before(self, at: datetime, why: str) -> list[Job]:
         """End every command that was posted at `at` or earlier; returns those that had not been ended."""
         found = [job for job in self._jobs if job.command.posted_at <= at and job.ended is None]
+        for job in found:
+            job.end(why)
+        return found
+
+    def end_waiting(self, account_id: str, at: datetime, why: str) -> list[Job]:
+        """End this account's commands that were posted before `at` and do not move; returns those not ended before."""
+        found = [
+            job
+            for job in self._jobs
+            if job.command.author.id == account_id and job.command.posted_at < at and not job.moving and not job.ended
+        ]
         for job in found:
             job.end(why)
         return found

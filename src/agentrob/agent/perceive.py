@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+from agentrob.language import languages
 from agentrob.language.stop import stop_intent
 from agentrob.language.visible import mentions, visible_text
 from agentrob.model import Account, AccountKind, Intent, Language, Post
@@ -78,13 +79,10 @@ def obeyed(author: Account, me: Account) -> bool:
 
 
 def language_of(text: str) -> Language:
-    """Chinese when it has more Chinese characters than half its Latin words; mentions count for nothing."""
-    without = text
+    """What it is written in; mentions count for nothing."""
     for name in mentions(text):
-        without = without.replace("@" + name, " ")
-    chinese = sum("\u3400" <= c <= "\u9fff" for c in without)
-    latin = sum(any("a" <= c <= "z" for c in word) for word in without.lower().split())
-    return "zh" if chinese * 2 > latin else "en"
+        text = text.replace("@" + name, " ")
+    return languages.language_of(text)
 
 
 def _fresh(post: Post, ears: Ears) -> bool:

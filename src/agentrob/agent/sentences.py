@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from agentrob.language import languages
 from agentrob.model import Language
 
 _SENTENCES: dict[str, tuple[str, str]] = {
@@ -78,6 +79,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "帖子被修改过，修改不会引发动作。请重新发帖。",
     ),
     "because.removed": ("The post is no longer there.", "帖子已被删除或隐藏。"),
+    "because.taken_back": ("Its author took it back.", "作者撤回了这个命令。"),
     "because.suspended": ("Its author may not command me now.", "作者现在不能指挥我。"),
     "because.unverified": (
         "I could not check whether the command still holds, so nothing moved.",
@@ -205,12 +207,16 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "status.not_homed": ("home is not set", "未设置原点"),
     "status.queue": ("commands waiting or running: {count}", "排队或执行中的命令：{count}"),
 }
-_COLUMN = {"en": 0, "zh": 1}
 
 
 def say(key: str, language: Language, **values: object) -> str:
-    """The sentence `key` with `values` put in. An unknown key or a missing value is a `KeyError`."""
-    return _SENTENCES[key][_COLUMN[language]].format(**values)
+    """The sentence `key` with `values` put in; in a further language as its file says it under `agent.KEY`, else in
+    English. An unknown key or a missing value is a `KeyError`."""
+    english, chinese = _SENTENCES[key]
+    if language == "zh":
+        return chinese.format(**values)
+    further = languages.known().get(language)
+    return (further.sentences.get(f"agent.{key}", english) if further else english).format(**values)
 
 
 def known(key: str) -> bool:

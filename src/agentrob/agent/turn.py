@@ -16,6 +16,7 @@ from typing import Any
 
 import structlog
 
+from agentrob.agent import extract, plot
 from agentrob.agent import report as words
 from agentrob.agent.alarm import Alarm
 from agentrob.agent.camera import Camera
@@ -28,7 +29,6 @@ from agentrob.agent.line import Job, Line
 from agentrob.agent.lookback import close_unknown, is_open, recent_posts
 from agentrob.agent.pace import Pace
 from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
-from agentrob.agent.plot import warm_up
 from agentrob.agent.presence import Presence, reset_room
 from agentrob.agent.records import Records
 from agentrob.agent.status import insist
@@ -38,7 +38,7 @@ from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.judge.rights import may
 from agentrob.minds.mind import Mind
-from agentrob.model import Account, Decision, Post, StopResult
+from agentrob.model import Account, Command, Decision, Post, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -68,7 +68,10 @@ class RobotAgent:
         self.channel = Channel(forum, "", settings.poll_s)
         self.records = Records(self.folder)
         self.line = Line(self._line_changed)
-        self.inbox = Inbox(name, lambda: self.journal, self.line, lambda: self._stopped_at, self._take_up)
+        self.inbox = Inbox(
+            name, lambda: self.journal, self.line, lambda: self._stopped_at, self._take_up,
+            self._decline,
+        )  # fmt: skip
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
         self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
         stage = forum if isinstance(forum, Stage) else None
@@ -81,6 +84,7 @@ class RobotAgent:
         self._watermark_at = self._stopped_at = datetime.min
         self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
+        self._saving: asyncio.Task[None] | None = None
         self._accepting = True
         self._ending = False
 
@@ -133,7 +137,8 @@ class RobotAgent:
         self._watermark_at = begun
         self._stopped_at = await self.journal.get_time("stopped") or begun
         self.channel.cursor = await self.journal.get("cursor") or newest
-        self._spawn(asyncio.to_thread(warm_up))
+        self._spawn(asyncio.to_thread(plot.warm_up))
+        self._spawn(asyncio.to_thread(extract.warm_up))
         self._course = self._make_course()
         await self._resume()
         if begun > self.channel.now() - LOOK_BACK:
@@ -162,12 +167,12 @@ class RobotAgent:
         self._claimed_topics = frozenset()
 
     async def _look_back(self) -> None:
-        """Shortly after a first start: answer posts of before it, and end what a journal that was lost had claimed."""
+        """Shortly after a beginning: answer posts of before it, and end what a journal that was lost had claimed."""
         assert self._me is not None
         since, statuses = self.channel.now() - LOOK_BACK, []
         with contextlib.suppress(ForumError):
             async for post in recent_posts(self.forum, self.settings.boards, since):
-                if is_open(post, self._me):
+                if is_open(post, self._me) and post.reply_to not in self.inbox.coming:
                     statuses.append(post)
                 elif post.created_at <= self._watermark_at:
                     heard = self._perceive(post)
@@ -248,6 +253,7 @@ class RobotAgent:
         await self.journal.put("watermark", self._watermark_at.isoformat())
         await self.journal.put("cursor", newest)
         self.channel.cursor = newest
+        await self._look_back()
 
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
@@ -296,14 +302,23 @@ class RobotAgent:
         for job in ended:
             job.stop, job.stopped_by = stopping, author.name
         # On disk only now that the stop is on its way: nothing delays it.
-        self._spawn(self.journal.put("stopped", self._stopped_at.isoformat()))
-        self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
+        if self._saving is None or self._saving.done():
+            self._saving = self._spawn(self._save_stopped())
+        if ended:
+            self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
         if post is not None:
             count = len(ended) + sum(coming.created_at <= at for coming in self.inbox.coming.values())
             self._spawn(self.stops.answer(post, heard.language, stopping, count, halt))
         if self.alarm.rings(event.at):
             topic = post.topic_id if post is not None else next((job.command.topic_id for job in ended), None)
             self._spawn(self.alarm.tell(topic, heard.language))
+
+    async def _save_stopped(self) -> None:
+        """Many stops at once are one or two writes, so that nobody's command waits behind them."""
+        saved_at = datetime.min
+        while saved_at != self._stopped_at:
+            saved_at = self._stopped_at
+            await self.journal.put("stopped", saved_at.isoformat())
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
@@ -323,6 +338,9 @@ class RobotAgent:
             await reset_room(self.driver, self.settings, account.name)
         except RobotError as e:
             _log.warning("room not reset", robot=self.name, error=str(e))
+
+    def _decline(self, command: Command) -> None:
+        self._spawn(self.course.decline(command))
 
     def _take_up(self, job: Job) -> None:
         self.stops.new_command()

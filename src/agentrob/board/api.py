@@ -34,7 +34,7 @@ from agentrob.board.api_models import (
 )
 from agentrob.board.events import EventStream
 from agentrob.board.problem import documented
-from agentrob.board.reader import MAX_LIMIT, not_found
+from agentrob.board.reader import MAX_LIMIT, event_number, not_found
 from agentrob.board.records import Written
 from agentrob.board.services import Services, services
 from agentrob.errors import BoardError
@@ -43,12 +43,13 @@ from agentrob.model import Account, AccountKind
 router = APIRouter(prefix="/api/v1", responses=documented())
 
 KEY = r"^[!-~]{1,200}$"
+EVENT_ID = r"^[0-9]{1,18}(-[0-9a-f]{1,16})?$"
 Reading = Annotated[Viewer, Depends(reader)]
 Member = Annotated[Account, Depends(member)]
 Key = Annotated[str | None, Header(alias="Idempotency-Key", pattern=KEY)]
 Cursor = Annotated[str | None, Query(pattern=r"^[0-9a-f]{1,15}$", description="`next` of the page before")]
 Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT)]
-After = Annotated[str | None, Query(pattern=r"^[0-9]{1,18}$", description="an event id")]
+After = Annotated[str | None, Query(pattern=EVENT_ID, description="an event id")]
 NOT_FOUND = documented(404)
 
 
@@ -209,12 +210,13 @@ async def events(
     after: After = None,
     heartbeat: Annotated[float, Query(ge=0.25, le=30.0, allow_inf_nan=False)] = 15.0,
     topic: str | None = None,
-    last_event_id: Annotated[str | None, Header(pattern=r"^[0-9]{1,18}$")] = None,
+    last_event_id: Annotated[str | None, Header(pattern=EVENT_ID)] = None,
 ) -> Response:
     """Server-sent events, from after an event on or from now on; of one topic or of all."""
     parts = services(request)
     resume = last_event_id if last_event_id is not None else after
-    start = parts.store.known_event(resume) if resume is not None else parts.store.reader.newest_event_id()
+    read = parts.store.reader
+    start = read.known_event(resume) if resume is not None else event_number(read.newest_event_id())
     topic_id = parts.store.topic(topic).id if topic is not None else None
     listener = parts.hub.listen(topic_id, who.account.id if who.account else None)
     return EventStream(parts.hub, listener, who.account, start, heartbeat, still_allowed(parts, who))

@@ -57,6 +57,6 @@ async def _record_or_announce(
     except (TimeoutError, BoardError) as e:
         log.error("board.event_not_written", kind=str(kind), robot=robot, error=str(e) or "timeout")
         writing.add_done_callback(lambda task: task.cancelled() or task.exception())
-        event = Event(str(services.hub.last), kind, at, robot=robot, account=by)
+        event = Event(services.hub.last_id, kind, at, robot=robot, account=by)
         services.hub.announce(event)
         return event

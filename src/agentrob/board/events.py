@@ -18,7 +18,7 @@ from starlette.types import Receive, Scope, Send
 
 from agentrob.board import streams
 from agentrob.board.api_models import EventOut, Shaper, time_out
-from agentrob.board.reader import Reader
+from agentrob.board.reader import BEFORE_ALL, Reader, event_number
 from agentrob.board.records import Event, EventKind
 from agentrob.errors import BoardError
 from agentrob.model import Account
@@ -35,16 +35,16 @@ log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Happening:
-    """An event, and its encodings for everybody and for the author of its post. `written`: it is in the database."""
+    """An event, its place in the order, and its encodings for everybody and for the author of its post.
+
+    `written`: it is in the database.
+    """
 
     event: Event
+    number: int
     frame: bytes
     frame_for_author: bytes
     written: bool = True
-
-    @property
-    def number(self) -> int:
-        return int(self.event.id)
 
     @property
     def topic_id(self) -> str | None:
@@ -55,7 +55,7 @@ def encode(event: Event, base_url: str, written: bool = True) -> Happening:
     author = event.post.author if event.post and event.post.key is not None else None
     for_all = _frame(Shaper(base_url).event(event))
     for_author = _frame(Shaper(base_url, author).event(event)) if author else for_all
-    return Happening(event, for_all, for_author, written)
+    return Happening(event, event_number(event.id), for_all, for_author, written)
 
 
 def _frame(event: EventOut) -> bytes:
@@ -117,12 +117,13 @@ class Hub:
         self.closed = False
         self.reader: Reader | None = None
         self._listeners: set[Listener] = set()
-        self._last = 0
+        self._last, self._last_id = 0, BEFORE_ALL
 
     def start(self, reader: Reader) -> None:
         """Begin after the newest event there is."""
         self.reader = reader
-        self._last = reader.newest_event_id()
+        self._last_id = reader.newest_event_id()
+        self._last = event_number(self._last_id)
 
     def close(self) -> None:
         """End all streams now, so that the server can end."""
@@ -137,7 +138,7 @@ class Hub:
             while self._last < event_ids[-1] and (events := self.reader.events(self._last, 100)):
                 for event in events:
                     self._tell(event)
-                    self._last = int(event.id)
+                    self._last, self._last_id = event_number(event.id), event.id
         except BoardError as e:
             # Everybody must hear of what is in the database: cut them all off, and they resume.
             log.error("board.events_unreadable", error=str(e))
@@ -172,9 +173,9 @@ class Hub:
         return len(self._listeners)
 
     @property
-    def last(self) -> int:
-        """The newest event that was told."""
-        return self._last
+    def last_id(self) -> str:
+        """The id of the newest event that was told."""
+        return self._last_id
 
     def _tell(self, event: Event, written: bool = True) -> None:
         happening = encode(event, self.base_url, written)
@@ -221,8 +222,9 @@ class EventStream(Response):
             if not events:
                 return
             for event in events:
-                await streams.part(send, self._bytes(encode(event, self._hub.base_url)))
-                self._after = int(event.id)
+                happening = encode(event, self._hub.base_url)
+                await streams.part(send, self._bytes(happening))
+                self._after = happening.number
 
     async def _live(self, send: Send) -> None:
         while not self._listener.closed:

@@ -49,6 +49,10 @@ _IMAGES_OF_POSTS = (
     .order_by(db.post_images.c.post_id, db.post_images.c.position)
 )
 _EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)
+_NEWEST_EVENT = select(db.events.c.id, db.events.c.at_us).order_by(db.events.c.id.desc()).limit(1)
+_EVENT_TIME = select(db.events.c.at_us).where(db.events.c.id == bindparam("id"))
+#: The event id after which everything comes.
+BEFORE_ALL = "0"
 
 
 def row_id(text: str, what: str) -> int:
@@ -202,8 +206,24 @@ class Reader:
         return tuple(map(account_from, self.rows(ACCOUNT.where(a.kind == AccountKind.ROBOT_AGENT).order_by(a.name))))
 
     # ---------------------------------------------------------------- events
-    def newest_event_id(self) -> int:
-        return self.rows(select(func.coalesce(func.max(db.events.c.id), 0)))[0][0]  # type: ignore[no-any-return]
+    def newest_event_id(self) -> str:
+        found = self.first(_NEWEST_EVENT)
+        return event_id(found.id, found.at_us) if found else BEFORE_ALL
+
+    def known_event(self, wanted: str) -> int:
+        """The number of an event id, once it is sure that nothing can be missed by going on after it.
+
+        404 for an event of another history: one that a backup put back over this one, or a lost disk, has undone. Its
+        number may belong to another event by now, but not its time. `BEFORE_ALL` and bare numbers, the ids of boards
+        before this one, are only held against the newest.
+        """
+        number, _, tag = wanted.partition("-")
+        if number.isascii() and number.isdigit() and len(number) < 19:
+            if tag and (row := self.first(_EVENT_TIME, id=int(number))) and event_id(int(number), row.at_us) == wanted:
+                return int(number)
+            if wanted == number and int(number) <= event_number(self.newest_event_id()):
+                return int(number)
+        raise not_found("event", wanted, f"the newest is {self.newest_event_id()}")
 
     def events(self, after: int, limit: int, topic_id: str | None = None) -> tuple[Event, ...]:
         """Oldest first, with posts as they are now."""
@@ -244,10 +264,20 @@ def _post(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:
 
 def _event(r: Row[Any], post: Post | None) -> Event:
     account = account_from(r) if r.a_id is not None and r.robot is not None else None
-    return Event(str(r.id), EventKind(r.kind), from_us(r.at_us), post, r.robot, account)
+    return Event(event_id(r.id, r.at_us), EventKind(r.kind), from_us(r.at_us), post, r.robot, account)
 
 
 # -------------------------------------------------------------------- cursors
+def event_id(number: int, at_us: int) -> str:
+    """The id of an event row outside of the database: its number, and its time as the mark of this history."""
+    return f"{number}-{at_us:x}"
+
+
+def event_number(given_out: str) -> int:
+    """Where the event of an id stands in the order."""
+    return int(given_out.partition("-")[0])
+
+
 def to_cursor(number: int) -> str:
     return format(number, "x")
 

@@ -18,7 +18,8 @@ from agentrob.board.reader import Reader
 from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Job, T, Writer
-from agentrob.errors import BoardError
+from agentrob.language.stop import stop_intent
+from agentrob.language.visible import visible_text
 from agentrob.model import Account
 
 
@@ -95,19 +96,11 @@ class Store:
         return self.reader.image(image_id)[0]
 
     def newest_event_id(self) -> str:
-        return str(self.reader.newest_event_id())
+        return self.reader.newest_event_id()
 
     def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[Event, ...]:
-        """What happened after an event, oldest first. 404 when `after` is newer than all there is."""
-        return self.reader.events(self.known_event(after), limit, topic_id)
-
-    def known_event(self, after: str) -> int:
-        """`after` as a number, once it is sure that nothing can be missed by it."""
-        newest = self.reader.newest_event_id()
-        number = int(after) if after.isascii() and after.isdigit() and len(after) < 20 else newest + 1
-        if number > newest:
-            raise BoardError(404, "no_such_event", f"there is no event {after[:64]!r}", f"the newest is {newest}")
-        return number
+        """What happened after an event, oldest first. 404 when `after` is no event of this history."""
+        return self.reader.events(self.reader.known_event(after), limit, topic_id)
 
     # ---------------------------------------------------------------- writes, awaited
     async def do(self, job: Job[T]) -> T:
@@ -125,7 +118,7 @@ class Store:
         images: Sequence[str] = (),
     ) -> Written:
         draft = writes.Draft(author, body, key, images)
-        return await self.do(lambda t: writes.create_topic(t, board_id, title, draft))
+        return await self.writer.do(lambda t: writes.create_topic(t, board_id, title, draft), lambda: _stops(body))
 
     async def reply(
         self,
@@ -139,7 +132,7 @@ class Store:
         card: Mapping[str, Any] | None = None,
     ) -> Written:
         draft = writes.Draft(author, body, key, images, reply_to, card)
-        return await self.do(lambda t: writes.reply(t, topic_id, draft))
+        return await self.writer.do(lambda t: writes.reply(t, topic_id, draft), lambda: _stops(body))
 
     async def edit(
         self,
@@ -152,7 +145,8 @@ class Store:
         card: Mapping[str, Any] | Literal["keep"] | None = "keep",
     ) -> Post:
         """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
-        return await self.do(lambda t: writes.edit(t, editor, post_id, body, key, images, card))
+        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, body, key, images, card)  # noqa: E731
+        return await self.writer.do(job, lambda: _stops(body))
 
     async def remove(self, by: Account, post_id: str) -> Post:
         """Hide a post for everybody; its author and admins may (403). Again does nothing."""
@@ -166,3 +160,8 @@ class Store:
     async def add_image(self, by: Account, sha256: str, image: Image, key: str | None = None) -> tuple[Image, bool]:
         """Register a picture whose file is in place; False when the key had been used: then it is the old one."""
         return await self.do(lambda t: writes.add_image(t, by, sha256, image, key))
+
+
+def _stops(body: str) -> bool:
+    """Whether a text says stop, in any thread: no limit stands in its way (law 15)."""
+    return stop_intent(visible_text(body)) is not None

@@ -23,7 +23,7 @@ T = TypeVar("T")
 Job = Callable[["Transaction"], T]
 #: More jobs than this are not taken into one transaction: the first of them waits for all.
 MAX_BATCH = 64
-#: More than this waiting means that the disk cannot follow; then the forum says so.
+#: More than this waiting means that the disk cannot follow; then the forum says so, but takes a stop (law 15).
 MAX_WAITING = 2000
 
 log = structlog.get_logger(__name__)
@@ -57,11 +57,14 @@ class Writer:
         self._thread = threading.Thread(target=self._run, name="board-writer", daemon=True)
         self._thread.start()
 
-    async def do(self, job: Job[T]) -> T:
-        """Run a job and wait for its commit. Raises what the job raised, or `BoardError` 503."""
+    async def do(self, job: Job[T], exempt: Callable[[], bool] = lambda: False) -> T:
+        """Run a job and wait for its commit. Raises what the job raised, or `BoardError` 503.
+
+        `exempt` is asked when too much waits: a job that says True is taken all the same, in its turn.
+        """
         if self._closed:
             raise BoardError(503, "closing", "the forum is shutting down", "try again in a moment", 2.0)
-        if self._queue.qsize() > MAX_WAITING:
+        if self._queue.qsize() > MAX_WAITING and not exempt():
             raise BoardError(503, "overloaded", "too many writes are waiting", "try again in a moment", 2.0)
         loop = asyncio.get_running_loop()
         waiting = _Waiting(job, loop, loop.create_future())

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from sqlalchemy import Connection, insert, select, update
 
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, row_id
+from agentrob.board.reader import Reader, event_id, row_id
 from agentrob.board.records import Event, EventKind, Image, Post, Written, from_us
 from agentrob.board.render import render
 from agentrob.board.writer import Transaction
@@ -113,11 +113,11 @@ def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key:
     values = {"robot": robot, "account_id": int(by.id) if by else None}
     if by and key and (old := _used(t.connection, by, f"{kind}:{robot}"[:40], key)):
         at_us = t.connection.execute(select(db.events.c.at_us).where(db.events.c.id == old)).scalar_one()
-        return Event(str(old), kind, from_us(at_us), robot=robot, account=by)
-    event_id = _event(t, kind, at_us, **values)
+        return Event(event_id(old, at_us), kind, from_us(at_us), robot=robot, account=by)
+    number = _event(t, kind, at_us, **values)
     if by:
-        _use_key(t, by, f"{kind}:{robot}"[:40], key, event_id)
-    return Event(str(event_id), kind, from_us(at_us), robot=robot, account=by)
+        _use_key(t, by, f"{kind}:{robot}"[:40], key, number)
+    return Event(event_id(number, at_us), kind, from_us(at_us), robot=robot, account=by)
 
 
 def add_image(t: Transaction, by: Account, sha256: str, image: Image, key: str | None) -> tuple[Image, bool]:

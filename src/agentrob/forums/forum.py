@@ -158,7 +158,7 @@ class Events(Protocol):
         ...
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
-        """Events after one; `ForumNotFound` when it is newer than all, so of another forum. So is `stream`."""
+        """Events after one; `ForumNotFound` when it is none of this forum's history. So is `stream`."""
         ...
 
     def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:

@@ -26,7 +26,10 @@ _THING = (
     r"|plants?|lamps?|pillars?|columns?|posts?|fences?|cars?|bikes?|boxe?s?|obstacles?|robots?|screens?|monitors?|fire|water"
     r"|pool|stove|oven|\w*board)\b"
 )
-_GO = r"\b(?:walk|run|drive|go|move|head|charge|race|back(?: up)?|reverse|jump|fly|turn|dash|sprint|rush|step)\w*"
+_GO = (
+    r"\b(?:walk|run|drive|go|move|head|charge|race|roll|slide|proceed|advance|march|travel|trot|creep|crawl"
+    r"|back(?: up)?|reverse|jump|fly|turn|dash|sprint|rush|step)\w*"
+)
 _PROTECTION = (
     r"(?:safety|safeties|fences?|geo-?fences?|guards?|limits?|limiters?|limitations?|restrictions?|rules|protections?|obstacle"
     r"|obstacles|collision|collisions|sensors?|lidar|safeguards?|emergency"

@@ -1,28 +1,28 @@
-"""Which part of a post is for which robot, and which language it is in."""
+"""Which part of a post is for which robot."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import cache
 
+from agentrob.language.languages import known
 from agentrob.language.visible import mention_spans
-from agentrob.model import Language
 
 _ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all)*", re.IGNORECASE)
-_HAN = re.compile(r"[\u3400-\u9fff]")
-_LATIN_WORD = re.compile(r"[A-Za-z]{2,}")
 
 
 def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
     """The words for the robot called `names`, without mentions of robots.
 
     They are the text after its own mention up to another robot's mention; mentions side by side ("@a and @b wave")
-    share what follows. Text before the first mention counts only when no other robot is mentioned. A post that mentions
-    no robot at all is taken whole: whoever calls has decided that it is for this one.
+    share what follows, and a clause that begins with "both of you" is for every robot mentioned. Text before the first
+    mention counts only when no other robot is mentioned. A post that mentions no robot at all is taken whole: whoever
+    calls has decided that it is for this one.
     """
     mine = {n.lower() for n in names}
-    known = mine | {n.lower() for n in others}
-    spans = [(name in mine, start, end) for name, start, end in mention_spans(visible) if name in known]
+    robots = mine | {n.lower() for n in others}
+    spans = [(name in mine, start, end) for name, start, end in mention_spans(visible) if name in robots]
     if not spans:
         return visible.strip()
     parts: list[str] = []
@@ -36,11 +36,16 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
             continue
         if called:
             parts.append(text)
+        elif any(is_mine for is_mine, _, _ in spans) and (shared := together().search(text)):
+            parts.append(text[shared.start("words") :])
         called = False
     return "\n".join(parts).strip()
 
 
-def language_of(text: str) -> Language:
-    """Chinese when there are at least as many Chinese characters as Latin words; English otherwise."""
-    han = len(_HAN.findall(text))
-    return "zh" if han and han >= len(_LATIN_WORD.findall(text)) else "en"
+@cache
+def together() -> re.Pattern[str]:
+    """Words for all at the beginning of a clause: "… Then both of you wave"."""
+    words = [w for t in known().values() for w in t.together.replace("\n", "").split("|") if w]
+    said = "|".join(re.escape(w) for w in sorted(words, key=len, reverse=True))
+    begins = r"(?:^|[.;:,!?\n。！？；，：])\s*(?:\w{3,7}\s+|然后|最后|再)?"
+    return re.compile(rf"{begins}(?P<words>(?:{said})(?![A-Za-z]))", re.IGNORECASE)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.language.lexicon import Kind, Token
-from agentrob.language.zh import digit
 from agentrob.model import Op
 
 _AMOUNT_OF = {
@@ -28,7 +28,8 @@ def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
     while at < len(tokens):
         amount, used = _amount(tokens, at, text)
         if amount is None:
-            found.append(tokens[at])
+            # "Second, turn left" is no time.
+            found.append(tokens[at] if tokens[at].kind is not Kind.TIME_UNIT else replace(tokens[at], kind=Kind.SOFT))
             at += 1
             continue
         _append(found, amount)
@@ -58,6 +59,12 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
             at = end + 1
         else:
             found.append(_settled(tokens, at))
+            if (
+                tokens[at].kind is Kind.SHOW
+                and tokens[_skip_soft(tokens, at + 1) :][:1]
+                and (tokens[_skip_soft(tokens, at + 1)].kind is Kind.STEPS)
+            ):  # "take two steps"
+                found[-1] = replace(tokens[at], kind=Kind.MOVE)
             at += 1
     return found
 
@@ -65,6 +72,8 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
 def _settled(tokens: Sequence[Token], at: int) -> Token:
     """ "Go ahead" is a direction when a length follows ("go ahead two feet"), otherwise encouragement."""
     token = tokens[at]
+    if token.kind is Kind.SHOW and token.value == "talk":  # "I want to see", and no picture
+        return replace(token, kind=Kind.TALK)
     if token.kind is not Kind.GO_AHEAD:
         return token
     following = tokens[_skip_soft(tokens, at + 1) :][:1]
@@ -94,8 +103,8 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     if unit is None or unit.kind not in _AMOUNT_OF:
         return None, 0
     end = unit_at + 1
-    if end < len(tokens) and tokens[end].kind is Kind.AND_HALF:  # "a metre and a half"
-        value += 0.5
+    if end < len(tokens) and tokens[end].kind is Kind.AND_PART:  # "a metre and a half"
+        value += _float(tokens[end])
         end += 1
     elif unit.kind is Kind.LENGTH_UNIT and (fraction := _spoken_fraction(tokens, end, text)) is not None:
         value += fraction
@@ -111,12 +120,12 @@ def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None
         return 0.5, at + 1
     if first.kind is Kind.SOFT and first.value == 1:
         following = tokens[at + 1].kind if at + 1 < len(tokens) else None
-        return (1.0, at + 1) if following in (Kind.LENGTH_UNIT, Kind.STEP_UNIT) else (None, at)
+        return (1.0, at + 1) if following in (Kind.LENGTH_UNIT, Kind.STEP_UNIT, Kind.TIME_UNIT) else (None, at)
     if first.kind is not Kind.NUMBER:
         return None, at
     value, here = _float(first), at + 1
-    if here < len(tokens) and tokens[here].kind is Kind.AND_HALF:
-        return value + 0.5, here + 1
+    if here < len(tokens) and tokens[here].kind is Kind.AND_PART:
+        return value + _float(tokens[here]), here + 1
     if here < len(tokens) and tokens[here].kind is Kind.HALF and value == int(value):  # 一个半米, one half metre
         return (value + 0.5 if here + 1 < len(tokens) else None), here + 1
     if here < len(tokens) and tokens[here].kind is Kind.NUMBER and _is_fraction(tokens[here], text) and value >= 1:
@@ -141,15 +150,20 @@ def _skip_soft(tokens: Sequence[Token], at: int) -> int:
 
 
 def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | None:
-    """The tenths after a unit: 一米五 is 1.5 m and 一米半 too; a digit with a unit of its own is not meant."""
+    """The part after a unit: 一米五 is 1.5 m, 一米零五 1.05 m, 一米半 1.5 m.
+
+    A digit with a unit of its own is not meant.
+    """
     if at >= len(tokens) or tokens[at].start != tokens[at - 1].end or text[tokens[at].start - 1].isascii():
         return None
     if at + 1 < len(tokens) and tokens[at + 1].kind in (*_AMOUNT_OF, Kind.NUMBER, Kind.HALF, Kind.WORD):
         return None
     if tokens[at].kind is Kind.HALF:
         return 0.5
-    tenths = digit(text[tokens[at].start : tokens[at].end]) if tokens[at].kind is Kind.NUMBER else None
-    return tenths / 10 if tenths is not None else None
+    said = text[tokens[at].start : tokens[at].end]
+    if tokens[at].kind is not Kind.NUMBER or len(said) > 2 or (len(said) == 2 and said[0] not in "0零〇"):
+        return None
+    return _float(tokens[at]) / (10.0 if len(said) == 1 else 100.0)
 
 
 def _float(token: Token) -> float:

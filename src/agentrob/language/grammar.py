@@ -3,37 +3,48 @@
     text ── addressing ──► words for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
          ── clauses ──► one draft per deed ── steps ──► steps, or the sentence to ask back with
 
-To teach it a word, add it to the table of its language (`en.py`, `zh.py`). To teach it a language, write such a file
-and name it in `LEXICONS` and in `phrases.BOOKS`.
+To teach it a word, add it to the table of its language (`tongues/en.py`, `tongues/zh.py`). To teach it a language,
+put such a file beside them: `docs/languages.md`.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from agentrob.language import en, zh
-from agentrob.language.addressing import language_of, part_for
+from agentrob.language.addressing import part_for
+from agentrob.language.again import Background
 from agentrob.language.amounts import with_amounts, with_pictures
-from agentrob.language.clauses import Sentence, sentences_of
+from agentrob.language.clauses import sentences_of
+from agentrob.language.drafts import Sentence
+from agentrob.language.help import examples as help_examples
+from agentrob.language.help import within
+from agentrob.language.languages import language_of, tongue
 from agentrob.language.lexicon import Lexicon, tokens_of
-from agentrob.language.phrases import say
-from agentrob.language.render import sentence
+from agentrob.language.phrases import quote, say
+from agentrob.language.render import outline, sentence
 from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
-from agentrob.model import Direction, Intent, Language, Op, Plan, Primitive, Understanding
-
-LEXICONS: Mapping[Language, Lexicon] = {"en": en.LEXICON, "zh": zh.LEXICON}
+from agentrob.language.talk import Talk, talk_in
+from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
 
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
 MAX_CHARS = 2_000
+_NOTHING_KNOWN = Background()
 
 
-def parse(visible: str, names: Sequence[str], others: Sequence[str], ops: frozenset[Op]) -> Understanding:
+def parse(
+    visible: str,
+    names: Sequence[str],
+    others: Sequence[str],
+    ops: frozenset[Op],
+    background: Background = _NOTHING_KNOWN,
+) -> Understanding:
     """Read the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
 
     Only `Intent.COMMAND` carries a plan. `ops` are those of the robot: examples in questions are taken from them, but
     a wish for another operation is understood too, so that the screen can say that the robot cannot do it.
+    `background` is what is known besides: what was done before in the thread, how fast and with what steps it walks.
     """
     part = part_for(visible, names, others)
     language = language_of(part)
@@ -41,16 +52,29 @@ def parse(visible: str, names: Sequence[str], others: Sequence[str], ops: frozen
         return Understanding(stop, language)
     if len(part) > MAX_CHARS:
         return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
-    words = LEXICONS[language]
-    called = _without_names(part, names, words)
-    tokens = with_pictures(with_amounts(tokens_of(called, words), called))
-    sentences = sentences_of(tokens)
-    reading = read(sentences, part, language)
+    sentences, mistyped = _sentences(part, names, language)
+    reading = read(sentences, part, language, background)
     if reading.problem:
-        return _without_command(sentences, language) or _ask(reading, ops, language)
+        return _without_command(sentences, language) or _ask(reading, ops, language, background.can)
     if reading.steps:
-        return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), tuple(reading.notes)))
+        spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
+        return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
     return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk | None:
+    """What a post is that `parse` finds to want nothing, if anything plain: a cancel, a question, a report."""
+    part = part_for(visible, names, others)
+    if len(part) > MAX_CHARS or stop_intent(part):
+        return None
+    return talk_in(_sentences(part, names, language_of(part))[0])
+
+
+def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
+    words = tongue(language).words
+    called = _without_names(part, names, words)
+    tokens, mistyped = tokens_of(called, words)
+    return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
 
 
 def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
@@ -72,19 +96,25 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
     return None
 
 
-def _ask(reading: Reading, ops: frozenset[Op], language: Language) -> Understanding:
-    understood = say("ask.understood", language, steps=sentence(reading.steps, language)) if reading.steps else ""
-    question = say(
-        "ask.frame", language, problem=reading.problem, understood=understood, examples=_examples(ops, language)
-    )
+def _ask(reading: Reading, ops: frozenset[Op], language: Language, can: Capabilities | None = None) -> Understanding:
+    understood = say("ask.understood", language, steps=outline(reading.steps, language)) if reading.steps else ""
+    limits = can or Capabilities("", ops)
+    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hint))
+    question = say("ask.frame", language, problem=reading.problem, understood=understood, examples=examples)
     return Understanding(Intent.ASK_BACK, language, question=question)
 
 
-def _examples(ops: frozenset[Op], language: Language) -> str:
-    """Two sentences that would work with this robot."""
-    walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
-    turn = Primitive(Op.TURN, Direction.LEFT, degrees=90.0)
-    gestures = [[Primitive(op)] for op in Op if op not in (Op.MOVE, Op.TURN)]
-    chains = [[walk, turn], [turn, Primitive(Op.GET_FRONT_IMAGE)], [walk], [turn], *gestures]
-    possible = [c for c in chains if all(step.op in ops for step in c)][:2]
-    return " · ".join(f"`{sentence(chain, language)}`" for chain in possible)
+def _examples(can: Capabilities, hint: Primitive | None) -> list[list[Primitive]]:
+    """Two commands that would work with this robot; the first is like the one that was not understood."""
+    steps = help_examples(can)
+    firsts = {step.op: step for step in reversed(steps)}
+    chain = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]
+    pictured = [firsts[op] for op in (Op.TURN, Op.GET_FRONT_IMAGE) if op in firsts]
+    found = [[within(hint, can)]] if hint and hint.op in can.ops and _goes(hint, can) else []
+    found += [c for c in (chain, pictured) if len(c) > 1]
+    found += [chain] + [[step] for step in steps if step.op not in (Op.MOVE, Op.TURN)]
+    return [c for at, c in enumerate(found) if c and c not in found[:at]][:2]
+
+
+def _goes(step: Primitive, can: Capabilities) -> bool:
+    return step.op is not Op.MOVE or step.direction in can.move_directions

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from agentrob.language.phrases import say
 from agentrob.language.render import sentence
 from agentrob.model import Capabilities, Direction, Language, Op, Primitive
@@ -20,6 +22,9 @@ def help_text(capabilities: Capabilities, name: str, language: Language) -> str:
     ]
     if len(chain := _chain(capabilities)) > 1:
         lines += [say("help.chain", language), "", _example(name, chain, language), ""]
+    if Op.MOVE in capabilities.ops:
+        more = [say("help.example", language, name=name, sentence=words) for words in thread_examples(language)]
+        lines += [say("help.more", language), "", *more, ""]
     lines += [
         say("help.stop", language, name=name),
         "",
@@ -49,6 +54,19 @@ def examples(capabilities: Capabilities) -> list[Primitive]:
     ]
     steps += [Primitive(op) for op in Op if op not in (Op.MOVE, Op.TURN)]
     return [step for step in steps if step.op in capabilities.ops]
+
+
+def thread_examples(language: Language) -> list[str]:
+    """What can be said of a walk that was done before in the thread."""
+    return [say(key, language) for key in ("help.again", "help.slower", "help.back")]
+
+
+def within(step: Primitive, capabilities: Capabilities) -> Primitive:
+    """The same step, no further than one step may go."""
+    limits = capabilities.limits
+    if step.distance_m is not None:
+        return replace(step, distance_m=min(step.distance_m, limits.step_m))
+    return replace(step, degrees=min(step.degrees, limits.step_deg)) if step.degrees is not None else step
 
 
 def _chain(capabilities: Capabilities) -> list[Primitive]:

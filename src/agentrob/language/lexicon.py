@@ -1,7 +1,8 @@
 """Words and what they mean to the grammar: the parts of speech, and cutting a text into them.
 
-A language is one file (`en.py`, `zh.py`) with a table from meanings to the phrases people use. A meaning is one or more
-symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" says verb and direction at once ("back up").
+A language is one file of the folder `tongues` with a table from meanings to the phrases people use. A meaning is one
+or more symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" says verb and direction at once ("back
+up").
 """
 
 from __future__ import annotations
@@ -10,8 +11,9 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from agentrob.language.spelling import misspellings
 from agentrob.model import Language
 
 
@@ -21,30 +23,37 @@ class Kind(StrEnum):
     MOVE = "move"  # a verb of going, in any direction
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
+    ALONG = "along"  # down, up: ahead, where a walk has no other direction
     OP = "op"  # a whole gesture or picture: "wave"
+    BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), wait
+    AGAIN = "again"  # what was done before, once more; value "back": the way back
+    BACK = "back"  # stands before a walk backward that, without a distance, is the way back
     NUMBER = "number"
     LENGTH_UNIT = "length_unit"  # value: metres
     ANGLE_UNIT = "angle_unit"  # value: degrees
     SPEED_UNIT = "speed_unit"  # value: metres per second
-    STEP_UNIT = "step_unit"  # a step has no length
-    TIME_UNIT = "time_unit"
+    STEP_UNIT = "step_unit"  # a step has no length, unless the robot has one
+    TIME_UNIT = "time_unit"  # value: seconds
     PER_SECOND = "per_second"  # 每秒 before the length
     LENGTH = "length"  # a number with its unit, in metres
     ANGLE = "angle"  # in degrees
     SPEED = "speed"  # in metres per second
     STEPS = "steps"
-    DURATION = "duration"
+    DURATION = "duration"  # in seconds
     HALF = "half"
-    AND_HALF = "and_half"  # "and a half"
+    AND_PART = "and_part"  # "and a half"; value: the part
     TIMES_UNIT = "times_unit"
     TIMES = "times"
     SHOW = "show"  # take, send, 拍: with a picture after it
     PICTURE = "picture"
-    OF = "of"  # what follows a picture is its subject and commands nothing
-    EACH = "each"  # "after each movement"
+    OF = "of"  # what follows a picture or a greeting is its subject and commands nothing
+    EACH = "each"  # "after each movement"; value: after which operation only
     VAGUE = "vague"  # "a bit"
-    SLOW = "slow"
+    SLOW = "slow"  # value "er": slower than before
+    FASTER = "faster"
     SOFT = "soft"  # politeness, hesitation, articles: carries nothing
+    THANKS = "thanks"  # the same; a name may follow
+    AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
     COMMA = "comma"  # separates clauses and ends a negation
     END = "end"  # ends a sentence
@@ -53,14 +62,18 @@ class Kind(StrEnum):
     WISH = "wish"  # we should, you can: what follows is wanted unless within talk
     TALK = "talk"  # opens a statement or question that commands nothing
     TALK_START = "talk_start"  # the same, but only where a clause begins
+    IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the whole sentence commands nothing
     CONDITION = "condition"  # if, until, or: beyond these rules
     NOT = "not"
+    NO = "no"  # "no" before a comma or after a motion: what follows corrects it
+    FIX = "fix"  # "no wait", 不对: what follows corrects what was said
+    CANCEL = "cancel"  # "never mind": what was posted before is not wanted any more
     HELP = "help"
     STATUS = "status"
     MORE_STOP = "stop"  # "and stop" at the end
     GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
-    WORD = "word"  # not known
+    WORD = "word"  # not known; value "number": one that cannot be told
 
 
 Value = float | str | None
@@ -88,30 +101,95 @@ class Piece(NamedTuple):
 NumberReader = Callable[[Sequence[Piece], int], tuple[float, int] | None]
 
 
+Meaning = tuple[tuple[Kind, Value], ...]
+
+
 @dataclass(frozen=True)
 class Lexicon:
-    """One language. `phrases` maps pieces to meanings, `number` reads its numerals."""
+    """One language. `phrases` maps pieces to meanings, `number` reads its numerals, which are written with `numerals`.
+
+    `misspelt` maps what people mistype to what they mean; `twins` maps a character to the one that it stands for.
+    """
 
     language: Language
-    phrases: Mapping[tuple[str, ...], tuple[tuple[Kind, Value], ...]]
+    phrases: Mapping[tuple[str, ...], Meaning]
     number: NumberReader
-    longest: int = field(init=False)
+    numerals: frozenset[str] = frozenset()
+    misspelt: Mapping[str, str] = field(default_factory=dict)
+    twins: Mapping[int, int] = field(default_factory=dict)
+    vocabulary: frozenset[str] = field(init=False)
+    #: Words that people begin, break off and say again: "turn ri right", "thir thirty degrees".
+    broken_off: frozenset[str] = field(init=False)
+    _tree: dict[str, Any] = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "longest", max(map(len, self.phrases)))
+        tree: dict[str, Any] = {}
+        for phrase, meaning in self.phrases.items():
+            at = tree
+            for word in phrase:
+                at = at.setdefault(word, {})
+            at[""] = meaning
+        said = frozenset(word for phrase in self.phrases for word in phrase) | self.numerals
+        directions = {phrase[0] for phrase, meaning in self.phrases.items() if meaning[-1][0] is Kind.DIR}
+        starts = frozenset(w[:n] for w in self.numerals | directions if w.isascii() for n in range(1, min(len(w), 4)))
+        object.__setattr__(self, "_tree", tree)
+        object.__setattr__(self, "vocabulary", said)
+        object.__setattr__(self, "broken_off", starts)
+
+    def longest(self, pieces: Sequence[Piece], at: int) -> tuple[int, Meaning | None]:
+        """The longest phrase at this place: (how many pieces, its meaning), or (0, None)."""
+        node, best, meaning = self._tree, 0, None
+        for here in range(at, len(pieces)):
+            if pieces[here].text not in node:
+                break
+            node = node[pieces[here].text]
+            if "" in node:
+                best, meaning = here + 1 - at, node[""]
+        return best, meaning
 
 
 def lexicon(
-    language: Language, table: Mapping[str, str], number: NumberReader, extends: Lexicon | None = None
+    language: Language,
+    table: Mapping[str, str],
+    number: NumberReader,
+    *,
+    numerals: frozenset[str] = frozenset(),
+    twins: Mapping[int, int] | None = None,
+    extends: Lexicon | None = None,
 ) -> Lexicon:
     """Build a language from its table; phrases are separated by | and written as people write them."""
     phrases = dict(extends.phrases) if extends else {}
-    for meaning, words in table.items():
+    for meaning, words in (*MARKS.items(), *table.items()):
         symbols = tuple(_symbol(s) for s in meaning.split())
         for phrase in words.replace("\n", " ").split("|"):
             if key := tuple(p.text for p in pieces_of(phrase)):
                 phrases[key] = symbols
-    return Lexicon(language, phrases, number)
+    known = {word for phrase in phrases for word in phrase} | numerals
+    wanted = {key[0] for key, symbols in phrases.items() if len(key) == 1 and symbols[0][0] in _SPELT}
+    mistakes = {wrong: right for right in sorted(wanted) for wrong in misspellings(right) if wrong not in known}
+    return Lexicon(language, phrases, number, numerals, mistakes, twins or {})
+
+
+#: Marks mean the same in every language.
+MARKS = {
+    "comma": ",|/|;|:|(|)|[|]|—|，|、|；|：|（|）|【|】",
+    "end": ".|!|…|。|！|．",
+    "asked end": "?|？",
+    "and": "&|+",
+}
+_SPELT = (Kind.MOVE, Kind.TURN, Kind.DIR, Kind.AGREE, Kind.OP, Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.PICTURE)
+
+
+_LONGEST_NUMBER = 15
+
+
+def digits(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
+    """A number in digits: "2", "0.5", "1/2"; none of more digits than anybody means."""
+    first = pieces[at].text
+    if len(first) > _LONGEST_NUMBER or first[-1] not in "0123456789" or first[0] not in "0123456789.":
+        return None
+    above, _, below = first.replace("⁄", "/").partition("/")
+    return float(above) / float(below or 1), 1
 
 
 def _symbol(text: str) -> tuple[Kind, Value]:
@@ -123,15 +201,14 @@ def _symbol(text: str) -> tuple[Kind, Value]:
 
 
 _PIECE = re.compile(
-    r"(?P<bad>\d+(?:,\d+)+(?:\.\d+)?|(?<!\w)[-−]\.?\d+|\d+[-–~]\d+|\d+[x×*^]\d+)"  # 1,500 · -2 · 2-3: not to be guessed
-    r"|\d+[/⁄][1-9]\d*|\d+(?:\.\d+)?(?![.]?\d)|\.\d+"
-    r"|[a-z]+(?:'[a-z]+)*"
+    # 1,500 · -2 · 2-3 · 2x3: not to be guessed
+    r"(?P<bad>[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?|(?<!\w)[-−]\.?[0-9]+|[0-9]+[-–~][0-9]+|[0-9]+[x×*^][0-9]+)"
+    r"|[0-9]+[/⁄][1-9][0-9]*|[0-9]+(?:\.[0-9]+)?(?![.]?[0-9])|\.[0-9]+"
+    r"|[^\W\d_\u3400-\u9fff]+(?:'[^\W\d_\u3400-\u9fff]+)*"
     r"|[\u3400-\u9fff]"
-    r"|[^\W\d_a-z\u3400-\u9fff]+"
     r"|[^\s\w]|\w",
-    re.ASCII,
 )
-_IGNORED_MARKS = frozenset("*_\"'“”‘’「」『』«»`-~#")
+_IGNORED_MARKS = frozenset("*_\"'“”‘’「」『』«»`-~#¡¿")
 _DASHES = frozenset("–—―")
 
 
@@ -160,41 +237,72 @@ def _same_length_lower(text: str) -> str:
     return lowered if len(lowered) == len(text) else "".join(c.lower() if len(c.lower()) == 1 else c for c in text)
 
 
-def tokens_of(text: str, words: Lexicon) -> list[Token]:
-    """Cut a text into tokens, the longest known phrase first; line ends separate like commas."""
+def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, str]]]:
+    """Cut a text into tokens, the longest known phrase first; line ends separate like commas.
+
+    Besides, the words that were taken for mistyped ones, each as (written, meant).
+    """
     found: list[Token] = []
-    pieces = pieces_of(text)
+    pieces, mistyped = _spelt(pieces_of(text.translate(words.twins) if words.twins else text), words)
     at = 0
     while at < len(pieces):
         if at and "\n" in text[pieces[at - 1].end : pieces[at].start]:
             found.append(Token(Kind.COMMA, None, pieces[at].start, pieces[at].start))
-        length, symbols = _longest_phrase(pieces, at, words)
+        length, meaning = words.longest(pieces, at)
         number = words.number(pieces, at)
-        if number and (number[1] > length or symbols[0][0] is Kind.WORD):
-            length, symbols = number[1], ((Kind.NUMBER, number[0]),)
+        if number and (meaning is None or number[1] > length):
+            length, meaning = number[1], ((Kind.NUMBER, number[0]),)
+        if meaning is None:
+            length = _hesitation(pieces, at, words)
+            odd = "number" if _is_number(pieces[at].text, words) else None
+            length, meaning = (length, ((Kind.SOFT, None),)) if length else (1, ((Kind.WORD, odd),))
         start, end = pieces[at].start, pieces[at + length - 1].end
-        found += (Token(kind, value, start, end) for kind, value in symbols)
+        found += (Token(kind, value, start, end) for kind, value in meaning)
         at += length
-    return found
+    return found, mistyped
 
 
-def _longest_phrase(pieces: Sequence[Piece], at: int, words: Lexicon) -> tuple[int, tuple[tuple[Kind, Value], ...]]:
-    """The longest phrase at this place: (how many pieces, meaning). What is not known is one piece of WORD."""
-    for length in range(min(words.longest, len(pieces) - at), 0, -1):
-        if meaning := words.phrases.get(tuple(p.text for p in pieces[at : at + length])):
-            return length, meaning
-    if _is_pictograph(pieces[at].text) or _is_stutter(pieces, at):
-        return 1, ((Kind.SOFT, None),)
-    return 1, ((Kind.WORD, None),)
+def _is_number(piece: str, words: Lexicon) -> bool:
+    """Whether a piece that nobody reads is some number: "1,500", "2-3", 两 of 两三米."""
+    return piece[0] in "\0.0123456789" or piece in words.numerals
 
 
-def _is_pictograph(piece: str) -> bool:
-    return len(piece) == 1 and ("\u2600" <= piece <= "\u27bf" or "\U0001f300" <= piece <= "\U0001faff")
+def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple[str, str]]]:
+    """With what was mistyped put right."""
+    wrong = {p.text: words.misspelt[p.text] for p in pieces if p.text in words.misspelt}
+    if not wrong:
+        return pieces, []
+    return [Piece(wrong.get(p.text, p.text), p.start, p.end) for p in pieces], list(wrong.items())
 
 
-def _is_stutter(pieces: Sequence[Piece], at: int) -> bool:
-    """A word begun and said again at once: "t turn", "yo to your", "ff four", "can can you"."""
-    text = re.sub(r"(.)\1+", r"\1", pieces[at].text)
-    if not (text.isascii() and text.isalpha() and len(text) <= 3):
+def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
+    """How many pieces here are no words but pictographs, or words begun and said again at once; 0 for none.
+
+    "t turn", "yo to your", "ff four"; before a number or direction also what began as another one: "fif ninety
+    degrees", "to the r left", "nin degree ninety degrees".
+    """
+    piece = pieces[at].text
+    if len(piece) == 1 and ("\u2600" <= piece <= "\u27bf" or "\U0001f300" <= piece <= "\U0001faff"):
+        return 1
+    if not (piece.isascii() and piece.isalpha() and len(piece) <= 12):
+        return 0
+    begun = re.sub(r"(.)\1+", r"\1", piece)
+    if len(begun) > 3:
+        return 0
+    if begun in words.broken_off and _is_unit(pieces, at + 1, words) and _replaces(pieces, at + 2, words):
+        return 2
+    again = any(following.text.startswith(begun) for following in pieces[at + 1 : at + 3])
+    return 1 if again or (begun in words.broken_off and _replaces(pieces, at + 1, words)) else 0
+
+
+def _is_unit(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
+    meaning = words.longest(pieces, at)[1]
+    return meaning is not None and meaning[0][0] in (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT)
+
+
+def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
+    """Whether a number or direction stands here."""
+    if at >= len(pieces):
         return False
-    return any(following.text.startswith(text) for following in pieces[at + 1 : at + 3])
+    meaning = words.longest(pieces, at)[1]
+    return words.number(pieces, at) is not None or (meaning is not None and meaning[-1][0] is Kind.DIR)

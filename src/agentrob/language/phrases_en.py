@@ -27,26 +27,45 @@ PHRASES = {
     "ask.frame": "{problem} I did not move. {understood}For example: {examples}",
     "ask.understood": "So far I understood: {steps}. ",
     "ask.words": "I did not understand {words}.",
-    "ask.place": "I do not know how to {words}: I find no places or things, I walk by distances and turn by angles.",
+    "ask.place": (
+        "I do not know how to {words}: that needs eyes, a vision model, which I do not have. "
+        "I find no places or things; I walk by distances and turn by angles."
+    ),
+    "ask.eyes": (
+        "{words}: that needs eyes, a vision model, which I do not have. "
+        "I find no places or things; I walk by distances and turn by angles."
+    ),
+    "ask.hands": "{words}: that is nothing I can do; I walk, turn, take photos and have a few gestures.",
+    "ask.wait": "{words}: I cannot wait between steps; each begins when the one before has ended.",
     "ask.distance": "How far? {words} has no distance, and I do not guess.",
     "ask.angle": "How far shall I turn? {words} does not say how many degrees.",
     "ask.turn": "Which way and how far shall I turn? {words} does not say.",
-    "ask.side": "To which side shall I turn? {words} does not say left or right.",
+    "ask.side": "To which side? {words} does not say left or right.",
     "ask.unit": "Which unit is meant in {words}? I know metres, centimetres, feet, inches and degrees.",
+    "ask.number": "I cannot tell which number is meant in {words}; please write it plainly, such as 1.5.",
     "ask.steps": "{words}: a step has no fixed length here; please say it in metres.",
-    "ask.duration": "{words}: I walk by distance, not by time; please say it in metres.",
+    "ask.turn_time": "{words}: I turn by angle, not by time; please say it in degrees.",
+    "ask.again": "{words}: there is nothing in this thread that I have done and could repeat or undo.",
+    "ask.again_which": "Which of the steps shall I repeat with {words}?",
+    "ask.again_how": "I do not know how {words} would change what was done before: {steps}.",
+    "ask.fix": "I cannot tell what {words} corrects; please say the whole command anew.",
     "ask.what": "What shall I do with {words}?",
     "ask.condition": "I cannot follow conditions or choices such as {words}; please say plainly what to do.",
     "ask.denial": "I cannot tell what {words} refers to.",
     "ask.question": "Is this a question or a command?",
     "ask.speed": "I cannot walk as {words} says; a speed is between 0.01 and 10 m/s.",
-    "ask.distance_bound": "That is no distance I can take: it must be more than 0 and at most {metres} m.",
+    "ask.distance_bound": "That is no distance I can take: a step must be more than 0 and at most {metres} m.",
     "ask.degrees_bound": "That is no angle I can take: it must be more than 0 and at most {degrees} degrees.",
     "ask.too_many": "That is too much for one command: at most {steps} steps, and at least one of each.",
     "ask.long": "That is longer than the {chars} characters I read; please say it shorter.",
     "ask.shared": "Please say once for each of us what to do.",
     # ---------------------------------------------------------------- assumptions that the reply states
     "note.turn_90": "{words} had no angle: taken as 90°.",
+    "note.own_speed": "I walk at my own speed; say one in m/s if you want another.",
+    "note.duration": "{words} is taken as {metres} m at {by} m/s.",
+    "note.steps": "{words} is taken as {metres} m, with {by} m a step.",
+    "note.again": "{words}: {steps}.",
+    "note.spelling": "{wrong} was read as {right}.",
     "note.turn_speed": "A speed was said for a turn: I turn at my own speed.",
     # ---------------------------------------------------------------- help
     "help.intro": (
@@ -56,11 +75,21 @@ PHRASES = {
     "help.do": "What I can do:",
     "help.example": "- `@{name} {sentence}`",
     "help.chain": "Several things in one post, in order:",
+    "help.more": "After that, in the same thread:",
+    "help.again": "again",
+    "help.slower": "the same but slower",
+    "help.back": "and now back",
     "help.stop": "To stop me at once, post `@{name} stop`. Everybody who is signed in may do that.",
     "help.limits": (
         "My limits: {step} m a step, {command} m, {seconds} s and {steps} steps a command, {speed} m/s. "
         "Beyond them I refuse and say why."
     ),
+    # ---------------------------------------------------------------- talk (see `talk.Talk`)
+    "talk.question": (
+        "I answer `status` and `help`. What I see I cannot tell without a vision model, but `take a photo` shows it."
+    ),
+    "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
+    "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",
     # ---------------------------------------------------------------- rights
     "refuse.suspended": "This account is suspended: it can neither command nor stop a robot.",
     "refuse.robot": "Robots do not take commands from robots.",

@@ -8,6 +8,8 @@ from itertools import groupby
 from agentrob.language.phrases import say
 from agentrob.model import Language, Op, Plan, Primitive
 
+_OUTLINED = 10
+
 
 def sentence(plan: Plan | Sequence[Primitive], language: Language) -> str:
     """All steps in order; equal ones together ("wave 2 times"). Empty for an empty plan."""
@@ -18,6 +20,11 @@ def sentence(plan: Plan | Sequence[Primitive], language: Language) -> str:
         one = step_sentence(step, language)
         parts.append(one if times == 1 else say("step.times", language, step=one, times=times))
     return say("step.joint", language).join(parts)
+
+
+def outline(steps: Sequence[Primitive], language: Language) -> str:
+    """The same, of at most ten steps."""
+    return sentence(steps[:_OUTLINED], language) + (" …" if len(steps) > _OUTLINED else "")
 
 
 def step_sentence(step: Primitive, language: Language) -> str:

@@ -9,16 +9,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from agentrob.language.clauses import Draft, Sentence
+from agentrob.language.again import MAX_STEPS, SLOW_MPS, Background, Unclear, once_more
+from agentrob.language.drafts import Draft, Sentence
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
+from agentrob.language.repairs import corrected, settled
 from agentrob.model import Direction, Language, Op, Primitive
 
 #: Bounds of the language, whatever a robot can do: beyond them something was misunderstood.
 MAX_DISTANCE_M = 100.0
 MAX_DEGREES = 3600.0
-MAX_STEPS = 100
-SLOW_MPS = 0.2
 SLOW_FROM_MPS, FAST_TO_MPS = 0.01, 10.0
 
 
@@ -29,24 +29,20 @@ class Reading:
     steps: list[Primitive]
     notes: list[str]
     problem: str = ""
-    picture_after_each: bool = False
+    picture_after: Kind | None = None
+    hint: Primitive | None = None  # what the first motion that is not understood might be
+
+    def object_to(self, problem: str) -> None:
+        self.problem = self.problem or problem
+
+    def note(self, note: str) -> None:
+        if note not in self.notes:
+            self.notes.append(note)
 
 
-def read(sentences: Sequence[Sentence], text: str, language: Language) -> Reading:
+def read(sentences: Sequence[Sentence], text: str, language: Language, background: Background) -> Reading:
     """Turn the drafts of a whole post into steps."""
-    reading = Reading([], [])
-    wants = any(sentence.drafts for sentence in sentences)
-    for sentence in sentences:
-        if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
-            continue
-        reading.problem = reading.problem or _doubt(sentence, wants, text, language)
-        for draft in _settle(sentence.drafts):
-            _add(reading, draft, text, language)
-    if len(reading.steps) > MAX_STEPS:
-        reading.problem = reading.problem or say("ask.too_many", language, steps=MAX_STEPS)
-    if reading.picture_after_each:
-        reading.steps = _after_each(reading.steps)
-    return reading
+    return _Maker(text, language, background).read(sentences)
 
 
 def _is_question(sentence: Sentence) -> bool:
@@ -63,145 +59,202 @@ def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> st
     if sentence.denial_unclear is not None and (wants or sentence.denial_joined):
         denial = sentence.denial_unclear
         return say("ask.denial", language, words=quote(text[denial.start : denial.end]))
+    if sentence.fix_unclear is not None and wants:
+        return say("ask.fix", language, words=quote(text[sentence.fix_unclear.start : sentence.fix_unclear.end]))
     if sentence.drafts and sentence.asked and not sentence.requested:
         return say("ask.question", language)
     return ""
 
 
-# ------------------------------------------------------------------ drafts that belong together
-def _settle(drafts: Sequence[Draft]) -> list[Draft]:
-    """Join afterthoughts to what they complete, and drop false starts."""
-    joined: list[Draft] = []
-    for draft in drafts:
-        if draft.verb is None and not draft.unknown and _completes(joined, draft):
-            continue
-        while joined and draft.joined and _is_false_start(joined[-1], draft):
-            joined.pop()
-        joined.append(draft)
-    return joined
-
-
-def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
-    """ "Turn right and take a photo, ninety degrees": an amount or side said late completes the last motion."""
-    last = next((d for d in reversed(drafts) if d.is_motion), None)
-    if last is None or last.verb is None or last.unknown or not extra.is_motion:
-        return False
-    if extra.direction is not None and last.direction not in (None, extra.direction):
-        return False
-    if extra.amount is not None and (last.amount is not None or not _belongs(last, extra)):
-        return False
-    if extra.amount is None and last.direction is not None:
-        return False
-    last.amount = last.amount or extra.amount
-    last.direction = last.direction or extra.direction
-    last.end = max(last.end, extra.end)
-    return True
-
-
-def _belongs(last: Draft, extra: Draft) -> bool:
-    is_angle = extra.amount is not None and extra.amount.kind in (Kind.ANGLE, Kind.NUMBER)
-    return is_angle if last.verb is Kind.TURN else not is_angle or last.direction not in _AHEAD
-
-
-def _is_false_start(start: Draft, again: Draft) -> bool:
-    """ "Move forward, uh, move three feet": the same begun twice without a pause, the first without an amount."""
-    if not start.is_motion or start.amount is not None or start.unknown or start.verb is None or not again.is_motion:
-        return False
-    if start.direction is None:
-        return start.verb is again.verb or again.verb is None
-    same = start.direction is again.direction or (again.direction is None and start.verb is again.verb)
-    if same and again.direction is None:
-        again.direction = start.direction
-    return same and (again.amount is not None)
-
-
-# ------------------------------------------------------------------ one draft
-def _add(reading: Reading, draft: Draft, text: str, language: Language) -> None:
-    said = text[draft.start : draft.end]
-    if draft.stop_word and reading.steps and not (draft.unknown or draft.amount or draft.direction):
-        return  # "walk 2 m and stop": it stops by itself
-    if draft.unknown or draft.stop_word:
-        # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
-        known_part = draft.is_motion or draft.stop_word or not draft.unknown
-        words = said if known_part else text[draft.unknown[0][0] : draft.unknown[-1][1]]
-        # "Go to the kitchen", "face the door": a place instead of an amount.
-        place = draft.verb in (Kind.MOVE, Kind.TURN) and draft.amount is None and bool(draft.unknown)
-        key = "ask.place" if place else "ask.words"
-        reading.problem = reading.problem or say(key, language, words=quote(words))
-        return
-    step, problem = (_motion(draft, said, language, reading.notes)) if draft.op is None else (Primitive(draft.op), "")
-    if draft.bare_picture:
-        step, problem = Primitive(Op.GET_FRONT_IMAGE), ""
-    if step is None:
-        reading.problem = reading.problem or problem
-        return
-    if not 1 <= draft.times <= MAX_STEPS:
-        reading.problem = reading.problem or say("ask.too_many", language, steps=MAX_STEPS)
-        return
-    if step.op is Op.GET_FRONT_IMAGE and not draft.counted and not draft.each and reading.steps[-1:] == [step]:
-        return  # "take a picture, take a picture": said twice, meant once
-    reading.picture_after_each |= draft.each
-    reading.steps += [step] * draft.times
-
-
-def _after_each(steps: Sequence[Primitive]) -> list[Primitive]:
-    picture = Primitive(Op.GET_FRONT_IMAGE)
-    return [x for step in steps if step != picture for x in (step, picture)]
-
-
 _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
+_PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
-def _motion(draft: Draft, said: str, language: Language, notes: list[str]) -> tuple[Primitive | None, str]:
+class _Maker:
+    """Makes steps of drafts, one after the other."""
+
+    def __init__(self, text: str, language: Language, background: Background) -> None:
+        self.text = text
+        self.language = language
+        self.background = background
+        self.reading = Reading([], [])
+
+    def read(self, sentences: Sequence[Sentence]) -> Reading:
+        reading = self.reading
+        wants = any(sentence.drafts for sentence in sentences)
+        drafts: list[Draft] = []
+        for sentence in sentences:
+            if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
+                continue
+            reading.object_to(_doubt(sentence, wants, self.text, self.language))
+            if drafts and sentence.cancelled:  # "Turn left. Never mind."
+                reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
+            drafts += settled(sentence.drafts)
+        drafts, unclear = corrected(drafts)
+        if unclear is not None:
+            reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        for draft in drafts:
+            self._add(draft)
+        if reading.picture_after is not None:
+            reading.steps = _after_each(reading.steps, reading.picture_after)
+        if len(reading.steps) > MAX_STEPS:
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+            del reading.steps[MAX_STEPS:]
+        return reading
+
+    def _say(self, key: str, words: str) -> str:
+        return say(key, self.language, words=quote(words))
+
+    def _add(self, draft: Draft) -> None:
+        reading, said = self.reading, self.text[draft.start : draft.end]
+        if draft.stop_word and reading.steps and not (draft.unknown or draft.amount or draft.direction):
+            return  # "walk 2 m and stop": it stops by itself
+        if draft.beyond:
+            reading.object_to(self._say(f"ask.{draft.beyond}", said))
+        elif draft.unknown or draft.stop_word:
+            reading.object_to(self._not_understood(draft, said))
+        elif draft.verb is Kind.AGAIN or (draft.back and draft.amount is None and self._is_way_back()):
+            self._again(draft, said)
+        else:
+            self._one(draft, said)
+
+    def _is_way_back(self) -> bool:
+        return bool(self.reading.steps or self.background.history) and not self.reading.problem
+
+    def _not_understood(self, draft: Draft, said: str) -> str:
+        if draft.stop_word and draft.amount and draft.amount.kind is Kind.DURATION:
+            return self._say("ask.wait", said)
+        if draft.odd_number:
+            return self._say("ask.number", said)
+        # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
+        known_part = draft.is_motion or draft.stop_word or not draft.unknown
+        words = said if known_part else self.text[draft.unknown[0][0] : draft.unknown[-1][1]]
+        # "Go to the kitchen", "face the door": a place instead of an amount.
+        place = draft.verb in (Kind.MOVE, Kind.TURN) and draft.amount is None and bool(draft.unknown)
+        return self._say("ask.place" if place else "ask.words", words)
+
+    def _again(self, draft: Draft, said: str) -> None:
+        reading = self.reading
+        if reading.problem:
+            return
+        try:
+            more, note = once_more(draft, said, reading.steps, self.background.history, self.language)
+        except Unclear as e:
+            reading.object_to(str(e))
+            return
+        if not all(_in_bounds(step) for step in more):
+            reading.object_to(self._say("ask.words", said))
+            return
+        reading.steps += more
+        reading.note(note)
+        if len(reading.steps) > MAX_STEPS:  # from here on it would only double
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+
+    def _one(self, draft: Draft, said: str) -> None:
+        reading = self.reading
+        step: Primitive | None
+        step, problem = (Primitive(draft.op), "") if draft.op else self._motion(draft, said)
+        if draft.bare_picture:
+            step, problem = _PICTURE, ""
+        if step is None:
+            reading.object_to(problem)
+            reading.hint = reading.hint or _hint(draft)
+        elif not 1 <= draft.times <= MAX_STEPS:
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+        elif draft.each is not None:
+            reading.picture_after = draft.each
+        elif step == _PICTURE and not draft.counted and reading.steps[-1:] == [step]:
+            pass  # "take a picture, take a picture": said twice, meant once
+        elif len(reading.steps) <= MAX_STEPS:
+            reading.steps += [step] * draft.times
+
+    # -------------------------------------------------------------- walks and turns
+    def _motion(self, draft: Draft, said: str) -> tuple[Primitive | None, str]:
+        kind = draft.amount.kind if draft.amount else None
+        value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+        if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not Kind.ANGLE:
+            return None, self._say("ask.what", said)
+        if draft.verb is Kind.TURN and draft.direction in _AHEAD:
+            return None, self._say("ask.words", said)
+        turns = draft.verb is Kind.TURN or kind is Kind.ANGLE
+        if kind is Kind.NUMBER and not (turns and value >= 5):
+            return None, self._say("ask.unit", said)
+        if turns:
+            return (None, self._say("ask.turn_time", said)) if kind is Kind.DURATION else self._turn(draft, value, said)
+        return self._move(draft, value, said)
+
+    def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
+        direction = draft.direction
+        if draft.amount is None:
+            if draft.vague or direction is None:
+                return None, self._say("ask.angle" if direction else "ask.turn", said)
+            degrees = 90.0
+            self.reading.note(self._say("note.turn_90", said))
+        if draft.slow or draft.faster or draft.speed_mps is not None:
+            self.reading.note(say("note.turn_speed", self.language))
+        if direction in _AHEAD:
+            return None, self._say("ask.words", said)
+        if direction is None and degrees % 180:
+            return None, self._say("ask.side", said)
+        if not 0 < degrees <= MAX_DEGREES:
+            most = min(MAX_DEGREES, can.limits.step_deg) if (can := self.background.can) else MAX_DEGREES
+            return None, say("ask.degrees_bound", self.language, degrees=f"{most:g}")
+        return Primitive(Op.TURN, direction or Direction.LEFT, degrees=round(degrees, 4)), ""
+
+    def _move(self, draft: Draft, value: float, said: str) -> tuple[Primitive | None, str]:
+        if draft.amount is None:
+            return None, self._say("ask.distance", said)
+        speed = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)
+        if speed is not None and not SLOW_FROM_MPS <= speed <= FAST_TO_MPS:
+            return None, self._say("ask.speed", said)
+        if draft.sideways and draft.direction is None:
+            return None, self._say("ask.side", said)
+        distance_m = value
+        if draft.amount.kind is Kind.DURATION:
+            speed = speed or min(self.background.pace_mps, SLOW_MPS if draft.slow else FAST_TO_MPS)
+            distance_m = speed * value
+            if 0 < distance_m <= MAX_DISTANCE_M:
+                self.reading.note(self._converted("note.duration", said, distance_m, speed))
+        elif draft.amount.kind is Kind.STEPS:
+            if self.background.step_m is None:
+                return None, self._say("ask.steps", said)
+            distance_m = self.background.step_m * value
+            self.reading.note(self._converted("note.steps", said, distance_m, self.background.step_m))
+        if not 0 < distance_m <= MAX_DISTANCE_M:
+            most = min(MAX_DISTANCE_M, can.limits.step_m) if (can := self.background.can) else MAX_DISTANCE_M
+            return None, say("ask.distance_bound", self.language, metres=f"{most:g}")
+        if draft.faster and speed is None:
+            self.reading.note(say("note.own_speed", self.language))
+        step = Primitive(Op.MOVE, draft.direction or Direction.FORWARD, distance_m=round(distance_m, 4))
+        return replace(step, speed_mps=speed), ""
+
+    def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
+        return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
+
+
+def _hint(draft: Draft) -> Primitive:
+    """A step of the kind that was meant, with what was said of it."""
     kind = draft.amount.kind if draft.amount else None
     value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
-    if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not Kind.ANGLE:
-        return None, say("ask.what", language, words=quote(said))
-    if draft.verb is Kind.TURN and draft.direction in _AHEAD:
-        return None, say("ask.words", language, words=quote(said))
-    turns = draft.verb is Kind.TURN or kind is Kind.ANGLE
-    if kind is Kind.NUMBER and not (turns and value >= 5):
-        return None, say("ask.unit", language, words=quote(said))
-    if kind is Kind.DURATION:
-        return None, say("ask.duration", language, words=quote(said))
-    if kind is Kind.STEPS:
-        return None, say("ask.steps", language, words=quote(said))
-    return _turn(draft, value, said, language, notes) if turns else _move(draft, value, said, language)
+    if draft.verb is Kind.TURN or kind is Kind.ANGLE:
+        degrees = value if kind in (Kind.ANGLE, Kind.NUMBER) and 5 <= value <= MAX_DEGREES else 90.0
+        return Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
+    metres = value if kind in (Kind.LENGTH, Kind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
+    usual = Direction.LEFT if draft.sideways else Direction.FORWARD
+    return Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
 
 
-def _note(notes: list[str], note: str) -> None:
-    if note not in notes:
-        notes.append(note)
+def _in_bounds(step: Primitive) -> bool:
+    speeds = step.speed_mps is None or SLOW_FROM_MPS <= step.speed_mps <= FAST_TO_MPS
+    return speeds and 0 < (step.distance_m or 1) <= MAX_DISTANCE_M and 0 < (step.degrees or 1) <= MAX_DEGREES
 
 
-def _turn(
-    draft: Draft, degrees: float, said: str, language: Language, notes: list[str]
-) -> tuple[Primitive | None, str]:
-    direction = draft.direction
-    if draft.amount is None:
-        if draft.vague or direction is None:
-            return None, say("ask.angle" if direction else "ask.turn", language, words=quote(said))
-        degrees = 90.0
-        _note(notes, say("note.turn_90", language, words=quote(said)))
-    if draft.slow or draft.speed_mps is not None:
-        _note(notes, say("note.turn_speed", language))
-    if direction in _AHEAD:
-        return None, say("ask.words", language, words=quote(said))
-    if direction is None and degrees not in (180.0, 360.0):
-        return None, say("ask.side", language, words=quote(said))
-    if not 0 < degrees <= MAX_DEGREES:
-        return None, say("ask.degrees_bound", language, degrees=f"{MAX_DEGREES:g}")
-    return Primitive(Op.TURN, direction or Direction.LEFT, degrees=round(degrees, 4)), ""
-
-
-def _move(draft: Draft, distance_m: float, said: str, language: Language) -> tuple[Primitive | None, str]:
-    if draft.amount is None:
-        return None, say("ask.distance", language, words=quote(said))
-    if not 0 < distance_m <= MAX_DISTANCE_M:
-        return None, say("ask.distance_bound", language, metres=f"{MAX_DISTANCE_M:g}")
-    speed = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)
-    if speed is not None and not SLOW_FROM_MPS <= speed <= FAST_TO_MPS:
-        return None, say("ask.speed", language, words=quote(said))
-    step = Primitive(Op.MOVE, draft.direction or Direction.FORWARD, distance_m=round(distance_m, 4))
-    return replace(step, speed_mps=speed), ""
+def _after_each(steps: Sequence[Primitive], after: Kind) -> list[Primitive]:
+    """A picture after every step, or after every walk or turn only, in place of those between."""
+    wanted = {Kind.MOVE: (Op.MOVE,), Kind.TURN: (Op.TURN,)}.get(after, tuple(op for op in Op))
+    pictured: list[Primitive] = []
+    for step in steps:
+        if step != _PICTURE:
+            pictured += [step, _PICTURE] if step.op in wanted else [step]
+    return pictured

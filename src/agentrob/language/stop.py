@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
 
+from agentrob.language.languages import known
 from agentrob.language.visible import OMITTED, mention_spans
 from agentrob.model import Intent
 
+_HAN = r"[\u3400-\u9fff]"
 _STOP_EN = """
 stop|stop it|stop that|stop this|stop there|stop here|stop everything|stop all|stop moving|stop walking|stop turning
 stop going|stop driving|stop the robot|stop the dog|full stop|stop motion|stop all motion|stop the motion|freeze
@@ -27,11 +31,13 @@ urgent|urgently|both|all of you|both of you|guys|i said|can you|could you|would 
 completely|here|there
 """
 _STOP_ZH = """
+停下來|別動|別動了|不要動|不許動|不准動|站著別動|停止移動|停止動作|別走了
 停|停下|停下来|停止|停住|停一下|停一停|停手|别动|别动了|不要动|不要动了|不许动|不准动|不动|站住|站着别动|定住|住手
 打住|别走了|不要走了|别再走了|停止移动|停止前进|停止运动|停止行走|停止动作|停止任务|停止一切|中止|终止|取消|暂停
 """
-_HALT_ZH = "急停|紧急停止|紧急停下|紧急停机|紧急制动"
+_HALT_ZH = "急停|緊急停止|緊急停下|紧急停止|紧急停下|紧急停机|紧急制动"
 _POLITE_ZH = """
+請|請你|快點|馬上|現在|麻煩|給我
 请|请你|麻烦|麻烦你|你|您|快|快点|赶快|赶紧|马上|立刻|立即|现在|给我|全部|都|吧|啊|呀|了|啦|嘛|哦|喂|嘿|嗨|好|好了
 不行|哎|哎呀|机器人|小狗|就|先|谢谢|原地
 """
@@ -42,15 +48,30 @@ def _phrases(*lists: str) -> frozenset[str]:
     return frozenset(phrase for words in lists for line in words.split("\n") for phrase in line.split("|") if phrase)
 
 
-_HALT = _phrases(_HALT_EN, _HALT_ZH)
-_STOP = _phrases(_STOP_EN, _STOP_ZH) | _HALT
-_POLITE = _phrases(_POLITE_EN, _POLITE_ZH)
-_LONGEST_EN = max(p.count(" ") for p in _STOP | _POLITE) + 1
-_LONGEST_ZH = max(len(p) for p in _phrases(_STOP_ZH, _HALT_ZH, _POLITE_ZH))
+@dataclass(frozen=True)
+class StopWords:
+    """The lists as sets; `of_any_language` adds what the files of further languages bring, and takes nothing away."""
 
-_HAN = r"[\u3400-\u9fff]"
-_CLAUSE_END = re.compile(r"[,;.!?:\n，。！？；、：…—–()]+|\s-+\s|\b(?:and|then|but|or)\b", re.IGNORECASE)
-_WORD = re.compile(rf"[a-z]+(?:['-][a-z]+)*|{_HAN}+|[^\s\w*_~'\"]|\w")
+    halt: frozenset[str]
+    stop: frozenset[str]
+    polite: frozenset[str]
+    longest: int
+    longest_han: int
+
+
+@cache
+def of_any_language() -> StopWords:
+    tongues = known().values()
+    halt = _phrases(_HALT_EN, _HALT_ZH, *(t.halt for t in tongues))
+    stop = _phrases(_STOP_EN, _STOP_ZH, *(t.stop for t in tongues)) | halt
+    polite = _phrases(_POLITE_EN, _POLITE_ZH, *(t.polite for t in tongues)) - stop
+    spaced = max(p.count(" ") for p in stop | polite) + 1
+    return StopWords(halt, stop, polite, spaced, max(len(p) for p in stop | polite if re.match(_HAN, p)))
+
+
+_CLAUSE_END = re.compile(r"[,;.!?¡¿:\n，。！？；、：…—–()]+|\s-+\s|\b(?:and|then|but|or)\b", re.IGNORECASE)
+_LETTER = r"[^\W\d_\u3400-\u9fff]"
+_WORD = re.compile(rf"{_LETTER}+(?:['-]{_LETTER}+)*|{_HAN}+|[^\s\w*_~'\"]|\w")
 _LONG_RUN = re.compile(r"([a-z])\1{2,}")
 
 
@@ -76,24 +97,26 @@ def _read_clause(clause: str) -> Intent | object | None:
         if phrase is None:
             return None
         said.append(phrase)
-    if any(phrase in _HALT for phrase in said):
+    lists = of_any_language()
+    if any(phrase in lists.halt for phrase in said):
         return Intent.HALT
-    return Intent.STOP if any(phrase in _STOP or phrase in _STOP_SYMBOLS for phrase in said) else _EMPTY
+    return Intent.STOP if any(phrase in lists.stop or phrase in _STOP_SYMBOLS for phrase in said) else _EMPTY
 
 
 def _segments(clause: str) -> Iterator[str | None]:
     """Cut a clause into stop words and politeness, longest first; None as soon as something else turns up."""
     plain = clause.casefold().replace("’", "'").replace(OMITTED, " ")
     words = [_LONG_RUN.sub(r"\1", word) for word in _WORD.findall(plain)]
+    lists = of_any_language()
     at = 0
     while at < len(words):
         if re.match(_HAN, words[at]):
             yield from _han_segments(words[at])
             at += 1
             continue
-        for length in range(min(_LONGEST_EN, len(words) - at), 0, -1):
+        for length in range(min(lists.longest, len(words) - at), 0, -1):
             phrase = " ".join(words[at : at + length])
-            if phrase in _STOP or phrase in _POLITE or phrase in _STOP_SYMBOLS:
+            if phrase in lists.stop or phrase in lists.polite or phrase in _STOP_SYMBOLS:
                 yield phrase
                 at += length
                 break
@@ -104,11 +127,12 @@ def _segments(clause: str) -> Iterator[str | None]:
 
 def _han_segments(run: str) -> Iterator[str | None]:
     """Chinese has no spaces: find any way to cut the whole run into known words, in time linear in its length."""
+    lists = of_any_language()
     word_before: list[str | None] = [""] + [None] * len(run)  # by position; None where no cutting leads
     for end in range(1, len(run) + 1):
-        for start in range(max(0, end - _LONGEST_ZH), end):
+        for start in range(max(0, end - lists.longest_han), end):
             word = run[start:end]
-            if word_before[start] is not None and (word in _STOP or word in _POLITE):
+            if word_before[start] is not None and (word in lists.stop or word in lists.polite):
                 word_before[end] = word
                 break
     at = len(run)

@@ -2,7 +2,9 @@
 
 Everything that can hide words is left out: headings, code, quotes, strikethrough, HTML and all text inside HTML
 elements, image descriptions, link targets, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether
-something is hidden (a tag or a quote never closed), the rest is left out too: a robot then does less, never more.
+something is hidden (a tag, a quote or, at the start of a block, a comment never closed), the rest is left out too: a
+robot then does less, never more. A `<!--` that is never closed within a line of text is no comment in Markdown: readers
+see it and what follows, so both count, and no grammar understands such a mark.
 Words left out of the middle of a line leave a mark (U+FFFC) that no grammar understands: "`don't` walk 1 m" is no
 command to walk.
 """

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from agentrob.language.grammar import parse
+from agentrob.language.again import Background
+from agentrob.language.grammar import parse, talk_of
+from agentrob.language.talk import Talk
 from agentrob.minds.mind import Listener
-from agentrob.model import Plan, Understanding
+from agentrob.model import Intent, Plan, Understanding
+
+#: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.
+PACE_MPS = 0.3
+_TALK: dict[Talk | None, Intent] = {Talk.CANCEL: Intent.CANCEL, Talk.QUESTION: Intent.QUESTION}
 
 
 class RulesMind:
@@ -15,4 +22,13 @@ class RulesMind:
     name = "rules"
 
     async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
-        return parse(text, listener.names, listener.others, listener.capabilities.ops)
+        can = listener.capabilities
+        pace_mps = min(PACE_MPS, can.limits.speed_mps)
+        background = Background(tuple(history), pace_mps, listener.step_m, can)
+        understood = parse(text, listener.names, listener.others, can.ops, background)
+        if understood.intent not in (Intent.NOTHING, Intent.COMMAND):
+            return understood
+        talk = talk_of(text, listener.names, listener.others)
+        if understood.intent is Intent.COMMAND:
+            return replace(understood, cancels=talk is Talk.CANCEL)
+        return replace(understood, intent=_TALK.get(talk, Intent.NOTHING), cancels=talk is Talk.CANCEL)

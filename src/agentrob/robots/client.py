@@ -15,6 +15,7 @@ from agentrob.config import runtime_dir
 from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.model import ActionResult, Capabilities, Outcome, Plan, Primitive, RobotState, StopResult
 from agentrob.robots import wire
+from agentrob.robots.wire import name_of
 
 RENEW_S = 0.2
 #: Beyond a step's own deadline: coming to rest, measuring, answering.
@@ -76,6 +77,15 @@ class DriverClient:
             except RobotError:
                 continue  # the driver may be slow for a moment: the lease itself decides
 
+    async def lost(self, lease: str) -> LeaseLost | None:
+        """None while the lease is good, else why it is not (`why`) and who ended it (`by`): ask after a step that a
+        stop has ended, whose result only says `stop`."""
+        try:
+            await self._call("PUT", f"/lease/{lease}", timeout_s=1.0)
+        except LeaseLost as e:
+            return e
+        return None
+
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         """Blocks until the step has ended. A refusal or a failure is a result; `LeaseLost` without a good lease."""
         body = {"lease": lease, "primitive": wire.encode(primitive), "deadline_s": deadline_s}
@@ -107,6 +117,8 @@ class DriverClient:
         await self.close()
 
     async def _call(self, method: str, path: str, body: Any = None, timeout_s: float = CALL_S) -> Any:
+        if self._http.is_closed:
+            raise RobotUnreachable(f"this client of {self.robot!r} has been closed")
         try:
             answer = await self._http.request(method, path, json=body, timeout=timeout_s)
         except (httpx2.TransportError, OSError) as e:
@@ -120,8 +132,10 @@ class DriverClient:
             problem = answer.json()
             code, detail = str(problem["code"]), str(problem["detail"])
         except (ValueError, KeyError, TypeError):
-            code, detail = "", f"the driver answered {answer.status_code}"
-        raise {"lease_lost": LeaseLost, "busy": RobotBusy}.get(code, RobotError)(detail)
+            problem, code, detail = {}, "", f"the driver answered {answer.status_code}"
+        if code == "lease_lost":
+            raise LeaseLost(detail, str(problem.get("why", "lease_lapsed")), name_of(str(problem.get("by", ""))))
+        raise (RobotBusy if code == "busy" else RobotError)(detail)
 
 
 def run_plan(

@@ -28,8 +28,9 @@ from agentrob.model import ActionResult, Primitive, RobotState, StopResult
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
 from agentrob.robots.lease import Leases
+from agentrob.robots.mark import Mark
 from agentrob.robots.robot import Robot
-from agentrob.robots.wire import encode
+from agentrob.robots.wire import encode, name_of
 
 log = logging.getLogger(__name__)
 
@@ -91,15 +92,15 @@ class Driver:
         `asked_s` is when it was asked for, by the monotonic clock; the latency counts from there.
         """
         asked_s = time.monotonic() if asked_s is None else asked_s
-        self.leases.end("stop")
+        self.leases.end("stop", by)
         late_ms = 1000 * (time.monotonic() - asked_s)
         result = self.guard.stop()
         log.warning("stop by %s: %s", by, result)
         return replace(result, latency_ms=round(result.latency_ms + late_ms, 3))
 
     def halt(self, by: str) -> StopResult:
-        self.leases.end("halt")
-        return self.guard.halt(by)
+        self.leases.end("halt", by)
+        return self.guard.halt(name_of(by))
 
     def release(self, by: str) -> None:
         self.guard.release(by)
@@ -147,10 +148,12 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
         signal.signal(number, lambda *_: ended.set())
     lock = lock_name(name, settings)
     with HostLock(lock, f"the robot {name!r}") as held, listening(path) as listener, _only_own_lines() as out:
-        halt = Halt((data or default_data_dir()) / "drivers" / f"{name}.halt")
-        driver = Driver(name, Guard(make_robot(settings), settings, halt))
+        folder = (data or default_data_dir()) / "drivers"
+        halt, mark = Halt(folder / f"{name}.halt"), Mark(folder / f"{name}.step")
+        driver = Driver(name, Guard(make_robot(settings), settings, halt, mark))
         try:
             threading.Thread(target=serve_stops, args=(held.socket, driver), name="stop-channel", daemon=True).start()
+            driver.guard.settle()
             with Service(driver, listener):
                 ready = {"ready": "driver", "robot": name, "socket": str(path), "lock": lock, "pid": os.getpid()}
                 print(json.dumps(ready), file=out, flush=True)
@@ -224,7 +227,7 @@ def _serve_stop(connection: socket.socket, driver: Driver) -> None:
     with connection, contextlib.suppress(OSError):
         connection.settimeout(LINE_S)
         word, _, who = connection.makefile("r", encoding="utf-8", errors="replace").readline(200).strip().partition(" ")
-        who = who.strip()[:100] or "somebody local"
+        who = name_of(who) or "somebody local"
         if word in ("stop", "halt"):
             answer = encode(driver.stop(who) if word == "stop" else driver.halt(who))
         else:

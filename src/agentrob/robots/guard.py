@@ -10,7 +10,8 @@ Covered, before a step and 20 times a second while it runs:
 - an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
   (a simulated robot that homes itself at start does so again once it stands still);
 - a mode or a motion that we did not command: that is a halt; damping always is, also during a gesture. A robot that is
-  damped already when we come is not moved until somebody made it stand.
+  damped already when we come is not moved until somebody made it stand;
+- a driver that was killed during a step: the next one stops the robot first, and what dies down within 2 s is no halt.
 
 Not covered:
 - people, animals, and all that is below, above or between the four range beams: stairs, cables, glass, table edges;
@@ -35,8 +36,9 @@ from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primit
 from agentrob.robots.fence import Fence, ahead
 from agentrob.robots.halt import Halt
 from agentrob.robots.limits import beyond_limits
+from agentrob.robots.mark import Mark
 from agentrob.robots.motion import known
-from agentrob.robots.odometry import DAMPING, Hands, Odometry
+from agentrob.robots.odometry import DAMPING, WALKS, Hands, Odometry
 from agentrob.robots.ranges import STOPPING_S, Ranges
 from agentrob.robots.robot import Robot, Watch
 
@@ -53,12 +55,17 @@ Refusal = tuple[str, str]  # (stable word, sentence)
 
 
 class Guard:
-    """See `agentrob.robots.robot.Robot`. Starts a thread that watches the robot also while nothing runs."""
+    """See `agentrob.robots.robot.Robot`. Starts a thread that watches the robot also while nothing runs.
 
-    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt) -> None:
+    `mark` is written while a step runs. When it was left by a guard that died within one, call `settle` first.
+    """
+
+    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt, mark: Mark | None = None) -> None:
         self.capabilities: Capabilities = robot.capabilities
         self._robot, self._settings, self._halt = robot, settings, halt
-        self._ranges, self._odometry, self._hands = Ranges(), Odometry(), Hands()
+        self._mark = mark or Mark(None)
+        self._ranges, self._hands = Ranges(), Hands()
+        self._odometry = Odometry(getattr(robot, "time_scale", 1.0))
         self._fence: Fence | None = None
         self._homes_itself = settings.simulated and settings.home_on_start
         self._stepping = threading.Lock()
@@ -67,6 +74,9 @@ class Guard:
         self._stops = 0
         self._sentence = self._lost_home = ""
         self._closed = threading.Event()
+        self._left = self._mark.left()
+        if self._left is not None:
+            self._hands.inherit(time.monotonic(), *self._left)
         self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
         self._observer.start()
 
@@ -92,6 +102,13 @@ class Guard:
         self._stops += 1
         self._hands.ours(time.monotonic())
         return self._robot.stop()
+
+    def settle(self) -> None:
+        """Stop the robot and wait for its rest (at most 3 s) when the guard before this one died within a step."""
+        if self._left is not None:
+            stopped = self._robot.stop()  # not `stop`: what the robot's mode does meanwhile is not taken for ours
+            log.warning("the driver before this one died during %s; stopped the robot: %s", self._left.op, stopped)
+        self._mark.clear()
 
     def close(self) -> None:
         self._closed.set()
@@ -147,7 +164,11 @@ class Guard:
         if refusal:
             return _refused(primitive, *refusal)
         self._sentence, self._running = "", primitive
-        result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
+        self._mark.begin(primitive.op, self._robot.state().mode)
+        try:
+            result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
+        finally:
+            self._mark.end()
         self._hands.ours(time.monotonic())
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
         return replace(result, primitive=primitive, message=message)
@@ -228,6 +249,7 @@ class Guard:
 
     def _danger(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
         state = sound(state)
+        self._mark.beat(state.mode)
         self._see(state)
         if self._halt.why is not None:
             return "halted", self._halt.why
@@ -265,7 +287,7 @@ class Guard:
                 self._fence, self._lost_home = None, f"Home is void: {why}."
                 log.warning("%s", self._lost_home)
             running = self._running
-            walking = running is not None and running.op in (Op.MOVE, Op.TURN)
+            walking = running is not None and running.op in WALKS
             foreign = self._hands.see(now_s, state, walking=walking, gesturing=running is not None and not walking)
         if foreign and self._halt.why is None:
             self._halt.set("the guard", foreign + ".")  # at once; the thread below stops and writes it down

@@ -6,10 +6,27 @@ import math
 import secrets
 import threading
 import time
+from typing import NamedTuple
 
 from agentrob.errors import LeaseLost, RobotBusy
+from agentrob.robots.wire import name_of
 
 TTL_S = 1.0
+
+
+class End(NamedTuple):
+    """Why what was held or accepted before is over: a stable word, and who ended it (empty: nobody)."""
+
+    why: str
+    by: str = ""
+
+    @property
+    def said(self) -> str:
+        """`by a stop of NAME`, `by a shutdown`: whoever reads sentences finds the word here."""
+        return f"by a {self.why} of {self.by}" if self.by else f"by a {self.why}"
+
+
+LAPSED = End("lease_lapsed")
 
 
 class Leases:
@@ -19,8 +36,8 @@ class Leases:
         self.ttl_s = ttl_s
         self._lock = threading.Lock()
         self._lease, self._holder, self._until_s = "", "", 0.0
-        self._ended: tuple[str, str] = ("", "")  # (lease, why) of the last one that ended before its time
-        self._last_end: tuple[float, str] = (-math.inf, "")  # (monotonic seconds, why), also when nobody held a lease
+        self._ended: tuple[str, End] = ("", LAPSED)  # (lease, end) of the last one that ended before its time
+        self._last_end: tuple[float, End] = (-math.inf, LAPSED)  # (monotonic seconds, end), also without a lease
 
     @property
     def holder(self) -> str | None:
@@ -45,8 +62,8 @@ class Leases:
     def renew(self, lease: str) -> None:
         """Another second. `LeaseLost` says why not."""
         with self._lock:
-            if (why := self.lost(lease)) is not None:
-                raise LeaseLost(self.sentence(why))
+            if (end := self._end_of(lease)) is not None:
+                raise LeaseLost(self.sentence(end), end.why, end.by)
             self._until_s = time.monotonic() + self.ttl_s
 
     def give_back(self, lease: str) -> None:
@@ -54,27 +71,33 @@ class Leases:
             if lease and lease == self._lease:
                 self._lease = ""
 
-    def end(self, why: str) -> None:
+    def end(self, why: str, by: str = "") -> None:
         """Take the lease away from whoever has it (a stop does), and from what was accepted before now."""
+        end = End(why, name_of(by))
         with self._lock:
-            self._last_end = (time.monotonic(), why)
+            self._last_end = (time.monotonic(), end)
             if self._lease:
-                self._ended, self._lease = (self._lease, why), ""
+                self._ended, self._lease = (self._lease, end), ""
 
     def refuse_ended(self, since_s: float) -> None:
         """`LeaseLost` when a stop or a halt came at or after `since_s`."""
-        ended_s, why = self._last_end
+        ended_s, end = self._last_end
         if ended_s >= since_s:
-            raise LeaseLost(f"what was accepted before was ended by a {why}; only a later command moves the robot")
+            sentence = f"what was accepted before was ended {end.said}; only a later command moves the robot"
+            raise LeaseLost(sentence, end.why, end.by)
 
     def lost(self, lease: str) -> str | None:
         """None while the lease is good, else a stable word: `lease_lapsed`, or why it was ended."""
+        end = self._end_of(lease)
+        return end and end.why
+
+    def _end_of(self, lease: str) -> End | None:
         if lease and lease == self._lease and time.monotonic() < self._until_s:
             return None
-        return self._ended[1] if lease and lease == self._ended[0] else "lease_lapsed"
+        return self._ended[1] if lease and lease == self._ended[0] else LAPSED
 
     @staticmethod
-    def sentence(why: str) -> str:
-        if why == "lease_lapsed":
+    def sentence(end: End) -> str:
+        if end == LAPSED:
             return "the lease lapsed, was given back or never existed; take a new one"
-        return f"the lease was ended by a {why}; take a new one"
+        return f"the lease was ended {end.said}; take a new one"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from agentrob.model import Pose, RobotState
+from agentrob.model import Op, Pose, RobotState
 from agentrob.robots.motion import wrap
 
 #: Between two looks a pose may change by slack + speed x time; more is a jump.
@@ -21,7 +21,9 @@ STILL_S = 0.3
 class Odometry:
     """`see` each state; `still` says whether the robot has kept its place for a moment."""
 
-    def __init__(self) -> None:
+    def __init__(self, time_scale: float = 1.0) -> None:
+        """`time_scale`: how much faster than life a fake robot goes; where its steps take no time, 1."""
+        self._time_scale = time_scale if math.isfinite(time_scale) else 1.0
         self._last: tuple[float, Pose] | None = None
         self._came_s: float | None = None  # when the newest state came
         self._anchor: tuple[float, Pose] | None = None
@@ -41,7 +43,7 @@ class Odometry:
         if silent_s > REBOOT_GAP_S:
             return f"no state came for {silent_s:.0f} s, and the robot may have been restarted"
         distance_m, angle_rad = _apart(last[1], state.pose)
-        dt = min(now_s - last[0], LOOK_S)
+        dt = min(now_s - last[0], LOOK_S) * self._time_scale
         if distance_m > SLACK_M + PLAUSIBLE_MPS * dt or angle_rad > SLACK_RAD + PLAUSIBLE_RPS * dt:
             return f"its odometry jumped by {distance_m:.2f} m and {math.degrees(angle_rad):.0f}°"
         return None
@@ -59,6 +61,7 @@ def _same_place(a: Pose, b: Pose) -> bool:
     return distance_m < 0.02 and angle_rad < 0.05
 
 
+WALKS = (Op.MOVE, Op.TURN)
 #: Limp: only an operator or the robot's own hardware stop does that; no step of ours ever does.
 DAMPING = "damping"
 #: Modes into which a robot does not go by itself while we do nothing.
@@ -67,6 +70,11 @@ FOREIGN_MODES = frozenset({DAMPING, "locked", "lying", "sitting", "gesture"})
 OURS_S = 3.0
 #: Faster than this for `MOVED_S` without a step of ours is somebody else's hand.
 MOVED_MPS, MOVED_S = 0.2, 0.5
+#: A walk that a killed driver left behind is stopped at once and has died down after so long.
+DECAY_S = 2.0
+#: A gesture that it left behind may go on for so long; these are the modes that it shows or ends in.
+GESTURE_S = 10.0
+GESTURE_MODES = {Op.SIT: frozenset({"gesture", "sitting"}), Op.STAND: frozenset({"gesture", "locked"})}
 
 
 class Hands:
@@ -74,10 +82,22 @@ class Hands:
 
     def __init__(self) -> None:
         self._mode, self._ours_until_s, self._slow_s = "", -math.inf, -math.inf
+        self._decays_until_s = self._gesture_until_s = -math.inf
+        self._gesture_modes: frozenset[str] = frozenset()
 
     def ours(self, now_s: float) -> None:
         """We move the robot, now."""
         self._ours_until_s = now_s + OURS_S
+
+    def inherit(self, now_s: float, op: Op, mode: str) -> None:
+        """A driver before us died in a step, and saw the robot in `mode` last: motion that dies down is ours.
+
+        A mode that the step does not lead to is a foreign hand as ever, and so is damping.
+        """
+        self._mode, self._decays_until_s = mode, now_s + DECAY_S
+        if op not in WALKS:
+            self._gesture_until_s = now_s + GESTURE_S
+            self._gesture_modes = GESTURE_MODES.get(op, frozenset({"gesture"}))
 
     def see(self, now_s: float, state: RobotState, *, walking: bool, gesturing: bool) -> str | None:
         """A sentence when somebody else changed what the robot does."""
@@ -89,10 +109,11 @@ class Hands:
         ours = now_s < self._ours_until_s
         changed = bool(before) and state.mode != before and state.mode in FOREIGN_MODES
         damped = bool(before) and state.mode != before and state.mode == DAMPING  # never ours, whatever we do meanwhile
-        if damped or (changed and (walking or not ours) and not gesturing):
+        inherited = now_s < self._gesture_until_s and state.mode in self._gesture_modes
+        if damped or (changed and (walking or not ours) and not (gesturing or inherited)):
             return f"the robot went from {before} to {state.mode}, which we did not command"
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
-        if ours or speed_mps < MOVED_MPS or state.age_s > MOVED_S:
+        if ours or now_s < self._decays_until_s or speed_mps < MOVED_MPS or state.age_s > MOVED_S:
             self._slow_s = now_s
         elif now_s - self._slow_s > MOVED_S:
             self._slow_s = now_s

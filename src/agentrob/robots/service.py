@@ -18,7 +18,7 @@ from starlette.responses import JSONResponse
 from starlette.routing import Route
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError
-from agentrob.robots.wire import decode_primitive, encode
+from agentrob.robots.wire import decode_primitive, encode, name_of
 
 if TYPE_CHECKING:
     from agentrob.robots.driver import Driver
@@ -50,8 +50,8 @@ async def in_thread(work: Callable[[], T]) -> T:
     return await future
 
 
-def _problem(status: int, code: str, message: str) -> JSONResponse:
-    return JSONResponse({"status": status, "code": code, "detail": message}, status)
+def _problem(status: int, code: str, message: str, **more: str) -> JSONResponse:
+    return JSONResponse({"status": status, "code": code, "detail": message, **more}, status)
 
 
 async def _body(request: Request) -> dict[str, Any]:
@@ -66,9 +66,9 @@ async def _body(request: Request) -> dict[str, Any]:
 
 def _text(data: dict[str, Any], key: str) -> str:
     value = data.get(key)
-    if not isinstance(value, str) or not value.strip():
+    if not isinstance(value, str) or not (text := name_of(value)):
         raise RobotError(f"{key!r} must be a text that is not empty")
-    return value.strip()[:100]
+    return text
 
 
 def _since(data: dict[str, Any]) -> float | None:
@@ -91,69 +91,87 @@ async def _who(request: Request) -> str:
 
 def app(driver: Driver) -> Starlette:
     """The routes of one driver."""
+    face = _Face(driver)
+    routes = (
+        ("/capabilities", "GET", face.capabilities),
+        ("/state", "GET", face.state),
+        ("/lease", "POST", face.take),
+        ("/lease/{lease}", "PUT", face.renew),
+        ("/lease/{lease}", "DELETE", face.give_back),
+        ("/step", "POST", face.step),
+        ("/stop", "POST", face.stop),
+        ("/halt", "POST", face.halt),
+        ("/release", "POST", face.release),
+        ("/home", "POST", face.home),
+    )
+    return Starlette(routes=[Route(path, _translated(answer), methods=[method]) for path, method, answer in routes])
 
-    async def capabilities(_: Request) -> JSONResponse:
-        return JSONResponse(encode(driver.guard.capabilities))
 
-    async def state(_: Request) -> JSONResponse:
-        holder = driver.leases.holder
+class _Face:
+    """One method per route."""
+
+    def __init__(self, driver: Driver) -> None:
+        self.driver = driver
+
+    async def capabilities(self, _: Request) -> JSONResponse:
+        return JSONResponse(encode(self.driver.guard.capabilities))
+
+    async def state(self, _: Request) -> JSONResponse:
+        holder = self.driver.leases.holder
         lease = None if holder is None else {"holder": holder}
-        return JSONResponse({**encode(driver.state()), "lease": lease, "busy": driver.busy})
+        return JSONResponse({**encode(self.driver.state()), "lease": lease, "busy": self.driver.busy})
 
-    async def take(request: Request) -> JSONResponse:
+    # ------------------------------------------------------------------ who may move it
+    async def take(self, request: Request) -> JSONResponse:
         data = await _body(request)
         holder, since_s = _text(data, "holder"), _since(data)
-        lease = await in_thread(lambda: driver.take(holder, since_s))
-        return JSONResponse({"lease": lease, "ttl_s": driver.leases.ttl_s})
+        lease = await in_thread(lambda: self.driver.take(holder, since_s))
+        return JSONResponse({"lease": lease, "ttl_s": self.driver.leases.ttl_s})
 
-    async def renew(request: Request) -> JSONResponse:
-        driver.leases.renew(request.path_params["lease"])
-        return JSONResponse({"ttl_s": driver.leases.ttl_s})
+    async def renew(self, request: Request) -> JSONResponse:
+        self.driver.leases.renew(request.path_params["lease"])
+        return JSONResponse({"ttl_s": self.driver.leases.ttl_s})
 
-    async def give_back(request: Request) -> JSONResponse:
-        driver.leases.give_back(request.path_params["lease"])
+    async def give_back(self, request: Request) -> JSONResponse:
+        self.driver.leases.give_back(request.path_params["lease"])
         return JSONResponse({})
 
-    async def step(request: Request) -> JSONResponse:
+    # ------------------------------------------------------------------ motion and stop
+    async def step(self, request: Request) -> JSONResponse:
         data = await _body(request)
         lease, primitive = _text(data, "lease"), decode_primitive(data.get("primitive"))
         deadline_s = data.get("deadline_s")
         if not isinstance(deadline_s, int | float) or not math.isfinite(deadline_s):
             raise RobotError("'deadline_s' must be a number of seconds")
-        return JSONResponse(encode(await in_thread(lambda: driver.step(lease, primitive, deadline_s))))
+        stepping = asyncio.ensure_future(in_thread(lambda: self.driver.step(lease, primitive, deadline_s)))
+        gone = asyncio.ensure_future(request.receive())  # after the body only the end of the connection can come
+        try:
+            await asyncio.wait({stepping, gone}, return_when=asyncio.FIRST_COMPLETED)
+            if not stepping.done():  # whoever asked for it is dead: sooner than by the lease that lapses
+                self.driver.leases.give_back(lease)
+            return JSONResponse(encode(await stepping))
+        finally:
+            gone.cancel()
 
-    async def stop(request: Request) -> JSONResponse:
+    async def stop(self, request: Request) -> JSONResponse:
         asked_s = time.monotonic()
         by = await _who(request)
-        return JSONResponse(encode(await in_thread(lambda: driver.stop(by, asked_s))))
+        return JSONResponse(encode(await in_thread(lambda: self.driver.stop(by, asked_s))))
 
-    async def halt(request: Request) -> JSONResponse:
+    async def halt(self, request: Request) -> JSONResponse:
         by = await _who(request)
-        return JSONResponse(encode(await in_thread(lambda: driver.halt(by))))
+        return JSONResponse(encode(await in_thread(lambda: self.driver.halt(by))))
 
-    async def release(request: Request) -> JSONResponse:
+    # ------------------------------------------------------------------ the owner's
+    async def release(self, request: Request) -> JSONResponse:
         by = _text(await _body(request), "by")
-        await in_thread(lambda: driver.release(by))
+        await in_thread(lambda: self.driver.release(by))
         return JSONResponse({})
 
-    async def home(request: Request) -> JSONResponse:
+    async def home(self, request: Request) -> JSONResponse:
         by = _text(await _body(request), "by")
-        await in_thread(lambda: driver.home(by))
+        await in_thread(lambda: self.driver.home(by))
         return JSONResponse({})
-
-    routes = [
-        Route("/capabilities", _translated(capabilities)),
-        Route("/state", _translated(state)),
-        Route("/lease", _translated(take), methods=["POST"]),
-        Route("/lease/{lease}", _translated(renew), methods=["PUT"]),
-        Route("/lease/{lease}", _translated(give_back), methods=["DELETE"]),
-        Route("/step", _translated(step), methods=["POST"]),
-        Route("/stop", _translated(stop), methods=["POST"]),
-        Route("/halt", _translated(halt), methods=["POST"]),
-        Route("/release", _translated(release), methods=["POST"]),
-        Route("/home", _translated(home), methods=["POST"]),
-    ]
-    return Starlette(routes=routes)
 
 
 def _translated(answer: Answer) -> Answer:
@@ -163,7 +181,7 @@ def _translated(answer: Answer) -> Answer:
         try:
             return await answer(request)
         except LeaseLost as e:
-            return _problem(409, "lease_lost", str(e))
+            return _problem(409, "lease_lost", str(e), why=e.why, by=e.by)
         except RobotBusy as e:
             return _problem(409, "busy", str(e))
         except RobotError as e:

@@ -10,7 +10,7 @@ from agentrob.config import RobotConfig
 from agentrob.errors import RobotError, RobotUnreachable
 from agentrob.model import StopResult
 from agentrob.robots.driver import lock_name
-from agentrob.robots.wire import decode_stop
+from agentrob.robots.wire import decode_stop, name_of
 
 #: A robot may take 3 s to come to rest before its driver answers.
 ANSWER_S = 5.0
@@ -34,7 +34,7 @@ def stop_driver(lock: str, by: str) -> StopResult:
 def _tell(lock: str, word: str, by: str) -> StopResult:
     try:
         with hostlock.connect(lock, ANSWER_S) as s:
-            s.sendall(f"{word} {' '.join(by.split())[:100]}\n".encode())
+            s.sendall(f"{word} {name_of(by)}\n".encode())
             line = s.makefile("r", encoding="utf-8").readline()
     except OSError as e:
         raise RobotUnreachable(f"no driver answers at {lock} ({type(e).__name__}): use the robot's own stop") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import unicodedata
 from dataclasses import asdict
 from typing import Any, TypeVar
 
@@ -12,6 +13,8 @@ from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Primitive, RobotState, StopResult
 
 T = TypeVar("T")
+
+NAME_CHARACTERS = 100
 
 _PRIMITIVE = TypeAdapter(Primitive)
 _CAPABILITIES = TypeAdapter(Capabilities)
@@ -38,6 +41,16 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and value - value != 0.0:  # infinity and NaN are not JSON
         return None
     return None if isinstance(value, bytes) else value
+
+
+def name_of(text: str) -> str:
+    """What somebody called themselves, in one line of at most 100 characters without control or invisible ones.
+
+    It stays untrusted text; whoever shows it to people must still disarm it.
+    """
+    visible = "".join(" " if unicodedata.category(c) in ("Cc", "Zl", "Zp") else c for c in text[:1000])
+    kept = "".join(c for c in visible if unicodedata.category(c)[0] != "C")
+    return " ".join(kept.split())[:NAME_CHARACTERS].strip()
 
 
 def decode_primitive(data: Any) -> Primitive:

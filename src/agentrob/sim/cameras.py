@@ -127,17 +127,23 @@ class GlRenderer:
 
 
 def place_cameras(model: Any, data: Any, pose: Array) -> None:
-    """Put a pose (nq,) into data far enough for drawing."""
-    data.qpos[:] = pose
+    """Put a world's pose (nq + 3,) into data far enough for drawing."""
+    data.qpos[:] = pose[: model.nq]
+    data.mocap_pos[:] = pose[model.nq :].reshape(data.mocap_pos.shape)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_camlight(model, data)
 
 
 def choose_backend() -> str:
-    """`egl`, `osmesa` or `ray`: what `MUJOCO_GL` says, else the first that works here."""
+    """`egl`, `osmesa` or `ray`.
+
+    With `MUJOCO_GL=egl` or `osmesa` that one, if it works here; with `off` or `disable` rays, for which nothing of GL
+    is loaded; else the first of `egl` and `osmesa` that works, and rays when none does. (`MUJOCO_GL` is MuJoCo's own
+    variable: some other words make `import mujoco` itself fail, `ray` among them.)
+    """
     wanted = os.environ.get("MUJOCO_GL", "").lower()
-    if wanted in ("ray", "off", "disable", "disabled", "0", "false"):
+    if wanted in ("off", "disable", "disabled", "0", "false"):
         return "ray"
     tried = (wanted,) if wanted in gl_probe.BACKENDS else gl_probe.BACKENDS
     return next((b for b in tried if gl_probe.works(b)), "ray")

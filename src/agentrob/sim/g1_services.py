@@ -18,6 +18,7 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 from unitree_sdk2py.idl.unitree_hg.msg.dds_ import LowState_
 
 from agentrob.sim import sensors
+from agentrob.sim.faults import Faults
 from agentrob.sim.g1 import G1
 from agentrob.sim.g1_sport import G1Sport
 from agentrob.sim.go2_services import GET_IMAGE_SAMPLE, Station
@@ -38,6 +39,7 @@ class G1Services:
         self._inertia = sensors.Inertia(body, rng, noisy)
         self._velocity_noise = sensors.VELOCITY_NOISE_MPS if noisy else 0.0
         self._ticks = 0
+        self._faults = Faults(body.name)
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = unitree_hg_msg_dds__LowState_()
         self._state_out = node.writer("rt/odommodestate", SportModeState_)
@@ -77,12 +79,19 @@ class G1Services:
         """The world was put back: odometry starts again at zero, as after a restart of the robot."""
         self._sport.reset()
         self._odometry.reset()
+        self.fail(Faults(self._body.name))
+
+    def fail(self, faults: Faults) -> None:
+        """Sense wrongly from now on, until told otherwise. It has no ranges that could fail."""
+        self._faults = faults
+        self._odometry.jump(*faults.jump_m)
 
     def after_tick(self) -> None:
         """Once per tick, after the physics: sense and publish."""
         self._odometry.update()
         self._fill_state()
-        self._state_out.write(self._state)
+        if not self._faults.silent:
+            self._state_out.write(self._state)
         if self._ticks % LOW_EVERY == 0:
             self._fill_low()
             self._low_out.write(self._low)

@@ -17,6 +17,7 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 
 from agentrob.sim import sensors
 from agentrob.sim.cameras import Cameras
+from agentrob.sim.faults import Faults
 from agentrob.sim.go2 import Go2
 from agentrob.sim.ledger import Ledger
 from agentrob.sim.legged import Array
@@ -57,6 +58,8 @@ class Go2Services:
         self._battery = sensors.Battery()
         self._velocity_noise = sensors.VELOCITY_NOISE_MPS if noisy else 0.0
         self._warmth = np.full(len(body.build.joints), AMBIENT_C)
+        self._faults = Faults(body.name)
+        self._stuck: list[float] | None = None  # what the ranges say for ever
         self._ticks = 0
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = unitree_go_msg_dds__LowState_()
@@ -100,6 +103,13 @@ class Go2Services:
         """The world was put back: odometry starts again at zero, as after a restart of the robot."""
         self._sport.reset()
         self._odometry.reset()
+        self.fail(Faults(self._body.name))
+
+    def fail(self, faults: Faults) -> None:
+        """Sense wrongly from now on, until told otherwise."""
+        self._faults = faults
+        self._stuck = None
+        self._odometry.jump(*faults.jump_m)
 
     def after_tick(self) -> None:
         """Once per tick, after the physics: sense and publish."""
@@ -109,7 +119,8 @@ class Go2Services:
         self._battery.drain(float(np.abs(torque * speeds).sum()), PERIOD_S)
         self._warmth += (AMBIENT_C + WARMING_C_PER_NM * np.abs(torque) - self._warmth) * (PERIOD_S / WARMING_S)
         self._fill_state()
-        self._state_out.write(self._state)
+        if not self._faults.silent:
+            self._state_out.write(self._state)
         if self._ticks % LOW_EVERY == 0:
             self._fill_low(torque, speeds)
             self._low_out.write(self._low)
@@ -127,7 +138,7 @@ class Go2Services:
         state.body_height = body.z_m
         state.velocity = [float(velocity[0]), float(velocity[1]), 0.0]
         state.yaw_speed = float(velocity[2])
-        state.range_obstacle = self._ranges.read().tolist()
+        state.range_obstacle = self._read_ranges()
         roll, pitch = self._inertia.tilt_rad()
         imu = state.imu_state
         imu.rpy = [roll, pitch, yaw]
@@ -136,6 +147,19 @@ class Go2Services:
         imu.accelerometer = self._inertia.acceleration_mps2().tolist()
         if self._ticks % LOW_EVERY == 0:
             state.foot_force = sensors.foot_forces_n(body, FEET)
+
+    def _read_ranges(self) -> list[float]:
+        ranges: list[float] = self._ranges.read().tolist()
+        match self._faults.ranges:
+            case "missing":
+                return [math.nan] * 4
+            case "zero":
+                return [0.0] * 4
+            case "constant":
+                self._stuck = self._stuck or ranges
+                return self._stuck
+            case _:
+                return ranges
 
     def _fill_low(self, torque: Array, speeds: Array) -> None:
         low = self._low

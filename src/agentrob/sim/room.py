@@ -56,6 +56,11 @@ class Thing:
     group: int = ROOM_GROUP
 
 
+#: A box that waits below the floor until somebody puts it into the room; half edges.
+BOX_SIZE_M: Triple = (0.20, 0.20, 0.30)
+BOX_AWAY_M: Triple = (0.0, 0.0, -5.0)
+BOX_RGBA: Rgba = (0.72, 0.55, 0.36, 1)
+
 WALL_RGBA: Rgba = (0.95, 0.93, 0.88, 1)
 WHITE: Rgba = (0.99, 0.99, 0.98, 1)
 WOOD: Rgba = (0.60, 0.41, 0.25, 1)

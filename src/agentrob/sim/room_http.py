@@ -1,4 +1,4 @@
-"""The room's own small HTTP server on loopback: a camera on the wall, a reset, the truth for tests, health.
+"""The room's own small HTTP server on loopback: a camera on the wall, a reset, faults, the truth for tests, health.
 
 It stands for the room, not for a robot: nothing that drives a robot may read `/truth`.
 """
@@ -26,6 +26,7 @@ class Room:
     reset: Callable[[], bool]
     truth: Callable[[], Mapping[str, Any]]
     health: Callable[[], Mapping[str, Any]]
+    faults: Callable[[Any], bool]  # raises SimError for what cannot be
 
 
 class RoomServer:
@@ -53,6 +54,7 @@ class _Handler(BaseHTTPRequestHandler):
     room: Room
     protocol_version = "HTTP/1.1"
     timeout = 30
+    disable_nagle_algorithm = True  # head and body are two writes: else each answer waits 40 ms for the other side
 
     def do_GET(self) -> None:
         path = urlsplit(self.path).path
@@ -69,16 +71,26 @@ class _Handler(BaseHTTPRequestHandler):
         elif path == "/health":
             self._json(200, self.room.health())
         else:
-            self._json(404, {"error": "valid here: GET /overview.jpg, /truth, /health; POST /reset"})
+            self._json(404, {"error": "valid here: GET /overview.jpg, /truth, /health; POST /reset, /faults"})
 
     def do_POST(self) -> None:
-        self.rfile.read(min(int(self.headers.get("Content-Length") or 0), 65536))
+        body = self.rfile.read(min(int(self.headers.get("Content-Length") or 0), 65536))
         if not self._local():
             return
-        if urlsplit(self.path).path != "/reset":
-            self._json(404, {"error": "valid here: POST /reset"})
-        elif self.room.reset():
-            self._json(200, {"reset": True})
+        path = urlsplit(self.path).path
+        if path == "/reset":
+            self._done("reset", self.room.reset())
+        elif path == "/faults":
+            try:
+                self._done("faults", self.room.faults(json.loads(body or b"{}")))
+            except (ValueError, SimError) as e:
+                self._json(422, {"error": str(e)})
+        else:
+            self._json(404, {"error": "valid here: POST /reset, /faults"})
+
+    def _done(self, what: str, done: bool) -> None:
+        if done:
+            self._json(200, {what: True})
         else:
             self._json(503, {"error": "the world did not answer"})
 

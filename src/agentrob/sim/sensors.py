@@ -50,6 +50,12 @@ class Odometry:
         self._true_xy, self._true_yaw = self._body.xy_m, self._body.yaw_rad
         self._x = self._y = self._yaw = 0.0
 
+    def jump(self, forward_m: float, left_m: float) -> None:
+        """Believe to be elsewhere from now on; a fault."""
+        c, s = math.cos(self._yaw), math.sin(self._yaw)
+        self._x += c * forward_m - s * left_m
+        self._y += s * forward_m + c * left_m
+
     def update(self) -> None:
         """Once per period."""
         xy, yaw = self._body.xy_m, self._body.yaw_rad

@@ -24,6 +24,7 @@ from agentrob.errors import AgentRobError, SimError
 from agentrob.hostlock import HostLock
 
 if TYPE_CHECKING:
+    from agentrob.sim.faults import Faults
     from agentrob.sim.go2_services import Station
     from agentrob.sim.legged import Legged
 
@@ -35,13 +36,15 @@ WORLDS = ("room",)
 
 
 class Served(Protocol):
-    """The services of one robot; all three are called in the world's thread."""
+    """The services of one robot; all of it is called in the world's thread."""
 
     def before_tick(self) -> None: ...
 
     def after_tick(self) -> None: ...
 
     def reset(self) -> None: ...
+
+    def fail(self, faults: Faults) -> None: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,12 +125,12 @@ class _Process:
             later = self.clock.later
             return Station(node, self.world, self.cameras, self.ledger, later, rng, settings.noise)
 
-        self.served = [serve(station(settings.domains[name])) for name, (_, serve) in robots.items()]
+        self.served = {name: serve(station(settings.domains[name])) for name, (_, serve) in robots.items()}
 
     def run(self) -> None:
         from agentrob.sim.room_http import Room, RoomServer
 
-        room = Room(lambda: self.cameras.jpeg("overview"), self.reset, self.truth, self.health)
+        room = Room(lambda: self.cameras.jpeg("overview"), self.reset, self.truth, self.health, self.faults)
         server = RoomServer(room, self.settings.http_port)
         self.stack.callback(server.close)
         self.cameras.ready.wait(CAMERA_LIMIT_S)
@@ -144,20 +147,37 @@ class _Process:
         self.clock.run(self.tick)
 
     def tick(self) -> None:
-        for services in self.served:
+        for services in self.served.values():
             services.before_tick()
         self.world.tick()
-        for services in self.served:
+        for services in self.served.values():
             services.after_tick()
 
     # ------------------------------------------------------------------ for the room's HTTP server (its threads)
     def reset(self) -> bool:
         def work() -> None:
             self.world.reset()
-            for services in self.served:
+            for services in self.served.values():
                 services.reset()
 
         return self._in_world(work)
+
+    def faults(self, asked: Any) -> bool:
+        """See `agentrob.sim.faults`. Raises `SimError` for what cannot be; False when the world hangs."""
+        from agentrob.sim.faults import read
+
+        faults = read(asked, self.served)
+        put: list[bool] = []
+
+        def work() -> None:
+            put.append(self.world.put_box(faults.box_m))
+            if put[0]:
+                self.served[faults.robot].fail(faults)
+
+        done = self._in_world(work)
+        if put == [False]:
+            raise SimError("the box cannot stand where a robot is; nothing was changed")
+        return done
 
     def truth(self) -> Mapping[str, Any]:
         found: dict[str, Any] = {}

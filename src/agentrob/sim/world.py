@@ -1,7 +1,7 @@
 """One MuJoCo world with any number of robots: `tick()` advances everything by one control period of 20 ms.
 
 No clock, no network: whoever owns the world decides how fast it runs. Only one thread may tick it; `pose` is a copy
-that other threads may read at any time.
+that other threads may read at any time: the joints (nq,), then where the box is (3,).
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ SUB_STEPS = round(PERIOD_S / TIME_STEP_S)
 SETTLE_S = 1.2  # from being placed to standing still
 ROBOT_GROUP = 2  # what robots look like
 FIRST_ROBOT_GROUP = 3  # collision shapes of robot k are in group 3 + k, so that its own rays can leave them out
+BOX_FREE_M = 0.65  # between the middles of a robot and of the box: half a robot and half a box at their longest
 MOST_ROBOTS = 3  # MuJoCo has six groups
 
 
@@ -59,6 +60,16 @@ class World:
         mujoco.mj_forward(self.model, self.data)
         self.run(SETTLE_S)
 
+    def put_box(self, at_m: tuple[float, float] | None) -> bool:
+        """Stand the box on a place of the room, or take it away; False when a robot stands there."""
+        if at_m is not None and any(np.hypot(*(r.xy_m - at_m)) < BOX_FREE_M for r in self.robots):
+            return False
+        self.data.mocap_pos[0] = room.BOX_AWAY_M if at_m is None else (*at_m, room.BOX_SIZE_M[2])
+        return True
+
+    def _copy_pose(self) -> None:
+        self.pose: Array = np.concatenate([self.data.qpos, self.data.mocap_pos.ravel()])
+
     def tick(self) -> None:
         """One control period: every robot decides, then the physics."""
         drives = [robot.drive() for robot in self.robots]
@@ -72,7 +83,7 @@ class World:
             data.qfrc_applied[self._v] = np.clip(torque, -self._bound, self._bound)
             mujoco.mj_step(self.model, data)
         self.ticks += 1
-        self.pose: Array = data.qpos.copy()
+        self._copy_pose()
 
     def run(self, seconds: float) -> None:
         """Tick for some simulated time, as fast as it goes."""
@@ -91,4 +102,8 @@ def _compile(robots: Sequence[Legged], things: tuple[room.Thing, ...]) -> Any:
     room.furnish(spec, things)
     for k, robot in enumerate(robots):
         robot.add_to(spec, FIRST_ROBOT_GROUP + k)
+    box = spec.worldbody.add_body(name="box_body", mocap=True, pos=room.BOX_AWAY_M)
+    box.add_geom(
+        name="box", type=mujoco.mjtGeom.mjGEOM_BOX, size=room.BOX_SIZE_M, rgba=room.BOX_RGBA, group=room.ROOM_GROUP
+    )
     return spec.compile()

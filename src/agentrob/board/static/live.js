@@ -38,7 +38,7 @@ function listen(query, after, handle) {
       if (source.readyState !== EventSource.CLOSED) return; // the browser tries again by itself
       close();
       retry = Math.min(retry + 1, 5);
-      setTimeout(() => { if (!document.hidden) open(); }, 1000 * 2 ** retry);
+      setTimeout(() => { if (!document.hidden) resume(); }, 1000 * 2 ** retry);
     };
     for (const kind of ["post.created", "post.edited", "post.removed"]) {
       source.addEventListener(kind, (event) => {
@@ -46,6 +46,16 @@ function listen(query, after, handle) {
         handle(kind, JSON.parse(event.data));
       });
     }
+  };
+  const resume = async () => {
+    try {
+      const answer = await fetch(`/api/v1/changes?limit=1&after=${encodeURIComponent(last)}`);
+      if (answer.status === 404) { // the board was put back from a backup: what this page shows may never have been
+        offer("The forum was put back: load this page anew", location.pathname + location.search);
+        return;
+      }
+    } catch { /* not there yet */ }
+    open();
   };
   const close = () => { if (source) { source.close(); source = null; } };
   let hiding = 0;

@@ -1,0 +1,81 @@
+"""What was said of one deed, and what else stands in its sentence: collected, not yet judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from agentrob.language.lexicon import Kind, Token
+from agentrob.model import Direction, Op
+
+
+@dataclass
+class Draft:
+    """What was said of one deed.
+
+    `verb` is MOVE, TURN, OP, AGAIN, BEYOND, or None when only a direction or an amount was said.
+    """
+
+    start: int
+    end: int
+    verb: Kind | None = None
+    op: Op | None = None
+    direction: Direction | None = None
+    amount: Token | None = None
+    speed_mps: float | None = None
+    sideways: bool = False  # "strafe": left or right must be said
+    slow: bool = False
+    slower: bool = False
+    faster: bool = False
+    vague: bool = False
+    times: int = 1
+    counted: bool = False
+    each: Kind | None = None  # a picture after each MOVE, TURN or (END) anything
+    bare_picture: bool = False
+    back: bool = False  # the way back
+    beyond: str = ""  # eyes, hands, wait: what it would take
+    fixes: Token | None = None  # said in place of the draft before
+    unknown: list[tuple[int, int]] = field(default_factory=list)
+    odd_number: bool = False
+    stop_word: bool = False
+    joined: bool = False  # nothing separated it from the draft before
+    closed: bool = False
+
+    @property
+    def is_motion(self) -> bool:
+        return self.verb in (Kind.MOVE, Kind.TURN) or (
+            self.verb is None and (self.direction is not None or self.amount is not None)
+        )
+
+    @property
+    def takes_manner(self) -> bool:
+        """Whether a speed or an amount may be said of it."""
+        return self.is_motion or self.verb is Kind.AGAIN
+
+    @property
+    def empty(self) -> bool:
+        return not (self.verb or self.direction or self.amount or self.unknown or self.bare_picture or self.stop_word)
+
+    @property
+    def bare(self) -> bool:
+        """Whether it is only a verb."""
+        return not (self.direction or self.amount or self.unknown or self.slow or self.vague or self.counted)
+
+
+@dataclass
+class Sentence:
+    """Everything between two ends of sentences."""
+
+    drafts: list[Draft] = field(default_factory=list)
+    asked: bool = False
+    requested: bool = False
+    report: bool = False
+    condition: Token | None = None
+    denial_unclear: Token | None = None  # a "not" whose reach cannot be told
+    denial_joined: bool = False  # … because an "and" stands within it
+    fix_unclear: Token | None = None  # "no wait", and nothing after it
+    talked: bool = False
+    question: bool = False
+    cancelled: Token | None = None  # "never mind"
+    denied: bool = False
+    help: bool = False
+    status: bool = False

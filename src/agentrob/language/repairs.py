@@ -1,0 +1,121 @@
+"""How people put right what they said: afterthoughts, false starts, "no wait, right"."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from agentrob.language.drafts import Draft
+from agentrob.language.lexicon import Kind, Token
+from agentrob.model import Direction, Op
+
+_AHEAD = (Direction.FORWARD, Direction.BACKWARD)
+
+
+def settled(drafts: Sequence[Draft]) -> list[Draft]:
+    """Join afterthoughts to what they complete, and drop false starts."""
+    joined: list[Draft] = []
+    for draft in drafts:
+        if draft.fixes is None and draft.verb is None and not draft.unknown and _completes(joined, draft):
+            continue
+        while joined and draft.joined and _is_false_start(joined[-1], draft):
+            joined.pop()
+        if len(joined) > 1 and _begins_anew(joined[-2], joined[-1], draft):
+            del joined[-2:]
+        if draft.op and draft.joined and joined and joined[-1].op is draft.op and not joined[-1].counted:
+            joined[-1].times, joined[-1].counted = draft.times, draft.counted  # 挥手打招呼: one gesture in two words
+            joined[-1].each = joined[-1].each or draft.each
+            continue
+        joined.append(draft)
+    return joined
+
+
+def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
+    """ "Turn right and take a photo, ninety degrees": an amount or side said late completes the last motion."""
+    last = next((d for d in reversed(drafts) if d.takes_manner), None)
+    if last is None or last.verb is None or last.unknown or not extra.is_motion:
+        return False
+    if extra.direction is not None and last.direction not in (None, extra.direction):
+        return False
+    if extra.amount is not None and (last.amount is not None or not _belongs(last, extra)):
+        return False
+    if extra.amount is None and last.direction is not None:
+        return False
+    last.amount = last.amount or extra.amount
+    last.direction = last.direction or extra.direction
+    last.end = max(last.end, extra.end)
+    return True
+
+
+def _belongs(last: Draft, extra: Draft) -> bool:
+    if last.verb is Kind.AGAIN:
+        return True
+    is_angle = extra.amount is not None and extra.amount.kind in (Kind.ANGLE, Kind.NUMBER)
+    return is_angle if last.verb is Kind.TURN else not is_angle or last.direction not in _AHEAD
+
+
+def _is_false_start(start: Draft, again: Draft) -> bool:
+    """ "Move forward, uh, move three feet": the same begun twice without a pause, the first without an amount."""
+    if not start.is_motion or start.amount is not None or start.unknown or start.verb is None or not again.is_motion:
+        return False
+    if start.direction is None:
+        return start.verb is again.verb or again.verb is None
+    same = start.direction is again.direction or (again.direction is None and start.verb is again.verb)
+    if same and again.direction is None:
+        again.direction = start.direction
+    return same and (again.amount is not None)
+
+
+def _begins_anew(start: Draft, picture: Draft, again: Draft) -> bool:
+    """ "Turn left and take a picture turn left sixty degrees …", without a pause: the same, now with its angle."""
+    same = start.verb is Kind.TURN is again.verb and start.direction is again.direction is not None
+    ours = picture.op is Op.GET_FRONT_IMAGE and start.amount is None and again.amount is not None
+    return same and ours and again.joined and not start.unknown and not again.fixes
+
+
+# ------------------------------------------------------------------ corrections
+def corrected(drafts: Sequence[Draft]) -> tuple[list[Draft], Token | None]:
+    """With each correction in the place of what it corrects; besides, the first whose meaning is not plain."""
+    done: list[Draft] = []
+    unclear: Token | None = None
+    for draft in drafts:
+        if draft.fixes is None or not done:
+            done.append(draft)
+        elif not _correct(done, draft):
+            unclear = unclear or draft.fixes
+    return done, unclear
+
+
+def _correct(done: list[Draft], fix: Draft) -> bool:
+    """ "Turn left, no wait, right": the side; "…, no wait, walk 1 m": the deed, where it is plain which."""
+    last = done[-1]
+    if fix.unknown or last.unknown or fix.verb is Kind.AGAIN or fix.bare_picture:
+        return False
+    if fix.is_motion and last.is_motion:
+        if fix.verb is None or fix.verb is last.verb:
+            return _overlay(last, fix)
+        if len(done) > 1:
+            return False
+    elif (fix.verb is Kind.OP) is not (last.verb is Kind.OP):
+        return False
+    done[-1] = fix
+    return True
+
+
+def _overlay(last: Draft, fix: Draft) -> bool:
+    """Put what is said anew over what was said; whether the two go together."""
+    if fix.direction is None and fix.amount is None:
+        return False
+    if last.verb is Kind.TURN and (fix.direction in _AHEAD or (fix.amount and not _is_angle(fix.amount))):
+        return False
+    if fix.amount is not None and last.amount is not None and _is_angle(fix.amount) is not _is_angle(last.amount):
+        return False
+    last.end = max(last.end, fix.end)
+    last.direction = fix.direction or last.direction
+    last.amount = fix.amount or last.amount
+    last.vague = fix.vague if fix.amount is None and fix.vague else last.vague and fix.amount is None
+    last.slow, last.speed_mps = last.slow or fix.slow, last.speed_mps if fix.speed_mps is None else fix.speed_mps
+    return True
+
+
+def _is_angle(amount: Token) -> bool:
+    return amount.kind in (Kind.ANGLE, Kind.NUMBER)

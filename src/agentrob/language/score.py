@@ -1,0 +1,81 @@
+"""How well rows of sentences with the plans that people meant are understood: exact matches, and what moved (pure).
+
+A row is `{"text": …, "plan": [steps] | [] | null}`: steps are wanted, or nothing (no command), or it must ask back. A
+step is `{"op": "move", "direction", "distance_m"}`, `{"op": "turn", "direction": "left|right|any", "degrees"}`, or has
+only its `op`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from agentrob.model import Intent, Primitive, Understanding
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A row that was not understood as wanted, with what came instead."""
+
+    text: str
+    wanted: Sequence[Row] | None
+    intent: str
+    plan: Sequence[Row]
+    question: str
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Counts over all rows: `exact`, and `moved`, those in which the robot would move at all."""
+
+    n: int
+    exact: int
+    moved: int
+    failures: tuple[Failure, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        failures = [
+            {"text": f.text, "wanted": f.wanted, "intent": f.intent, "plan": f.plan, "question": f.question}
+            for f in self.failures
+        ]
+        return {"n": self.n, "exact": self.exact, "moved": self.moved, "failures": failures}
+
+
+def score(rows: Iterable[Row], understand: Callable[[str], Understanding]) -> Score:
+    """Ask `understand` about each row's text. Raises `ValueError` for a row without `text` or `plan`."""
+    n = exact = moved = 0
+    failures: list[Failure] = []
+    for row in rows:
+        if not isinstance(row.get("text"), str) or "plan" not in row:
+            raise ValueError(f"a row needs `text` and `plan`; this one has {', '.join(row) or 'nothing'}")
+        got = understand(row["text"])
+        n += 1
+        moved += got.plan.moves
+        if matches(got, row["plan"]):
+            exact += 1
+        else:
+            plan = [{"op": str(step.op), **step.asked()} for step in got.plan.steps]
+            failures.append(Failure(row["text"], row["plan"], str(got.intent), plan, got.question))
+    return Score(n, exact, moved, tuple(failures))
+
+
+def matches(got: Understanding, wanted: Sequence[Row] | None) -> bool:
+    """Same operations in the same order, distances within 2 %, degrees within 1; `any` accepts either side."""
+    if wanted is None:
+        return got.intent is Intent.ASK_BACK
+    if not wanted:
+        return got.intent not in (Intent.COMMAND, Intent.ASK_BACK)
+    steps = got.plan.steps
+    return len(steps) == len(wanted) and all(map(_same, steps, wanted))
+
+
+def _same(step: Primitive, row: Row) -> bool:
+    if step.op != row["op"] or row.get("direction", step.direction) not in (step.direction, "any"):
+        return False
+    if "distance_m" in row and not math.isclose(step.distance_m or 0, row["distance_m"], rel_tol=0.02):
+        return False
+    return "degrees" not in row or abs((step.degrees or 0) - row["degrees"]) <= 1

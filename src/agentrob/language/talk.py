@@ -1,0 +1,25 @@
+"""What a post is that commands nothing: "never mind", a question, a report of the past."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+
+from agentrob.language.drafts import Sentence
+
+
+class Talk(StrEnum):
+    """What posts are besides commands, stops, help and status. None of them moves anything."""
+
+    CANCEL = "cancel"  # what its author posted before is not wanted any more
+    QUESTION = "question"
+    PAST = "past"  # tells what was
+
+
+def talk_in(sentences: Sequence[Sentence]) -> Talk | None:
+    """The first of cancel, question, past that is found; None for a mere "hello"."""
+    if any(s.cancelled for s in sentences):
+        return Talk.CANCEL
+    if any(s.question or s.asked for s in sentences):
+        return Talk.QUESTION
+    return Talk.PAST if any(s.report for s in sentences) else None

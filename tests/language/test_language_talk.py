@@ -1,0 +1,38 @@
+"""What commands nothing is told apart: never mind, questions, the past."""
+
+from __future__ import annotations
+
+import pytest
+from saying import read
+
+from agentrob.language.grammar import MAX_CHARS, talk_of
+from agentrob.language.talk import Talk
+from agentrob.model import Intent
+
+POSTS = {
+    Talk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
+        |算了|不用了|算了吧""",
+    Talk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
+    Talk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
+    None: "hello|thanks, good job!|谢谢|@quadruped|ok",
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"), [(k, t) for k, texts in POSTS.items() for t in texts.replace("\n        |", "|").split("|")]
+)
+def test_talk_is_told_apart_and_moves_nothing(kind: Talk | None, text: str) -> None:
+    assert talk_of(text, ["quadruped"], ["dog2"]) is kind
+    assert read(text).intent is Intent.NOTHING
+
+
+def test_a_command_after_a_cancel_is_a_command() -> None:
+    assert read("Never mind, turn left 90 degrees").intent is Intent.COMMAND
+    assert talk_of("Never mind, turn left 90 degrees", ["quadruped"], []) is Talk.CANCEL
+
+
+def test_stops_and_what_is_for_others_are_no_talk() -> None:
+    assert talk_of("stop", ["quadruped"], []) is None
+    assert talk_of("cancel that", ["quadruped"], []) is None
+    assert talk_of("@quadruped wave @dog2 never mind", ["quadruped"], ["dog2"]) is None
+    assert talk_of("never mind " * MAX_CHARS, ["quadruped"], []) is None

@@ -1,0 +1,102 @@
+"""Driver processes of fake robots, clients that walk them, and waiting for what they do."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from agentrob.model import Direction, Op, Primitive
+from agentrob.robots.client import DriverClient
+
+FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0)
+NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
+
+DRIVER = """
+import json, sys
+from pathlib import Path
+from agentrob.config import RobotConfig
+from agentrob.errors import RobotError
+from agentrob.robots.driver import run_driver
+name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])
+settings = {"model": "fake", "simulated": True, "home_on_start": True, **settings}
+try:
+    run_driver(name, RobotConfig(**settings), folder / f"{name}.sock", folder)
+except RobotError as e:
+    sys.exit(str(e))
+"""
+
+HOLDER = """
+import asyncio, sys
+from pathlib import Path
+from agentrob.model import Direction, Op, Primitive
+from agentrob.robots.client import DriverClient
+
+async def main():
+    async with DriverClient(sys.argv[1], Path(sys.argv[2])) as robot, robot.lease("walker") as lease:
+        print("walking", flush=True)
+        await robot.step(lease, Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0), 60)
+
+asyncio.run(main())
+"""
+
+
+class Drivers:
+    """Starts driver processes of fake robots with names of their own and ends them all."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.processes = folder, list[subprocess.Popen[str]]()
+
+    def spawn(self, name: str, **settings: Any) -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", DRIVER, name, str(self.folder), json.dumps(settings)]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.processes.append(process)
+        return process
+
+    def spawn_holder(self, name: str) -> subprocess.Popen[str]:
+        """A client in a process of its own that takes the lease and walks."""
+        command = [sys.executable, "-c", HOLDER, name, str(self.folder / f"{name}.sock")]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.processes.append(process)
+        return process
+
+    def start(self, name: str = "", **settings: Any) -> tuple[str, subprocess.Popen[str]]:
+        name = name or f"r{uuid4().hex[:8]}"
+        process = self.spawn(name, **settings)
+        assert process.stdout is not None
+        ready = json.loads(process.stdout.readline())
+        assert ready["ready"] == "driver"
+        assert ready["lock"] == f"driver/fake/{name}"
+        return name, process
+
+    def client(self, name: str) -> DriverClient:
+        return DriverClient(name, self.folder / f"{name}.sock")
+
+    def close(self) -> None:
+        for process in self.processes:
+            process.kill()
+            process.communicate()
+
+
+async def moving(robot: DriverClient, limit_s: float = 10.0) -> None:
+    """Until the robot really moves."""
+    await until(robot, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.2, limit_s)
+
+
+async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float = 10.0) -> float:
+    """Seconds until a state is as wanted."""
+    began_s = time.monotonic()
+    while not true(await robot.state()):
+        assert time.monotonic() - began_s < limit_s, "it did not become true"
+        await asyncio.sleep(0.02)
+    return time.monotonic() - began_s
+
+
+def at_rest(state: Any) -> bool:
+    return abs(state.velocity_mps[0]) < 0.05

@@ -1,0 +1,67 @@
+"""Guarded fake robots for tests: steps, waiting for what must become true, and a foreign hand."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from agentrob.errors import RobotError
+from agentrob.model import Direction, Op, Primitive
+from agentrob.robots.fake import FakeRobot
+from agentrob.robots.guard import Guard
+from agentrob.robots.motion import Velocity
+
+F, B, L, R = Direction
+Make = Callable[..., Guard]
+#: Nothing tells a test when a state changes: it looks again after so long.
+LOOK_S = 0.01
+
+
+def fake_of(guard: Guard) -> FakeRobot:
+    robot = guard._robot
+    assert isinstance(robot, FakeRobot)
+    return robot
+
+
+def move(distance_m: float, direction: Direction = F, speed_mps: float | None = None) -> Primitive:
+    return Primitive(Op.MOVE, direction, distance_m=distance_m, speed_mps=speed_mps)
+
+
+def turn(degrees: float, direction: Direction = L) -> Primitive:
+    return Primitive(Op.TURN, direction, degrees=degrees)
+
+
+def until(true: Callable[[], bool], limit_s: float = 10.0) -> None:
+    """Wait for what must become true."""
+    end_s = time.monotonic() + limit_s
+    while not true():
+        assert time.monotonic() < end_s, "it did not become true"
+        time.sleep(LOOK_S)
+
+
+def homes(guard: Guard) -> bool:
+    try:
+        guard.home("owner")
+    except RobotError:
+        return False
+    return True
+
+
+class Pusher:
+    """Somebody else who drives the robot, past every guard, until the context ends."""
+
+    def __init__(self, robot: FakeRobot) -> None:
+        self._robot, self._ended = robot, threading.Event()
+        self._thread = threading.Thread(target=self._push)
+
+    def _push(self) -> None:
+        while not self._ended.wait(0.02):
+            self._robot.command(Velocity(0.5))
+
+    def __enter__(self) -> None:
+        self._thread.start()
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self._thread.join()

@@ -1,0 +1,146 @@
+"""Laws 8 and 9: what never happens, whatever is asked and whatever the robot says."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from guard_scene import B, L, Make, R, fake_of, move, turn, until
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agentrob.config import FenceConfig
+from agentrob.errors import RobotError
+from agentrob.model import Direction, Op, Outcome, Pose, Primitive, RobotState
+from agentrob.robots.contract import go_on
+from agentrob.robots.fence import Fence
+from agentrob.robots.motion import known
+from agentrob.robots.ranges import Ranges
+
+steps = st.one_of(
+    st.builds(
+        move,
+        st.one_of(st.floats(0.05, 6.0), st.floats(), st.just(0.3)),
+        st.sampled_from(list(Direction)),
+        st.one_of(st.none(), st.floats(0.05, 0.7), st.floats()),
+    ),
+    st.builds(turn, st.one_of(st.floats(5, 400), st.floats()), st.sampled_from([L, R])),
+    st.sampled_from([Primitive(Op.HELLO), Primitive(Op.SIT), Primitive(Op.BACKFLIP)]),
+)
+FENCE = FenceConfig(x_min_m=-1.0, x_max_m=2.0, y_min_m=-1.5, y_max_m=1.2)
+
+
+def test_whatever_is_asked_the_robot_stays_inside_its_fence_and_limits(make: Make) -> None:
+    guard = make(fence=FENCE)
+    until(lambda: guard.state().homed)
+    robot, done = fake_of(guard), list[bool]()
+
+    @settings(max_examples=60, deadline=None, database=None)
+    @given(st.lists(steps, min_size=1, max_size=8))
+    def property_holds(plan: list[Primitive]) -> None:
+        for primitive in plan:
+            result = guard.step(primitive, go_on)
+            done.append(result.ok)
+            assert result.outcome is not Outcome.REFUSED or not result.path
+            for x, y in [point[1:3] for point in result.path] + [(robot.pose.x_m, robot.pose.y_m)]:
+                assert FENCE.x_min_m <= x <= FENCE.x_max_m
+                assert FENCE.y_min_m <= y <= FENCE.y_max_m
+        assert math.hypot(*robot.commanded[:2]) <= 0.5 * math.sqrt(2) + 1e-9  # largest of each axis
+        assert max(robot.commanded[:2]) <= 0.5 + 1e-9
+        assert robot.commanded.turn_rps <= math.radians(45) + 1e-9
+
+    property_holds()
+    assert sum(done) > 20  # it was not idle
+
+
+no_number = st.sampled_from([math.nan, math.inf, -math.inf])
+number = st.one_of(st.floats(-2.0, 2.0), no_number)
+#: Yaw is never infinite here: the fake's own arithmetic has no answer to that.
+no_place = st.builds(Pose, number, number, st.floats(-3, 3) | st.just(math.nan)).filter(lambda p: known(p) is None)
+
+
+@given(x=number, y=number, home=st.builds(Pose, number, number, st.floats(-3, 3)))
+def test_law_9_a_point_that_is_no_number_is_outside_of_every_fence(x: float, y: float, home: Pose) -> None:
+    if not all(map(math.isfinite, (x, y, home.x_m, home.y_m))):
+        assert Fence(FENCE, home).outside_m(x, y) == math.inf
+        assert Fence(FENCE, home).refusal(Pose(x, y, 0.0), turn(10)) is not None
+
+
+def test_law_9_whatever_odometry_that_is_no_number_moves_nothing(make: Make) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+    robot, place = fake_of(guard), fake_of(guard).pose
+
+    @settings(max_examples=40, deadline=None, database=None)
+    @given(bad=no_place, primitive=st.sampled_from([move(1.0), move(1.0, B), turn(90), Primitive(Op.HELLO)]))
+    def property_holds(bad: Pose, primitive: Primitive) -> None:
+        robot.carry(bad)
+        assert guard.state().pose is None
+        result = guard.step(primitive, go_on)
+        assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
+        with pytest.raises(RobotError):
+            guard.home("owner")
+        assert robot.commanded == (0, 0, 0)
+
+    property_holds()
+    robot.carry(place)
+    assert guard.step(move(0.3), go_on).ok
+
+
+@pytest.mark.parametrize("guarded", [True, False])
+@pytest.mark.parametrize("bad", [Pose(math.nan, 0, 0), Pose(0, math.inf, 0), Pose(0.5, 0, math.nan)])
+def test_law_9_odometry_that_becomes_no_number_on_the_way_ends_the_step(make: Make, bad: Pose, guarded: bool) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+    robot = fake_of(guard)
+
+    def watch(state: RobotState) -> str | None:
+        if state.pose and state.pose.x_m > 0.3:
+            robot.carry(bad)
+        return None
+
+    result = (guard if guarded else robot).step(move(2.0), watch)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+    assert all(map(math.isfinite, (*result.measured.values(), *(v for point in result.path for v in point))))
+    assert 0.15 < result.measured["distance_m"] < 0.6  # averaged over its last moments
+
+
+def test_whatever_is_asked_the_robot_keeps_off_the_walls(make: Make) -> None:
+    guard = make({"room": [-2, 2, -1.5, 1.5]})
+    done = list[bool]()
+    moves = st.builds(move, st.floats(0.2, 4.0), st.sampled_from(list(Direction)))
+
+    @settings(max_examples=15, deadline=None, database=None)
+    @given(yaw_rad=st.floats(-3, 3), plan=st.lists(st.one_of(steps, moves), min_size=4, max_size=12))
+    def property_holds(yaw_rad: float, plan: list[Primitive]) -> None:
+        fake_of(guard).carry(Pose(0.0, 0.0, yaw_rad))
+        until(lambda: guard.state().homed and guard.step(turn(6), go_on).ok)
+        for primitive in plan:
+            result = guard.step(primitive, go_on)
+            done.append(bool(result.path))
+            for x, y in [point[1:3] for point in result.path]:
+                assert min(2 - abs(x), 1.5 - abs(y)) > 0.17
+
+    property_holds()
+    assert sum(done) > 20
+
+
+def test_law_8_old_states_are_no_readings_so_what_a_dead_robot_said_last_proves_nothing() -> None:
+    ranges = Ranges()
+    for n in range(20):
+        ranges.see(n * 0.05, RobotState(age_s=0.0, ranges_m=(2.0 + n / 1000, 2.0, 2.0, 2.0)))
+    assert ranges.known()[0] is not None
+    for n in range(20, 60):  # the robot is gone; its last words are looked at again and again
+        ranges.see(n * 0.05, RobotState(age_s=n * 0.05 - 0.95, ranges_m=(2.019, 2.0, 2.0, 2.0)))
+    assert not ranges.enough
+    assert not ranges.settled
+    assert ranges.known() == (None,) * 4
+
+
+def test_law_8_a_robot_that_falls_silent_leaves_no_readings_behind(make: Make) -> None:
+    guard = make({"faults": {"stale": True, "after_m": 0.5}, "time_scale": 1.0})
+    until(lambda: guard.state().homed and guard._ranges.enough)
+    result = guard.step(move(2.0), go_on)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+    until(lambda: not guard._ranges.enough)  # so the first word after the silence is not judged by what was before
+    assert guard._ranges.known() == (None,) * 4

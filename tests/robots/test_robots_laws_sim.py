@@ -1,0 +1,302 @@
+"""Laws 8 to 12 by force: a Go2 in full physics, real DDS, a real driver process, and the room's truth as the witness.
+
+The guard sees only what the robot itself says on DDS; what is asserted is where the robot really was.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import signal
+import subprocess
+import time
+from collections.abc import AsyncIterator, Iterator
+
+import pytest
+from sim_scene import FENCE, Place, Sample, apart_m
+
+from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
+from agentrob.robots.client import DriverClient
+
+pytestmark = pytest.mark.sim
+
+FAR, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (2.0, 0.3))
+#: From an order to stop to standing still: the body coasts for about 0.4 s; the rest is for busy machines.
+REST_LIMIT_S = 1.5
+#: Standing still it sways less than this.
+UNMOVED_M = 0.03
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
+    made = Place(tmp_path_factory.mktemp("laws"))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+async def robot(place: Place) -> AsyncIterator[DriverClient]:
+    """A driver with the ordinary settings; the robot at its start and at home."""
+    place.drive()
+    async with place.client() as client:
+        await place.begin(client)
+        yield client
+
+
+class Walk:
+    """A step under way, with a lease that is renewed; what it came to, and where it really began."""
+
+    def __init__(self, place: Place, robot: DriverClient, primitive: Primitive = FAR, deadline_s: float = 30.0) -> None:
+        self.place, self.robot, self.primitive, self.deadline_s = place, robot, primitive, deadline_s
+        self.start = place.truth.now
+        self.step: asyncio.Task[ActionResult] | None = None
+
+    async def __aenter__(self) -> Walk:
+        self._context = self.robot.lease("walker")
+        lease = await self._context.__aenter__()
+        self.step = asyncio.create_task(self.robot.step(lease, self.primitive, self.deadline_s))
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        assert self.step is not None
+        await asyncio.gather(self.step, return_exceptions=True)
+        await self._context.__aexit__(None, None, None)
+
+    async def under_way(self, distance_m: float = 0.4) -> Sample:
+        """Until it has really gone so far."""
+        return await self.place.truth.until(lambda now: apart_m(now, self.start) > distance_m)
+
+    async def result(self) -> ActionResult:
+        assert self.step is not None
+        return await self.step
+
+
+async def refused(place: Place, robot: DriverClient, primitive: Primitive, reason: str) -> ActionResult:
+    """A step that is refused for this reason, and the robot really does not move."""
+    start = place.truth.now
+    async with robot.lease("walker") as lease:
+        result = await robot.step(lease, primitive, 30)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, reason), result.message
+    now = await place.truth.until(lambda sample: sample.time_s > start.time_s + 0.3)
+    assert apart_m(now, start) < UNMOVED_M
+    return result
+
+
+# ------------------------------------------------------------------ law 8
+async def test_law_8_a_way_out_of_the_fence_is_not_begun_whatever_the_heading(
+    place: Place, robot: DriverClient
+) -> None:
+    await refused(place, robot, Primitive(Op.MOVE, Direction.FORWARD, distance_m=FENCE["x_max_m"]), "fence")
+    await refused(place, robot, Primitive(Op.MOVE, Direction.LEFT, distance_m=0.3), "fence")
+    async with Walk(place, robot, Primitive(Op.TURN, Direction.LEFT, degrees=30)) as turn:
+        assert (await turn.result()).ok
+    assert abs(place.truth.now.yaw_deg - 30) < 6
+    result = await refused(place, robot, Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0), "fence")
+    assert "y -1 to 0.2 m" in result.message
+
+
+async def test_law_8_a_robot_that_finds_itself_leaving_its_fence_on_the_way_is_stopped(
+    place: Place, robot: DriverClient
+) -> None:
+    async with Walk(place, robot) as walk:
+        await walk.under_way()
+        at_s = place.faults(jump_m=[0.0, 0.24])  # less than what counts as a jump, but beyond the fence
+        result = await walk.result()
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "fence"), result.message
+    assert await place.truth.rest(at_s) < REST_LIMIT_S
+
+
+async def test_law_8_an_obstacle_that_appears_ends_the_step_before_it_is_touched(
+    place: Place, robot: DriverClient
+) -> None:
+    async with Walk(place, robot) as walk:
+        now = await walk.under_way()
+        near_face_m = now.x_m + 1.2
+        at_s = place.faults(box_m=[near_face_m + 0.2, now.y_m])
+        result = await walk.result()
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "obstacle"), result.message
+    await place.truth.rest(at_s)
+    assert all(sample.contacts == () for sample in place.truth.since(at_s))
+    assert 0.1 < near_face_m - (place.truth.now.x_m + 0.35) < 0.75, "it stands before the box, not long before"
+    await refused(place, robot, NEAR, "obstacle")
+
+
+async def test_law_8_the_deadline_ends_a_step(place: Place, robot: DriverClient) -> None:
+    began_s = time.monotonic()
+    async with Walk(place, robot, Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0), deadline_s=2.2) as walk:
+        await walk.under_way(0.2)
+        result = await walk.result()
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "deadline"), result.message
+    assert await place.truth.rest(began_s + 2.2) < REST_LIMIT_S
+    assert apart_m(place.truth.now, walk.start) == pytest.approx(result.measured["distance_m"], abs=0.08)
+
+
+async def test_law_8_a_robot_that_walks_on_but_falls_silent_is_stopped(place: Place, robot: DriverClient) -> None:
+    async with Walk(place, robot) as walk:
+        await walk.under_way()
+        at_s = place.faults(silent=True)
+        result = await walk.result()
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state"), result.message
+    assert await place.truth.rest(at_s) < 0.5 + REST_LIMIT_S
+    assert apart_m(place.truth.now, walk.start) < 1.5
+    await refused(place, robot, NEAR, "stale_state")
+
+
+async def test_law_8_without_range_readings_that_live_nothing_moves(place: Place, robot: DriverClient) -> None:
+    for ranges in ("missing", "zero", "constant"):
+        begun = place.truth.now
+        place.faults(ranges=ranges)
+        await place.truth.until(lambda now, begun=begun: now.time_s > begun.time_s + 1.3)  # a second of them was seen
+        await refused(place, robot, FAR, "ranges_unknown")
+
+
+@pytest.mark.parametrize("ranges", ["missing", "constant"])
+async def test_law_8_range_readings_that_die_on_the_way_end_the_step(
+    place: Place, robot: DriverClient, ranges: str
+) -> None:
+    async with Walk(place, robot) as walk:
+        await walk.under_way()
+        at_s = place.faults(ranges=ranges)
+        result = await walk.result()
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "ranges_unknown"), result.message
+    assert await place.truth.rest(at_s) < 1.0 + REST_LIMIT_S
+    assert apart_m(place.truth.now, walk.start) < 1.6
+
+
+# ------------------------------------------------------------------ laws 9 and 10
+async def test_law_9_an_odometry_that_jumps_ends_the_step_and_nothing_moves_until_it_is_homed_again(
+    place: Place, robot: DriverClient
+) -> None:
+    async with Walk(place, robot) as walk:
+        await walk.under_way()
+        at_s = place.faults(jump_m=[-1.0, 0.0])
+        result = await walk.result()
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "odometry_jump"), result.message
+    assert await place.truth.rest(at_s) < REST_LIMIT_S
+    await refused(place, robot, NEAR, "not_homed")
+    await robot.home("owner")
+    async with Walk(place, robot, NEAR) as again:
+        assert (await again.result()).ok
+
+
+async def test_law_10_beyond_a_limit_nothing_moves_and_within_it_is_really_kept(
+    place: Place, robot: DriverClient
+) -> None:
+    too_far = Primitive(Op.MOVE, Direction.FORWARD, distance_m=5.1)
+    too_fast = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0, speed_mps=0.6)
+    too_round = Primitive(Op.TURN, Direction.LEFT, degrees=361)
+    for primitive, limit in ((too_far, "step_m"), (too_fast, "speed_mps"), (too_round, "step_deg")):
+        await refused(place, robot, primitive, f"limit_{limit}")
+    async with Walk(place, robot, Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)) as walk:
+        assert (await walk.result()).ok
+        ended = place.truth.now
+    assert apart_m(ended, walk.start) == pytest.approx(1.0, abs=0.08)
+    assert 1.0 / (ended.time_s - walk.start.time_s) < 0.5
+
+
+# ------------------------------------------------------------------ law 11
+async def test_law_11_a_holder_that_falls_silent_for_a_second_stops_the_robot(
+    place: Place, robot: DriverClient
+) -> None:
+    start, began_s = place.truth.now, time.monotonic()
+    lease = str((await robot._call("POST", "/lease", {"holder": "silent"}))["lease"])  # and never renews it
+    result = await robot.step(lease, FAR, 30)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "lease_lapsed"), result.message
+    assert await place.truth.rest(began_s + 1.0) < REST_LIMIT_S
+    assert UNMOVED_M < apart_m(place.truth.now, start) < 1.0
+
+
+async def test_law_11_a_second_driver_of_the_robot_is_refused_and_does_not_disturb_the_first(
+    place: Place, robot: DriverClient
+) -> None:
+    second = place.new_driver("another", errors=subprocess.PIPE)
+    try:
+        async with Walk(place, robot, Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.8)) as walk:
+            await walk.under_way(0.2)
+            await asyncio.to_thread(second.warm)
+            out, err = await asyncio.to_thread(second.process.communicate, "\n", 30)
+            assert (await walk.result()).ok
+        assert second.process.returncode == 1
+        assert (out, err.count("\n")) == ("", 1)
+        assert "already held" in err
+        assert apart_m(place.truth.now, walk.start) == pytest.approx(0.8, abs=0.08)
+    finally:
+        second.end()
+
+
+# ------------------------------------------------------------------ law 12
+@pytest.mark.parametrize(("call", "mode"), [("Damp", "damping"), ("StandDown", "lying")])
+async def test_law_12_a_mode_that_somebody_else_commands_under_a_step_is_a_halt(
+    place: Place, robot: DriverClient, call: str, mode: str
+) -> None:
+    async with Walk(place, robot) as walk:
+        await walk.under_way()
+        await asyncio.to_thread(place.remote.ask, call)
+        result = await walk.result()
+    assert result.outcome is Outcome.STOPPED
+    assert result.reason in ("halted", "stop")  # whether the step or the observer saw it first
+    state = await robot.state()
+    assert (state.halted, state.mode) == (True, mode)
+    down = await place.truth.until(lambda now: now.z_m < 0.2)
+    await refused(place, robot, NEAR, "halted")
+    await refused(place, robot, Primitive(Op.STAND), "halted")
+    assert place.truth.now.z_m < 0.2, "nobody of us stood it up"
+    assert apart_m(place.truth.now, down) < 0.2
+
+
+async def test_law_12_a_robot_that_somebody_else_walks_is_a_halt_and_stays_in_his_hand(
+    place: Place, robot: DriverClient
+) -> None:
+    place.remote.ask("drive 0.4 0.8")  # in a circle
+    try:
+        while not (await robot.state()).halted:
+            await place.truth.until(lambda _: True)
+        halted = place.truth.now
+        await place.truth.until(lambda now: now.time_s > halted.time_s + 0.8)  # our stop is over
+        moving = place.truth.now
+        await place.truth.until(lambda now: apart_m(now, moving) > 0.2)
+    finally:
+        place.remote.ask("StopMove")
+    await place.truth.rest(time.monotonic())
+    result = await refused(place, robot, NEAR, "halted")
+    assert "did not command" in result.message
+
+
+async def test_law_12_a_driver_killed_in_mid_walk_and_started_at_once_stops_the_robot_and_goes_on(
+    place: Place, robot: DriverClient
+) -> None:
+    place.successor = place.new_driver()
+    await asyncio.to_thread(place.successor.warm)
+    assert place.driver is not None
+    async with Walk(place, robot) as walk:
+        await walk.under_way()
+        place.driver.process.send_signal(signal.SIGKILL)
+        killed_s = time.monotonic()
+        place.driver.process.wait()
+        place.driver, place.successor = place.successor, None
+        ready = json.loads(await asyncio.to_thread(place.driver.ask, ""))
+    assert ready["ready"] == "driver"
+    await place.truth.rest(killed_s)
+    assert place.truth.gone_after(killed_s, 1.5) < 0.05, "it walked on"
+    async with place.client() as again:
+        assert not (await again.state()).halted
+        await place.begin(again)
+        async with Walk(place, again, NEAR) as walk:
+            result = await walk.result()
+    assert result.ok, (result.outcome, result.reason, result.message)
+
+
+# ------------------------------------------------------------------ another owner's settings: last, they cost a driver
+async def test_law_8_unknown_ranges_with_the_owners_consent_mean_really_slow(place: Place) -> None:
+    place.drive(allow_unknown_ranges=True)
+    async with place.client() as robot:
+        start = await place.begin(robot)
+        place.faults(ranges="missing")
+        await place.truth.until(lambda now: now.time_s > start.time_s + 1.5)
+        began_s = time.monotonic()
+        async with Walk(place, robot, Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)) as walk:
+            result = await walk.result()
+    assert result.ok, result.message
+    assert "0.2 m/s" in result.message
+    assert 0.1 < max(place.truth.speeds_mps(began_s)) < 0.26
+    assert apart_m(place.truth.now, walk.start) == pytest.approx(0.4, abs=0.08)
