@@ -1,7 +1,7 @@
 """How fast the simulated world runs and what it costs: `python benchmarks/world.py [--domain N] [--seconds S]`.
 
-First in simulated time without a network, then served in real time: idle, walking, and walking while two cameras are
-looked at ten times a second. Prints one line each.
+First in simulated time without a network, then served in real time with a Go2 and a G1: idle, both walking, and both
+walking while three cameras (both robots' and the room's) are looked at ten times a second. Prints one line each.
 """
 
 from __future__ import annotations
@@ -35,28 +35,36 @@ from unitree_sdk2py.idl.unitree_api.msg.dds_ import (
     Response_,
 )
 
-GET_IMAGE_SAMPLE, MOVE = 1001, 1008
+GET_IMAGE_SAMPLE, MOVE, SET_VELOCITY = 1001, 1008, 7105
+#: How each robot is made to walk in a small circle: the call, and what it carries.
+WALKS = {
+    "go2": (MOVE, {"x": 0.5, "y": 0.0, "z": 1.0}),
+    "g1": (SET_VELOCITY, {"velocity": [0.2, 0.0, 0.5], "duration": 1.0}),
+}
 
 
 def in_simulated_time(seconds: float) -> None:
+    from agentrob.sim.g1 import G1
     from agentrob.sim.go2 import Go2
     from agentrob.sim.world import World
 
     began = time.perf_counter()
-    body = Go2()
-    world = World([body])
+    go2, g1 = Go2(), G1()
+    world = World([go2, g1])
     print(f"built and standing in {time.perf_counter() - began:.2f} s")
-    for name, velocity in (("standing", [0, 0, 0]), ("walking in circles", [0.5, 0, 1.0])):
-        body.walk(np.array(velocity, float))
+    for name, velocities in (("standing", ([0, 0, 0],) * 2), ("walking in circles", ([0.5, 0, 1.0], [0.2, 0, 0.5]))):
+        for body, velocity in zip((go2, g1), velocities, strict=True):
+            body.walk(np.array(velocity, float))
         began = time.perf_counter()
         world.run(seconds)
         print(f"{name}, no cameras, no DDS: {seconds / (time.perf_counter() - began):.1f} times real time")
 
 
 class Caller:
-    """Sends requests without waiting for answers; counts the answers."""
+    """Sends requests to one robot without waiting for answers; counts the answers."""
 
-    def __init__(self, domain: int) -> None:
+    def __init__(self, robot: str, domain: int) -> None:
+        self.robot = robot
         self.node = Node(domain, "lo")
         self.images: list[float] = []
         self.sport = self.node.writer("rt/api/sport/request", Request_, _reliable())
@@ -71,7 +79,8 @@ class Caller:
             self.images.append(time.monotonic() - self.asked)
 
     def move(self) -> None:
-        self.sport.write(_request(MOVE, json.dumps({"x": 0.5, "y": 0.0, "z": 1.0})))
+        call, parameter = WALKS[self.robot]
+        self.sport.write(_request(call, json.dumps(parameter)))
 
     def image(self) -> None:
         self.asked = time.monotonic()
@@ -86,14 +95,16 @@ def _reliable() -> Any:
 
 def _request(api_id: int, parameter: str) -> Any:
     identity = RequestIdentity_(time.monotonic_ns(), api_id)
-    header = RequestHeader_(identity, RequestLease_(0), RequestPolicy_(0, api_id == MOVE))
+    header = RequestHeader_(identity, RequestLease_(0), RequestPolicy_(0, api_id != GET_IMAGE_SAMPLE))
     return Request_(header, parameter, [])
 
 
 def repeatedly(hz: float, call: Callable[[], Any], until: threading.Event) -> threading.Thread:
     def loop() -> None:
-        while not until.wait(1 / hz):
+        due = time.monotonic()
+        while not until.wait(max(0.0, due - time.monotonic())):
             call()
+            due = max(due + 1 / hz, time.monotonic())
 
     thread = threading.Thread(target=loop, daemon=True)
     thread.start()
@@ -128,22 +139,30 @@ def phase(name: str, world: subprocess.Popen[str], url: str, seconds: float, loo
 
 def served(domain: int, seconds: float) -> None:
     began = time.monotonic()
-    command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", str(domain)]
+    domains = {"go2": domain, "g1": domain + 1}
+    options = [word for robot, number in domains.items() for word in ("--domain", f"{robot}={number}")]
+    command = [sys.executable, "-m", "agentrob.sim.serve", *options]
     world = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert world.stdout is not None
     try:
         ready = json.loads(world.stdout.readline())
         print(f"start to ready: {time.monotonic() - began:.2f} s")
         url = ready["http"]
-        caller = Caller(domain)
+        callers = [Caller(robot, number) for robot, number in domains.items()]
         phase("served, idle", world, url, seconds, [])
-        phase("served, walking", world, url, seconds, [(20, caller.move)])
+        walking: list[tuple[float, Any]] = [(20, caller.move) for caller in callers]
+        phase("served, both walking", world, url, seconds, walking)
         overview = httpx2.Client()
-        looking = [(20, caller.move), (10, caller.image), (10, lambda: overview.get(url + "/overview.jpg"))]
-        phase("served, walking, two cameras at 10 Hz", world, url, seconds, looking)
-        if caller.images:
-            p50, p99 = np.percentile(caller.images, [50, 99]) * 1000
-            print(f"GetImageSample on the wire: p50 {p50:.0f} ms, p99 {p99:.0f} ms, {len(caller.images)} answers")
+        looking = [*((10, caller.image) for caller in callers), (10, lambda: overview.get(url + "/overview.jpg"))]
+        phase("served, both walking, three cameras at 10 Hz", world, url, seconds, walking + looking)
+        truth = httpx2.get(url + "/truth").json()["robots"]
+        print("upright at the end: " + ", ".join(f"{name} {pose['upright']:.3f}" for name, pose in truth.items()))
+        for caller in callers:
+            if caller.images:
+                p50, p99 = np.percentile(caller.images, [50, 99]) * 1000
+                print(
+                    f"{caller.robot} GetImageSample: p50 {p50:.0f} ms, p99 {p99:.0f} ms, {len(caller.images)} answers"
+                )
     finally:
         began = time.monotonic()
         world.terminate()
@@ -153,7 +172,7 @@ def served(domain: int, seconds: float) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--domain", type=int, default=172)
+    parser.add_argument("--domain", type=int, default=221)
     parser.add_argument("--seconds", type=float, default=10.0)
     given = parser.parse_args()
     print(f"load average before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")

@@ -272,6 +272,20 @@ def capabilities_of(model: str, settings: RobotConfig | None = None) -> Capabili
     return capabilities
 
 
+def simulated_robot(model: str, domain: int) -> RobotConfig:
+    """Settings of a robot in the simulated room, at home where it starts.
+
+    The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
+    nothing stands.
+    """
+    settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
+    if model != "g1":
+        return settings
+    from agentrob.sim.room import G1_FREE
+
+    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": G1_FREE})
+
+
 # ---------------------------------------------------------------------- understanding
 async def understand(text: str, name: str, capabilities: Any, mind: str = "rules") -> Any:
     """What a mind makes of a text that is meant for this robot."""
@@ -326,12 +340,9 @@ def describe_plan(facts: dict[str, Any]) -> str:
 # ---------------------------------------------------------------------- world
 def serve_world(domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None) -> None:
     """Run a simulated world until SIGTERM or Ctrl-C. `domains` are ROBOT=DOMAIN."""
-    from agentrob.sim.serve import WorldSettings, serve
+    from agentrob.sim.serve import WorldSettings, parse_domains, serve
 
-    pairs: dict[str, int] = {}
-    for text in domains:
-        robot, _, number = text.partition("=")
-        if not number.isdigit() or not 0 <= int(number) <= 230:
-            raise ConfigError(f"--domain {text!r} is not ROBOT=DOMAIN with a domain from 0 to 230, for example go2=1")
-        pairs[robot] = int(number)
-    serve(WorldSettings(domains=pairs, interface=interface, http_port=http_port, world=world, ledger=ledger))
+    settings = WorldSettings(
+        domains=parse_domains(domains), interface=interface, http_port=http_port, world=world, ledger=ledger
+    )
+    serve(settings)

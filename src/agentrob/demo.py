@@ -1,4 +1,4 @@
-"""Everything on one machine: forum, simulated world, driver and agent, started together and ended together."""
+"""Everything on one machine: forum, simulated world, two robots' drivers and agents; they start and end together."""
 
 from __future__ import annotations
 
@@ -7,39 +7,35 @@ import contextlib
 import fcntl
 import json
 import os
-import secrets
 import shutil
 import signal
 import socket
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
-from agentrob.config import BoardConfig, Config, ForumConfig, RatesConfig, RobotConfig
-from agentrob.errors import AgentRobError, ConfigError, ForumUnreachable
-from agentrob.model import AccountKind, Post, Role
-
-if TYPE_CHECKING:
-    from agentrob.forums.forum import Forum
+from agentrob.config import BoardConfig, Config, ForumConfig, RatesConfig
+from agentrob.errors import AgentRobError
+from agentrob.model import AccountKind, Role
 
 PORT = 8088
-ROBOT = "quadruped"
+#: Handle of each robot, and its kind.
+ROBOTS = {"quadruped": "go2", "humanoid": "g1"}
 VISITOR = "visitor"
-SENTENCE = f"@{ROBOT} walk forward 1 metre, turn left, wave and take a photo"
+SENTENCES = (
+    "@quadruped walk forward 1 metre, turn left, wave and take a photo",
+    "@humanoid walk forward 1 metre, turn left, wave",
+    "@quadruped wave. @humanoid make a heart.",
+)
 #: Domains that the demo may use; real robots are on 0.
 DOMAINS = range(40, 100)
-#: How long one posted command may take, in seconds: the limit of a command, its report, and a slow machine.
-POST_LIMIT_S = 180.0
-FINAL = frozenset(
-    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
-)
 
 
 class DemoError(AgentRobError):
@@ -57,13 +53,13 @@ class DemoSettings:
     world: str = "room"
 
 
-def free_domain() -> int:
-    """A DDS domain that no driver or world of this host uses."""
+def free_domains(count: int) -> list[int]:
+    """DDS domains that no driver or world of this host uses."""
     taken = set(hostlock.held())
-    for domain in DOMAINS:
-        if not {f"world/lo/{domain}", f"driver/lo/{domain}"} & taken:
-            return domain
-    raise DemoError(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are in use on this host")
+    free = [d for d in DOMAINS if not {f"world/lo/{d}", f"driver/lo/{d}"} & taken]
+    if len(free) < count:
+        raise DemoError(f"too few DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are free on this host")
+    return free[:count]
 
 
 def free_port() -> int:
@@ -123,30 +119,34 @@ class Demo:
         port = self.settings.port or free_port()
         check_port(port)
         self.url = f"http://127.0.0.1:{port}"
-        domain, world = self._start_world()
-        config = self._write_config(port, domain, room_url="")
+        domains, world = self._start_world()
+        config = self._write_config(port, domains, room_url="")
         self._bootstrap(config)
         board = self._child("board", "board", "serve", "--config", str(config))
         try:
             self.room_url = world.wait_ready()["http"]
-        except ChildError:  # another demo may have taken the domain at the same moment
+        except ChildError:  # another demo may have taken a domain at the same moment
             self.children.remove(world)
-            domain, world = self._start_world()
+            domains, world = self._start_world()
             self.room_url = world.wait_ready()["http"]
-        config = self._write_config(port, domain, self.room_url)
-        driver = self._child("driver", "driver", ROBOT, "--config", str(config))
+        config = self._write_config(port, domains, self.room_url)
+        drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in ROBOTS]
         board.wait_ready()
-        agent = self._child(
-            "agent", "agent", "run", ROBOT, "--config", str(config), env={"AGENTROB_TOKEN": self.tokens[ROBOT]}
-        )
-        driver.wait_ready()
-        agent.wait_ready()
+        agents = [self._agent(name, config) for name in ROBOTS]
+        for child in (*drivers, *agents):
+            child.wait_ready()
         (self.data / "demo.json").write_text(json.dumps({"pid": os.getpid(), "url": self.url, "room": self.room_url}))
 
-    def _start_world(self) -> tuple[int, Child]:
-        domain, ledger = free_domain(), str(self.data / "world.jsonl")
-        room = ("--world", self.settings.world)
-        return domain, self._child("world", "sim", "--domain", f"go2={domain}", "--ledger", ledger, *room)
+    def _start_world(self) -> tuple[list[int], Child]:
+        domains, ledger = free_domains(len(ROBOTS)), str(self.data / "world.jsonl")
+        args = ["sim", "--ledger", ledger, "--world", self.settings.world]
+        for model, domain in zip(ROBOTS.values(), domains, strict=True):
+            args += ["--domain", f"{model}={domain}"]
+        return domains, self._child("world", *args)
+
+    def _agent(self, name: str, config: Path) -> Child:
+        env = {"AGENTROB_TOKEN": self.tokens[name]}
+        return self._child(f"agent-{name}", "agent", "run", name, "--config", str(config), env=env)
 
     def _child(self, name: str, *args: str, env: dict[str, str] | None = None) -> Child:
         own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}
@@ -171,21 +171,24 @@ class Demo:
                 "end it, or give another --data"
             ) from None
 
-    def _write_config(self, port: int, domain: int, room_url: str) -> Path:
-        robot = RobotConfig(
-            domain=domain,
-            simulated=True,
-            home_on_start=True,
-            owner=VISITOR,
-            rates=RatesConfig(commands_per_hour=0),  # one visitor, who may play as long as they like
-            room_camera=f"{room_url}/overview.jpg" if room_url else "",
-            room_reset=f"{room_url}/reset" if room_url else "",
-        )
+    def _write_config(self, port: int, domains: Sequence[int], room_url: str) -> Path:
+        from agentrob import app
+
+        own = {
+            "owner": VISITOR,
+            "rates": RatesConfig(commands_per_hour=0),  # one visitor, who may play as long as they like
+            "room_camera": f"{room_url}/overview.jpg" if room_url else "",
+            "room_reset": f"{room_url}/reset" if room_url else "",
+        }
+        robots = {
+            name: app.simulated_robot(model, domain).model_copy(update=own)
+            for (name, model), domain in zip(ROBOTS.items(), domains, strict=True)
+        }
         config = Config(
             data=str(self.data),
             board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=self.url),
             forum=ForumConfig(url=self.url),
-            robots={ROBOT: robot},
+            robots=robots,
         )
         path = self.data / "agentrob.toml"
         config.write(path, "Written by `agentrob demo` at each start; edit a copy.")
@@ -195,9 +198,10 @@ class Demo:
         from agentrob import app
 
         config = app.load(config_path)
-        app.board_account(config, ROBOT, AccountKind.ROBOT_AGENT, Role.MEMBER, "Quadruped")
+        for name in ROBOTS:
+            app.board_account(config, name, AccountKind.ROBOT_AGENT, Role.MEMBER, name.capitalize())
         app.board_account(config, VISITOR, AccountKind.HUMAN, Role.OPERATOR, "Visitor")
-        for name in (ROBOT, VISITOR):
+        for name in (*ROBOTS, VISITOR):
             app.revoke_board_tokens(config, name, "demo")
             self.tokens[name] = app.board_token(config, name, "demo")
 
@@ -264,7 +268,7 @@ def run(settings: DemoSettings) -> int:
     with sigterm_interrupts(), Demo(settings) as demo:
         try:
             if settings.post is None:
-                print("AgentRob demo: starting the forum, the room and the robot …", file=sys.stderr)
+                print("AgentRob demo: starting the forum, the room and the robots …", file=sys.stderr)
             demo.start()
             if settings.post is not None:
                 return _post_once(demo, settings)
@@ -280,8 +284,9 @@ def welcome(demo: Demo) -> str:
     return (
         f"\n  Open   {demo.link()}\n"
         f"         (signs you in once; `agentrob demo link` prints another)\n"
-        f"  Post   {SENTENCE}\n"
-        f"  Data   {demo.data} (kept)\n"
+        f"  Post   {SENTENCES[0]}\n"
+        + "".join(f"    or   {sentence}\n" for sentence in SENTENCES[1:])
+        + f"  Data   {demo.data} (kept)\n"
         f"  End    Ctrl-C\n"
     )
 
@@ -296,79 +301,13 @@ def print_link(data: Path) -> None:
 
 # ---------------------------------------------------------------------- one post, then end
 def _post_once(demo: Demo, settings: DemoSettings) -> int:
+    from agentrob import app, visit
+
     assert settings.post is not None
-    outcome = asyncio.run(_ask(demo, settings.post))
+    config = app.load(demo.data / "agentrob.toml")
+    outcome = asyncio.run(visit.ask(config, demo.tokens[VISITOR], settings.post, demo.check))
     if settings.as_json:
         print(json.dumps(outcome, ensure_ascii=False), flush=True)
     else:
         print(outcome["reply_markdown"] or outcome["error"])
     return 0 if outcome["status"] == "done" else 1
-
-
-async def _ask(demo: Demo, text: str) -> dict[str, Any]:
-    """Post as the visitor, wait for the final state, and collect what the thread and the agent's record say."""
-    from agentrob import app
-
-    config = app.load(demo.data / "agentrob.toml")
-    forum = app.make_forum(config, demo.tokens[VISITOR])
-    post, error, pictures = None, "", []
-    try:
-        watermark, _ = await forum.now()
-        written = await forum.create_topic(config.robot(ROBOT).boards[0], title(text), text, key=secrets.token_hex(8))
-        topic = await forum.topic(written.post.topic_id)
-        try:
-            async with asyncio.timeout(POST_LIMIT_S):
-                post = await _final(demo, forum, watermark, topic.id)
-                pictures = await _save_images(forum, post, demo.data / "pictures")
-        except TimeoutError:
-            error = f"no final answer within {POST_LIMIT_S:.0f} s; see the logs in {demo.data / 'log'}"
-        except AgentRobError as e:
-            error = str(e)
-    finally:
-        await forum.close()
-    record = app.read_record(demo.data, ROBOT, written.post.id)
-    return {
-        "status": post.card.state if post and post.card else "failed",
-        "topic_url": topic.url,
-        "reply_markdown": post.raw if post else "",
-        "steps": record.get("steps", []),
-        "timings_ms": record.get("timings_ms", {}),
-        "images": pictures,
-        "data": str(demo.data),
-        "error": error,
-    }
-
-
-async def _final(demo: Demo, forum: Forum, after: str, topic_id: str) -> Post:
-    """The robot's answer in its final state. `ChildError` when a process that it needs has ended."""
-    while True:
-        with contextlib.suppress(ForumUnreachable):  # a pause of a busy machine: go on after the last event
-            async for event in forum.stream(after):
-                demo.check()
-                after, post = event.id or after, event.post
-                if post is None or post.topic_id != topic_id or post.author.name != ROBOT:
-                    continue
-                if post.card and post.card.state in FINAL:
-                    return post
-        demo.check()
-        await asyncio.sleep(0.2)
-
-
-async def _save_images(forum: Forum, post: Post, folder: Path) -> list[str]:
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for n, url in enumerate(post.images):
-        data = await forum.download(url)
-        suffix = ".png" if data[:4] == b"\x89PNG" else ".jpg"
-        path = folder / f"post-{post.id}-{n + 1}{suffix}"
-        path.write_bytes(data)
-        paths.append(str(path))
-    return paths
-
-
-def title(text: str) -> str:
-    """A topic title made of the text: its first line, shortened."""
-    if not text.strip():
-        raise ConfigError('nothing to post; give a text, for example --post "@quadruped wave"')
-    line = text.strip().splitlines()[0]
-    return line if len(line) <= 80 else line[:79] + "…"

@@ -84,6 +84,14 @@ def drive_go2_robot(command: str, network_interface: str | None = None) -> Drive
     return robot_command_driver(command, "go2", network_interface)
 
 
+def drive_g1_robot(command: str, network_interface: str | None = None) -> Driven:
+    """The paper's call for a G1: simulated, or real on `network_interface`.
+
+    A real one does not move this way: it sees nothing around it, so its owner must consent in a configuration first.
+    """
+    return robot_command_driver(command, "g1", network_interface)
+
+
 # ---------------------------------------------------------------------- how
 def _outside_loop(work: Callable[[], T]) -> T:
     """Do blocking work that runs an event loop of its own; beside one that runs in this thread, in another thread."""
@@ -108,7 +116,7 @@ def _settings(robot: str, config: Config, interface: str | None) -> tuple[str, R
     app.find("robots", robot)
     if interface:
         return robot, RobotConfig(model=robot, interface=interface)
-    return robot, RobotConfig(model=robot, domain=demo.free_domain(), simulated=True, home_on_start=True)
+    return robot, app.simulated_robot(robot, demo.free_domains(1)[0])
 
 
 @contextlib.contextmanager

@@ -97,6 +97,8 @@ class Op(StrEnum):
     TURN = "turn"
     HELLO = "hello"
     HEART = "heart"
+    CLAP = "clap"
+    SHAKE = "shake"
     BACKFLIP = "backflip"
     SIT = "sit"
     STAND = "stand"

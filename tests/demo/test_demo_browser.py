@@ -151,6 +151,27 @@ def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_r
     assert not wrong
 
 
+def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(
+    visitor: BrowserContext, demo: RunningDemo
+) -> None:
+    page = visitor.new_page()
+    wrong = listen_for_errors(page)
+    page.goto(f"{demo.url}/robots")
+    for name, model in (("quadruped", "go2"), ("humanoid", "g1")):
+        card = page.get_by_role("main").locator(".robot-card", has_text=f"@{name}")
+        expect(card).to_contain_text(model)
+        expect(card).to_contain_text("simulated")
+    write_post(page, demo.url, "Both of you", "@quadruped turn left 30 degrees. @humanoid wave.")
+    answers = page.locator("article.by-robot")
+    expect(answers).to_have_count(2, timeout=15_000)
+    for name, deed in (("quadruped", "30"), ("humanoid", "wave")):
+        answer = answers.filter(has_text=re.compile(name, re.IGNORECASE))
+        expect(answer.locator(".chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+        expect(answer).to_contain_text(deed)
+    shot(page, "thread-both")
+    assert not wrong
+
+
 def test_a_question_is_asked_back_in_chinese(visitor: BrowserContext, demo: RunningDemo) -> None:
     page = visitor.new_page()
     write_post(page, demo.url, "向前走", "@quadruped 向前走")

@@ -11,6 +11,7 @@ import socket
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import httpx2
@@ -31,10 +32,16 @@ def descendants(pid: int) -> set[int]:
     return found
 
 
-def true_ways(ledger: Path) -> list[tuple[float, float]]:
-    """Metres and degrees from each motion's begin to its StopMove, by the world's own record."""
+def ledger_of(data: Path, robot: str) -> list[dict[str, Any]]:
+    """What a robot really did, by the world's own record."""
+    events = map(json.loads, (data / "world.jsonl").read_text().splitlines())
+    return [event for event in events if event["robot"] == robot]
+
+
+def true_ways(data: Path, robot: str) -> list[tuple[float, float]]:
+    """Metres and degrees from each motion's begin to its stop."""
     ways, start = [], None
-    for event in map(json.loads, ledger.read_text().splitlines()):
+    for event in ledger_of(data, robot):
         if event["event"] == "move_begin" and start is None:
             start = event["pose"]
         elif event["event"] == "stop_move" and start is not None:
@@ -49,9 +56,9 @@ def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_
     before = set(hostlock.held())
     demo = start_demo(tmp_path / "data")
     children = descendants(demo.process.pid)
-    assert len(children) >= 4
+    assert len(children) >= 6, "the forum, the world, and a driver and an agent for each robot"
     locks = set(hostlock.held()) - before
-    assert {name.split("/")[0] for name in locks} >= {"world", "driver", "board"}
+    assert sorted(name.split("/")[0] for name in locks) == ["board", "driver", "driver", "world", "world"]
     port = urlsplit(demo.url).port
     began = time.monotonic()
     os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
@@ -166,7 +173,7 @@ def test_one_post_is_done_and_told_as_json(tmp_path: Path) -> None:
     assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
     assert turn["asked"]["degrees"] == 90
     assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
-    ways = true_ways(tmp_path / "data/world.jsonl")
+    ways = true_ways(tmp_path / "data", "go2")
     assert ways[0][0] == pytest.approx(1.0, abs=0.05), "by the simulator's truth, which nothing that drives may read"
     assert ways[1][1] == pytest.approx(90, abs=4)
     assert {"seen", "first_motion", "done"} <= set(told["timings_ms"])
@@ -174,6 +181,48 @@ def test_one_post_is_done_and_told_as_json(tmp_path: Path) -> None:
     assert told["topic_url"].startswith("http://127.0.0.1:")
     assert "1.0" in told["reply_markdown"] or "1 m" in told["reply_markdown"]
     assert [Path(p).read_bytes()[:2] for p in told["images"]].count(b"\xff\xd8") >= 1
+
+
+def post_once(data: Path, sentence: str) -> dict[str, Any]:
+    done = subprocess.run(
+        [AGENTROB, "demo", "--post", sentence, "--json", "--data", str(data)],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    told: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return told
+
+
+def test_the_humanoid_walks_turns_and_waves(tmp_path: Path) -> None:
+    told = post_once(tmp_path / "data", "@humanoid walk forward 1 metre, turn left, wave")
+    assert told["status"] == "done"
+    assert [s["op"] for s in told["steps"]] == ["move", "turn", "hello"]
+    assert told["steps"][0]["measured"]["distance_m"] == pytest.approx(1.0, abs=0.06)
+    assert told["steps"][1]["measured"]["degrees"] == pytest.approx(90, abs=4.5)
+    did = ledger_of(tmp_path / "data", "g1")
+    begun = next(e["pose"] for e in did if e["event"] == "move_begin")
+    waved = next(e["pose"] for e in did if e.get("action") == "high wave")
+    metres = math.hypot(waved["x_m"] - begun["x_m"], waved["y_m"] - begun["y_m"])
+    assert metres == pytest.approx(1.0, abs=0.09), "the move's tolerance and the turn's"
+    assert (waved["yaw_deg"] - begun["yaw_deg"]) % 360 == pytest.approx(90, abs=8)
+    other = {e["event"] for e in ledger_of(tmp_path / "data", "go2")}
+    assert not other & {"move_begin", "action_begin"}, "the other robot did nothing"
+
+
+def test_a_post_that_mentions_both_robots_makes_each_do_its_own_part(tmp_path: Path) -> None:
+    told = post_once(tmp_path / "data", "@quadruped turn left 45 degrees. @humanoid wave.")
+    assert told["status"] == "done"
+    ops = {name: [s["op"] for s in answer["steps"]] for name, answer in told["robots"].items()}
+    assert ops == {"quadruped": ["turn"], "humanoid": ["hello"]}
+    assert all(answer["reply_markdown"] for answer in told["robots"].values())
+    go2, g1 = (ledger_of(tmp_path / "data", robot) for robot in ("go2", "g1"))
+    assert [e["action"] for e in g1 if e["event"] == "action_begin"] == ["high wave"]
+    assert not [e for e in g1 if e["event"] == "move_begin"]
+    assert [e for e in go2 if e["event"] == "move_begin"]
+    assert not [e for e in go2 if e["event"] == "action_begin"]
 
 
 def test_what_is_asked_back_ends_with_exit_code_one(tmp_path: Path) -> None:

@@ -8,10 +8,12 @@ from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
 SETTLING_S = 2.0
 #: Four-legged robots walk sideways more slowly than ahead.
 SIDEWAYS_MPS = 0.3
-#: Whole gestures, in seconds; the Go2's own take up to eight.
+#: Whole gestures, in seconds; the Go2's own take up to eight, the G1's heart longer.
 GESTURE_S = {
     Op.HELLO: 5.0,
     Op.HEART: 6.0,
+    Op.CLAP: 6.0,
+    Op.SHAKE: 8.0,
     Op.BACKFLIP: 6.0,
     Op.SIT: 3.0,
     Op.STAND: 3.0,

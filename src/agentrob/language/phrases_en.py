@@ -7,6 +7,8 @@ PHRASES = {
     "step.turn": "turn {direction} {degrees} degrees",
     "step.hello": "wave",
     "step.heart": "make a heart",
+    "step.clap": "clap your hands",
+    "step.shake": "shake hands",
     "step.backflip": "do a backflip",
     "step.sit": "sit down",
     "step.stand": "stand up",

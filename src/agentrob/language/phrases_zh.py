@@ -7,6 +7,8 @@ PHRASES = {
     "step.turn": "向{direction}转{degrees}度",
     "step.hello": "打个招呼",
     "step.heart": "比个心",
+    "step.clap": "拍拍手",
+    "step.shake": "握个手",
     "step.backflip": "来个后空翻",
     "step.sit": "坐下",
     "step.stand": "站起来",

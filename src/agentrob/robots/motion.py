@@ -59,6 +59,10 @@ class Gait:
     settle_s: float = 0.9  # at least this long before looking again …
     settle_limit_s: float = 2.0  # … and at most this long, when it does not come to rest
     corrections: int = 4
+    # Two-legged: correct by whole strides of so long at one velocity, since what is seen half way is mostly sway.
+    stride_s: float = 0.0
+    #: What such strides do besides, to begin with: forward and left in m, counter-clockwise in rad. Learned on the way.
+    stride_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stop_at_m: float = 0.015  # the goal is reached inside this …
     stop_at_rad: float = math.radians(1.2)
     accept_m: float = 0.03  # … but at rest accept this (looser: no endless dithering; odometry adds its own error)
@@ -152,6 +156,18 @@ class _Error(NamedTuple):
         return self.distance_m < distance_m and abs(self.turn_rad) < angle_rad
 
 
+_NOTHING = _Error(0.0, 0.0, 0.0)
+
+
+class _Stride(NamedTuple):
+    """A correction of a two-legged body: one velocity for whole strides. `error` is what was left when it began."""
+
+    until_s: float
+    velocity: Velocity
+    plan: _Error
+    error: _Error
+
+
 class Motion:
     """One move (`forward_m`, `left_m`, heading held) or turn (`turn_rad`, position held)."""
 
@@ -171,6 +187,7 @@ class Motion:
         self._window: deque[_Sample] = deque()
         self._expected = _Error(0.0, 0.0, 0.0)  # what was thought to be left when it was told to rest
         self._shift = (0.0, 0.0, 0.0)
+        self._stride: _Stride | None = None
 
     def step(self, now_s: float, pose: Pose) -> Velocity | None:
         """One odometry sample in, the velocity to command out; None when the motion has ended."""
@@ -179,6 +196,8 @@ class Motion:
             self.ended = "timeout"
         elif self._settling:
             return self._settle(now_s, here)
+        elif self._stride is not None:
+            return self._stride.velocity if now_s < self._stride.until_s else self._begin_settling(now_s, _NOTHING)
         else:
             return self._approach(now_s, here)
         return None
@@ -270,6 +289,10 @@ class Motion:
             self.ended = "inaccurate"
         else:
             self._rounds += 1
+            if self.gait.stride_s:
+                self._stride = self._next_stride(now_s, error)
+                self._settling = False
+                return self._stride.velocity
             self._shift = self._learned(error)
             self._settling, self._best, self._best_s, self._patience_s = False, math.inf, now_s, self.gait.stall_s
             return self._correct(error)
@@ -280,6 +303,18 @@ class Motion:
         expected = zip(self._expected, error, self._shift, strict=True)
         forward_m, left_m, turn = (shift + hoped - found for hoped, found, shift in expected)
         return _clip(forward_m, SHIFT_M), _clip(left_m, SHIFT_M), _clip(turn, SHIFT_RAD)
+
+    def _next_stride(self, now_s: float, error: _Error) -> _Stride:
+        """Strides at one velocity for this error, less what the last ones did besides: they will do so again."""
+        g, shift = self.gait, _Error(*self.gait.stride_shift)
+        if (last := self._stride) is not None:
+            moves = zip(last.error, error, last.plan, strict=True)
+            forward_m, left_m, turn = (before - after - planned for before, after, planned in moves)
+            shift = _Error(_clip(forward_m, 2 * SHIFT_M), _clip(left_m, 2 * SHIFT_M), _clip(turn, SHIFT_RAD))
+        plan = _Error(*(e - s for e, s in zip(error, shift, strict=True)))
+        needed_s = max(plan.distance_m / g.side_mps, abs(plan.turn_rad) / g.turn_rps)
+        seconds = g.stride_s * max(1, math.ceil(needed_s / g.stride_s))
+        return _Stride(now_s + seconds, Velocity(*(p / seconds for p in plan)), plan, error)
 
     def _towards(self, error: _Error) -> Velocity:
         """On the way: what is asked for quickly, what must not change softly."""

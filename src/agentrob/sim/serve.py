@@ -14,24 +14,37 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from agentrob.errors import AgentRobError, SimError
 from agentrob.hostlock import HostLock
 
 if TYPE_CHECKING:
-    from agentrob.sim.go2_services import Go2Services
+    from agentrob.sim.faults import Faults
+    from agentrob.sim.go2_services import Station
     from agentrob.sim.legged import Legged
 
 ANSWER_LIMIT_S = 5.0
 CAMERA_LIMIT_S = 20.0
 LAST_DOMAIN = 230
-ROBOTS = ("go2",)
+ROBOTS = ("go2", "g1")
 WORLDS = ("room",)
+
+
+class Served(Protocol):
+    """The services of one robot; all of it is called in the world's thread."""
+
+    def before_tick(self) -> None: ...
+
+    def after_tick(self) -> None: ...
+
+    def reset(self) -> None: ...
+
+    def fail(self, faults: Faults) -> None: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +98,7 @@ class _Process:
 
         from agentrob.sim.cameras import Cameras, front_view, overview
         from agentrob.sim.clockwork import Clockwork
-        from agentrob.sim.go2 import Go2
-        from agentrob.sim.go2_services import Go2Services, Station
+        from agentrob.sim.go2_services import Station
         from agentrob.sim.ledger import Ledger
         from agentrob.sim.services import Node
         from agentrob.sim.world import PERIOD_S, World
@@ -99,10 +111,9 @@ class _Process:
                 signal.signal(number, lambda *_: self.clock.stop())
         self.ledger = Ledger(settings.ledger)
         stack.callback(self.ledger.close)
-        self.bodies: dict[str, Legged] = {}
-        go2s = {name: Go2(name) for name in settings.domains}
-        self.bodies.update(go2s)
-        self.world = World(list(go2s.values()))
+        robots = {name: _robot(name) for name in settings.domains}
+        self.bodies: dict[str, Legged] = {name: body for name, (body, _) in robots.items()}
+        self.world = World(list(self.bodies.values()))
         views = {f"{name}/front": front_view(self.world.model, name) for name in self.bodies}
         views["overview"] = overview(self.world.model)
         self.cameras = Cameras(self.world.model, views, lambda: self.world.pose)
@@ -114,9 +125,7 @@ class _Process:
             later = self.clock.later
             return Station(node, self.world, self.cameras, self.ledger, later, rng, settings.noise)
 
-        self.served: dict[str, Go2Services] = {
-            name: Go2Services(body, station(settings.domains[name])) for name, body in go2s.items()
-        }
+        self.served = {name: serve(station(settings.domains[name])) for name, (_, serve) in robots.items()}
 
     def run(self) -> None:
         from agentrob.sim.room_http import Room, RoomServer
@@ -203,6 +212,32 @@ class _Process:
         return done.wait(ANSWER_LIMIT_S)
 
 
+def _robot(kind: str) -> tuple[Legged, Callable[[Station], Served]]:
+    """A robot's body and what serves it."""
+    if kind == "g1":
+        from agentrob.sim.g1 import G1
+        from agentrob.sim.g1_services import G1Services
+
+        g1 = G1(kind)
+        return g1, lambda station: G1Services(g1, station)
+    from agentrob.sim.go2 import Go2
+    from agentrob.sim.go2_services import Go2Services
+
+    go2 = Go2(kind)
+    return go2, lambda station: Go2Services(go2, station)
+
+
+def parse_domains(texts: Sequence[str]) -> dict[str, int]:
+    """`go2=1` and the like as robot → domain; a number alone is the Go2's. Raises `SimError`."""
+    domains: dict[str, int] = {}
+    for text in texts:
+        robot, _, number = text.rpartition("=")
+        if not number.isdigit():
+            raise SimError(f"--domain {text!r} is not ROBOT=DOMAIN with a domain from 0 to 230, for example go2=1")
+        domains[robot or "go2"] = int(number)
+    return domains
+
+
 def _truth(body: Legged) -> Mapping[str, Any]:
     x, y = body.xy_m
     return {
@@ -217,22 +252,23 @@ def _truth(body: Legged) -> Mapping[str, Any]:
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="agentrob.sim.serve", description="Serve the simulated world on DDS.")
-    parser.add_argument("--domain", type=int, default=1, help="DDS domain of the Go2 (default 1)")
+    wanted = "ROBOT=DDS-DOMAIN, once for each robot; a number alone is the Go2's (default go2=1)"
+    parser.add_argument("--domain", action="append", help=wanted)
     parser.add_argument("--interface", default="lo", help="network interface for DDS (default lo)")
     parser.add_argument("--http-port", type=int, default=0, help="port of the room's HTTP server (default: a free one)")
     parser.add_argument("--seed", type=int, default=0, help="of the sensors' noise")
     parser.add_argument("--no-noise", action="store_true", help="perfect sensors")
     parser.add_argument("--ledger", type=Path, help="append to this file what the robots really did")
     given = parser.parse_args(arguments)
-    settings = WorldSettings(
-        domains={"go2": given.domain},
-        interface=given.interface,
-        http_port=given.http_port,
-        seed=given.seed,
-        noise=not given.no_noise,
-        ledger=given.ledger,
-    )
     try:
+        settings = WorldSettings(
+            domains=parse_domains(given.domain or ["go2=1"]),
+            interface=given.interface,
+            http_port=given.http_port,
+            seed=given.seed,
+            noise=not given.no_noise,
+            ledger=given.ledger,
+        )
         serve(settings)
     except AgentRobError as e:
         sys.stderr.write(f"{e}\n")

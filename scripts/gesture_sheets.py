@@ -1,0 +1,129 @@
+"""Contact sheets of all gestures of both simulated robots, eight pictures each, to be looked at.
+
+.venv/bin/python scripts/gesture_sheets.py [go2|g1] [NAME ...]
+
+They go to docs/images/gestures-*.png. The gestures run as the robots' services play them, in full physics. The camera
+looks from where the room's overview looks, moved near. Prints for each how long it took, how upright the body stayed
+and how far it was moved.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from PIL import Image, ImageDraw
+
+from agentrob.sim import g1_sport, sport
+from agentrob.sim.cameras import View, choose_backend, open_renderer
+from agentrob.sim.g1 import G1
+from agentrob.sim.g1_gestures import GESTURES, RELEASE
+from agentrob.sim.go2 import Go2
+from agentrob.sim.ledger import Ledger
+from agentrob.sim.legged import Array
+from agentrob.sim.room import OVERVIEW_AT_M, OVERVIEW_TO_M, ROOM_GROUP, Start
+from agentrob.sim.world import PERIOD_S, ROBOT_GROUP, World
+
+FOLDER = Path(__file__).parents[1] / "docs/images"
+PICTURES, SIDE_PX, COLOURS = 8, 240, 96
+FACING = Start(0.0, 0.0, -1.9)  # towards the camera, half turned
+LIMIT_S = 30.0
+GO2 = {"hello": sport.HELLO, "heart": sport.HEART, "stretch": sport.STRETCH, "sit": sport.SIT}
+ACTIONS = {gesture.name.replace(" ", "-"): id_ for id_, gesture in GESTURES.items()}
+
+
+@dataclass
+class Stage:
+    """One robot alone on the floor. `calls` are what a gesture consists of, each answered before the next."""
+
+    world: World
+    body: Any
+    service: Any
+    calls: Callable[[str], list[Callable[[Callable[..., None]], None]]]
+    distance_m: float
+    height_m: float
+
+    def play(self, name: str) -> list[Array]:
+        """The poses of the whole model, one a period, from begin to end."""
+        self.world.reset()
+        self.service.reset()
+        poses: list[Array] = []
+        for call in self.calls(name):
+            codes: list[int] = []
+            call(lambda code, *_, codes=codes: codes.append(code))
+            while not codes and len(poses) * PERIOD_S < LIMIT_S:
+                self.service.tick()
+                self.world.tick()
+                poses.append(self.world.pose)
+            if codes != [0]:
+                raise SystemExit(f"{self.body.name} {name}: answered {codes}")
+        return poses
+
+
+def stage(robot: str) -> Stage:
+    if robot == "go2":
+        go2 = Go2(start=FACING)
+        world = World([go2], ())
+        service = sport.Sport(go2, lambda: world.time_s, Ledger())
+        return Stage(world, go2, service, lambda n: [lambda answer: service.call(GO2[n], {}, answer)], 1.35, 0.22)
+    g1 = G1(start=FACING)
+    world = World([g1], ())
+    arm = g1_sport.G1Sport(g1, lambda: world.time_s, Ledger())
+
+    def calls(name: str) -> list[Callable[[Callable[..., None]], None]]:
+        wanted = [ACTIONS[name], *([RELEASE] if GESTURES[ACTIONS[name]].holds else [])]
+        return [lambda answer, i=i: arm.call_arm(g1_sport.EXECUTE_ACTION, {"data": i}, answer) for i in wanted]
+
+    return Stage(world, g1, arm, calls, 2.35, 0.72)
+
+
+def near(stage: Stage) -> View:
+    """From the direction of the room's overview camera, a little lower."""
+    camera = mujoco.MjvCamera()
+    camera.type = mujoco.mjtCamera.mjCAMERA_FREE
+    dx, dy, _ = np.array(OVERVIEW_TO_M) - np.array(OVERVIEW_AT_M)
+    camera.azimuth, camera.elevation = float(np.degrees(np.arctan2(dy, dx))), -15.0
+    camera.lookat[:] = [FACING.x_m, FACING.y_m, stage.height_m]
+    camera.distance = stage.distance_m
+    return View(SIDE_PX, SIDE_PX, (ROOM_GROUP, ROBOT_GROUP), camera)
+
+
+def sheet(stage: Stage, name: str, renderer: Any) -> None:
+    poses = stage.play(name)
+    chosen = np.linspace(0.06, 0.94, PICTURES) * (len(poses) - 1)
+    picture = Image.new("RGB", (SIDE_PX * PICTURES // 2, SIDE_PX * 2))
+    for k, index in enumerate(chosen.round().astype(int)):
+        frame = Image.fromarray(np.ascontiguousarray(renderer.draw(near(stage), poses[index])))
+        ImageDraw.Draw(frame).text((6, 4), f"{index * PERIOD_S:.1f} s", fill=(20, 20, 20))
+        picture.paste(frame, (SIDE_PX * (k % (PICTURES // 2)), SIDE_PX * (k // (PICTURES // 2))))
+    path = FOLDER / f"gestures-{stage.body.name}-{name}.png"
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    moved_cm = 100 * float(np.hypot(*(stage.body.xy_m - [FACING.x_m, FACING.y_m])))
+    root = stage.body.root_q + 3
+    upright = min(1 - 2 * (pose[root + 1] ** 2 + pose[root + 2] ** 2) for pose in poses)
+    sys.stdout.write(
+        f"{stage.body.name} {name}: {len(poses) * PERIOD_S:.1f} s, least upright {upright:.3f}, "
+        f"at the end {stage.body.upright:.3f} and {moved_cm:.0f} cm from its place, "
+        f"{path.stat().st_size / 1000:.0f} kB\n"
+    )
+
+
+def main() -> None:
+    words = sys.argv[1:]
+    robots = {"go2": list(GO2), "g1": list(ACTIONS)}
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    for robot in [words.pop(0)] if words else robots:
+        shown = stage(robot)
+        renderer = open_renderer(shown.world.model, choose_backend())
+        for name in words or robots[robot]:
+            sheet(shown, name, renderer)
+        renderer.close()
+
+
+if __name__ == "__main__":
+    main()
