@@ -20,10 +20,12 @@ demo_cli = typer.Typer(invoke_without_command=True)
 board_cli = typer.Typer(no_args_is_help=True)
 account_cli = typer.Typer(no_args_is_help=True)
 agent_cli = typer.Typer(no_args_is_help=True)
+mind_cli = typer.Typer(no_args_is_help=True)
 cli.add_typer(demo_cli, name="demo", help="Forum, simulated world and robot on this machine.")
 cli.add_typer(board_cli, name="board", help="The embedded forum.")
 board_cli.add_typer(account_cli, name="account", help="Accounts of the embedded forum.")
 cli.add_typer(agent_cli, name="agent", help="The agent of one robot.")
+cli.add_typer(mind_cli, name="mind", help="The models that read posts.")
 
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", "-c", help="The configuration file; ./agentrob.toml when it is there.")
@@ -154,6 +156,22 @@ def agent_once(robot: RobotName = None, config: ConfigFile = None) -> None:
     """Scan the forum once, do what is asked, and end."""
     settings = app.load(config)
     app.run_agent(settings, app.only_robot(settings, robot), once=True)
+
+
+# ---------------------------------------------------------------------- minds
+@mind_cli.command("check")
+def mind_check(
+    mind: Annotated[str | None, typer.Argument(help="Its name in the configuration; without it all are asked.")] = None,
+    config: ConfigFile = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Ask each configured model whether it can be used; takes a few tokens. Exit code 1 when one cannot."""
+    found = app.check_minds(app.load(config), mind)
+    if as_json:
+        typer.echo(json.dumps([one.as_data() for one in found], ensure_ascii=False))
+    else:
+        typer.echo("\n".join([*(one.line() for one in found), "rules: always there, without a model"]))
+    raise typer.Exit(0 if all(one.ok for one in found) else 1)
 
 
 # ---------------------------------------------------------------------- board

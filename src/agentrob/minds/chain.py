@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from pathlib import Path
 
 import structlog
 
+from agentrob.config import MindConfig
 from agentrob.minds.chat import Answer, ChatModel, Image, M, Message, Replied, T, Tool
+from agentrob.minds.configured import ConfiguredModel
 from agentrob.minds.faults import MindFault
 from agentrob.minds.usage import Usage
 
@@ -59,3 +62,9 @@ class ChatChain:
         assert fault is not None
         fault.usage = tuple(failed)
         raise fault
+
+
+def configured_chain(name: str, minds: Mapping[str, MindConfig], ledger: Path) -> ChatChain:
+    """The mind of that name with its fallbacks; `rules` at their end is no model and is left to whoever asks."""
+    names = [name, *(other for other in minds[name].fallbacks if other != "rules")]
+    return ChatChain([ConfiguredModel(n, minds[n], ledger) for n in names])

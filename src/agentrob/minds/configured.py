@@ -137,7 +137,9 @@ class ConfiguredModel:
                         heard = await self._once(
                             provider, reserve, system_prompt, conversation, tools, must_call, json_schema
                         )
-                        return heard, await self._settled(reserve, heard, began, attempt, self._lost(began, estimate, wasted))
+                        return heard, await self._settled(
+                            reserve, heard, began, attempt, self._lost(began, estimate, wasted)
+                        )
                     except MindFault as e:
                         fault = e
                     wasted += fault.kind not in UNSERVED and fault.kind != "budget"
