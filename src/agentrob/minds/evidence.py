@@ -124,7 +124,7 @@ def _same_length_lower(text: str) -> str:
 
 # ---------------------------------------------------------------------- amounts
 def _amounts(low: str) -> Iterator[Mention]:
-    """Numbers with the unit after them; without one as bare numbers. Where two overlap, the first and longest counts."""
+    """Numbers with the unit after them; without one as bare numbers. Of two that overlap the first and longest."""
     end = 0
     for start, stop, value in sorted(_numbers(low), key=lambda n: (n[0], -n[1])):
         if start < end:

@@ -18,21 +18,22 @@ def _table(rows: Mapping[str, V]) -> dict[str, V]:
 #: Only forms that can order something: "walked" and "has turned" are none.
 ACTIONS: dict[str, tuple[Op, ...]] = _table(
     {
-        "walk|move|go|step|advance|proceed|stroll|march|travel|head|come|drive|run|trot|crawl|scoot|shuffle|strafe|"
+        "walk|move|go|step|advance|proceed|stroll|march|travel|"
+        "head|come|drive|run|trot|crawl|scoot|shuffle|strafe|"
         "sidestep|walking|moving|going|approach|retreat|back up|back off|reverse|pace|roll|creep|amble|wander|"
         "走|移动|前进|前行|后退|倒退|退后|退|行走|平移|横移|挪|移|迈|跑|直走|直行|过去|过来|靠近": (Op.MOVE,),
         "turn|rotate|spin|pivot|swivel|twist|face|swing|turning|rotating|veer|转|旋转|转动|转向|转身|掉头|调头|拐|扭": (
             Op.TURN,
         ),
-        "wave|waving|greet|say hello|say hi|shake hands|greeting|hello|打招呼|打个招呼|招手|挥手|挥挥手|问好|问个好|握手|你好": (
-            Op.HELLO,
-        ),
+        "wave|waving|greet|say hello|say hi|shake hands|greeting|hello|"
+        "打招呼|打个招呼|招手|挥手|挥挥手|问好|问个好|握手|你好": (Op.HELLO,),
         "heart|make a heart|show love|比心|比个心|爱心|画心|画个心": (Op.HEART,),
         "backflip|back flip|flip|somersault|后空翻|空翻|翻跟头|翻个跟头|跟斗": (Op.BACKFLIP,),
         "sit|sit down|have a seat|take a seat|坐|坐下": (Op.SIT,),
         "stand|stand up|get up|rise|站起来|起立|站立|起来": (Op.STAND,),
         "stretch|stretching|limber up|伸懒腰|伸个懒腰|伸展|拉伸|舒展": (Op.STRETCH,),
-        "photo|picture|pic|photograph|image|snapshot|snap|shot|selfie|camera|look|see|show me|what do you see|view|"
+        "photo|picture|pic|photograph|image|snapshot|snap|shot|"
+        "selfie|camera|look|see|show me|what do you see|view|"
         "photos|pictures|pics|images|拍照|照片|拍|照相|照|图片|看看|看一下|看见|看到|画面|相片": (Op.GET_FRONT_IMAGE,),
     }
 )
@@ -54,12 +55,13 @@ ACTIONS |= dict.fromkeys(("左转", "左拐", "右转", "右拐"), (Op.TURN,))
 #: Phrases that say an angle without a number.
 FIXED_ANGLES: dict[str, float] = _table(
     {
-        "turn around|turn round|about face|u-turn|u turn|half turn|half circle|掉头|调头|转身|转过身|转过去|向后转|转半圈": 180.0,
-        "full turn|full circle|full rotation|complete turn|all the way around|360|spin around|转一圈|转个圈|转圈|转一整圈": 360.0,
+        "turn around|turn round|about face|u-turn|u turn|half turn|half circle|"
+        "掉头|调头|转身|转过身|转过去|向后转|转半圈": 180.0,
+        "full turn|full circle|full rotation|complete turn|all the way around|"
+        "spin around|转一圈|转个圈|转圈|转一整圈": 360.0,
         "right angle|quarter turn|直角|四分之一圈": 90.0,
     }
 )
-del FIXED_ANGLES["360"]
 
 #: Words that are neither: (kind, value).
 MARKS: dict[str, tuple[str, float]] = _table(
@@ -76,7 +78,8 @@ MARKS: dict[str, tuple[str, float]] = _table(
         ),
         "again|once more|one more time|repeat|same|the same|do it|do that|redo|another|more|further|"
         "再|又|再来|再一次|重复|同样|一样|继续|还": ("again", 0.0),
-        "undo|return|come back|go back|walk back|turn back|move back|back again|back to where|and back|now back|"
+        "undo|return|come back|go back|walk back|turn back|"
+        "move back|back again|back to where|and back|now back|"
         "回来|回去|返回|回到|退回|转回": ("back", 0.0),
         "twice|two times|两次|两遍|两回|二次": ("times", 2.0),
         "thrice|three times|三次|三遍|三回": ("times", 3.0),
@@ -105,7 +108,8 @@ _ANGLES = {
     "turn|turns|revolution|revolutions|rotation|rotations|circle|circles|圈|周": 360.0,
 }
 _SPEEDS = {
-    "m/s|mps|meters per second|metres per second|meter per second|metre per second|meters a second|metres a second|"
+    "m/s|mps|meters per second|metres per second|"
+    "meter per second|metre per second|meters a second|metres a second|"
     "米每秒|米/秒": 1.0,
     "cm/s|centimeters per second|centimetres per second|厘米每秒|厘米/秒": 0.01,
     "ft/s|feet per second": 0.3048,
