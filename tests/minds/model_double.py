@@ -1,8 +1,9 @@
-"""Starts the HTTP double of model providers (npm @copilotkit/aimock), which speaks the OpenAI and the Anthropic dialect."""
+"""Starts the double of model providers (npm @copilotkit/aimock): the OpenAI and the Anthropic dialect over HTTP."""
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -37,7 +38,12 @@ def model_double(folder: Path, fixtures: list[dict[str, Any]]) -> Iterator[Doubl
     assert _CLI.is_file(), "the double of model providers is not installed: run scripts/model-double"
     file = folder / "fixtures.json"
     file.write_text(json.dumps({"fixtures": fixtures}))
-    process = subprocess.Popen([node, str(_CLI), "-f", str(file), "-p", "0"], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [node, str(_CLI), "-f", str(file), "-p", "0"],
+        env={**os.environ, "AIMOCK_STRICT_TURN_INDEX": "1"},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     watch = Timer(LIMIT_S, process.kill)
     watch.start()
     try:

@@ -1,4 +1,4 @@
-"""A configured model against a real server that fails in every way: a clear fault within its time, never with the key."""
+"""A configured model against a real server that fails in every way: a clear fault in time, never with the key."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class ConfiguredModel:
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
         heard, usage = await self._ask(system_prompt, [Said(user_message)], spent)
         if not heard.text.strip():
-            raise MindFault("malformed", f"{self.name}: an empty answer", usage=[usage])
+            raise self._unusable("an empty answer", [usage])
         return Answer(heard.text.strip(), self.name, (usage,))
 
     async def answer(
@@ -67,7 +67,7 @@ class ConfiguredModel:
             if value is not None:
                 return Answer(value, self.name, tuple(used))
             conversation += [Replied(reply or "(nothing)"), Said(f"That cannot be used: {problem} Answer again.")]
-        raise MindFault("malformed", f"{self.name}: no usable answer: {problem}", usage=used)
+        raise self._unusable(f"no usable answer: {problem}", used)
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
@@ -82,13 +82,18 @@ class ConfiguredModel:
             reply = prompted.reply_in(heard.text, len(conversation), tools)
         if heard.cut or not (reply.text or reply.calls):
             what = "the answer was cut off at max_output_tokens" if heard.cut else "an empty answer"
-            raise MindFault("malformed", f"{self.name}: {what}", usage=[usage])
+            raise self._unusable(what, [usage])
         return Answer(reply, self.name, (usage,))
 
     async def close(self) -> None:
         if self._provider is not None:
             await self._provider.close()
             self._provider = None
+
+    def _unusable(self, why: str, used: Sequence[Usage]) -> MindFault:
+        """An answer that came, was paid for, and is none."""
+        last = replace(used[-1], failed="malformed")
+        return MindFault("malformed", f"{self.name}: {why}", usage=[*used[:-1], last])
 
     # ------------------------------------------------------------ one typed question
     async def _typed(

@@ -60,8 +60,8 @@ class ModelMind:
         except MindFault as e:
             return Reading(by_rules, self._rules.name, e.usage, fallback=f"{e.kind}")
         understood = weigh(answer.value, by_rules, part, history)
-        first = answer.usage[0].failed if answer.mind != self.name else ""
-        return Reading(understood, answer.mind, answer.usage, fallback=first)
+        failed = [u.failed for u in answer.usage if u.mind == self.name and u.failed]
+        return Reading(understood, answer.mind, answer.usage, fallback=failed[-1] if failed else "")
 
     async def close(self) -> None:
         await self.model.close()
