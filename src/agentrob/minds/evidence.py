@@ -52,42 +52,12 @@ _DIGITS = re.compile(
 )
 _BEFORE_BAD = re.compile(r"[-−–~×*^/.,]$")
 _AFTER_BAD = re.compile(r"^\s?[-–~×*^]\s?\d|^\s?x\s?\d", re.IGNORECASE)
-_EN_NUMBER_WORDS = [
-    "zero",
-    "one",
-    "two",
-    "three",
-    "four",
-    "five",
-    "six",
-    "seven",
-    "eight",
-    "nine",
-    "ten",
-    "eleven",
-    "twelve",
-    "thirteen",
-    "fourteen",
-    "fifteen",
-    "sixteen",
-    "seventeen",
-    "eighteen",
-    "nineteen",
-    "twenty",
-    "thirty",
-    "forty",
-    "fifty",
-    "sixty",
-    "seventy",
-    "eighty",
-    "ninety",
-    "hundred",
-    "thousand",
-]
-_EN_RUN = re.compile(
-    rf"\b(?:a[ ])?(?:{'|'.join(_EN_NUMBER_WORDS)})(?:[ -](?:and[ ](?=(?:{'|'.join(_EN_NUMBER_WORDS[:28])})\b))?"
-    rf"(?:{'|'.join(_EN_NUMBER_WORDS)}|point))*\b"
-)
+_EN_NUMBER_WORDS = """zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen
+sixteen seventeen eighteen nineteen twenty thirty forty fifty sixty seventy eighty ninety hundred thousand""".split()  # noqa: SIM905
+_EN = f"(?:{'|'.join(_EN_NUMBER_WORDS)})"
+_EN_RUN = re.compile(rf"\b(?:a[ ](?=hundred|thousand))?{_EN}(?:[ -](?:and[ ](?={_EN}\b))?(?:{_EN}|point))*\b")
+#: "one eighty", "two seventy": hundreds left out, as people say angles.
+_HUNDREDS_LEFT_OUT = re.compile(r"^(one|two|three) ((?:[a-z]+ty)(?: (?!hundred|thousand)[a-z]+)?)$")
 _ZH_RUN = re.compile(r"[零〇一二两三四五六七八九十百千]+(?:点[零〇一二三四五六七八九]+)?")
 _ONE = re.compile(r"\b(?:an?|single)\b")
 _HALF = re.compile(r"\b(?:half(?:[ ](?:an?|of[ ]an?|the))?|(?:a|one)[ ]half)\b|半个?")
@@ -193,6 +163,7 @@ def _english(words: str) -> float | None:
     whole, _, decimals = words.replace("-", " ").partition(" point ")
     try:
         said = re.sub(r"^a ", "one ", whole).replace(" and ", " ")
+        said = _HUNDREDS_LEFT_OUT.sub(r"\1 hundred \2", said)
         value = float(text2num(said, "en"))
         if decimals:
             value += float("0." + "".join(str(_EN_NUMBER_WORDS.index(w)) for w in decimals.split()))

@@ -20,11 +20,11 @@ ACTIONS: dict[str, tuple[Op, ...]] = _table(
     {
         "walk|move|go|step|advance|proceed|stroll|march|travel|"
         "head|come|drive|run|trot|crawl|scoot|shuffle|strafe|"
-        "sidestep|walking|moving|going|approach|retreat|back up|back off|reverse|pace|roll|creep|amble|wander|"
+        "go back|walk back|move back|come back|step back|sidestep|walking|moving|going|approach|"
+        "retreat|back up|back off|reverse|pace|roll|creep|amble|wander|"
         "走|移动|前进|前行|后退|倒退|退后|退|行走|平移|横移|挪|移|迈|跑|直走|直行|过去|过来|靠近": (Op.MOVE,),
-        "turn|rotate|spin|pivot|swivel|twist|face|swing|turning|rotating|veer|转|旋转|转动|转向|转身|掉头|调头|拐|扭": (
-            Op.TURN,
-        ),
+        "turn back|turn|rotate|spin|pivot|swivel|twist|face|swing|turning|rotating|"
+        "veer|转|旋转|转动|转向|转身|掉头|调头|拐|扭": (Op.TURN,),
         "wave|waving|greet|say hello|say hi|shake hands|greeting|hello|"
         "打招呼|打个招呼|招手|挥手|挥挥手|问好|问个好|握手|你好": (Op.HELLO,),
         "heart|make a heart|show love|比心|比个心|爱心|画心|画个心": (Op.HEART,),
@@ -34,7 +34,8 @@ ACTIONS: dict[str, tuple[Op, ...]] = _table(
         "stretch|stretching|limber up|伸懒腰|伸个懒腰|伸展|拉伸|舒展": (Op.STRETCH,),
         "photo|picture|pic|photograph|image|snapshot|snap|shot|"
         "selfie|camera|look|see|show me|what do you see|view|"
-        "photos|pictures|pics|images|拍照|照片|拍|照相|照|图片|看看|看一下|看见|看到|画面|相片": (Op.GET_FRONT_IMAGE,),
+        "photos|pictures|pics|images|拍照|照片|拍|照相|"
+        "照|图片|看看|看一下|看见|看到|画面|相片": (Op.GET_FRONT_IMAGE,),
     }
 )
 
@@ -42,7 +43,8 @@ DIRECTIONS: dict[str, Direction] = _table(
     {
         "forward|forwards|ahead|straight|straight ahead|onward|onwards|advance|frontward|"
         "前|向前|往前|朝前|前进|前行|直走|直行|前面|前方": Direction.FORWARD,
-        "backward|backwards|back|back up|back off|retreat|reverse|rearward|rearwards|behind|"
+        "go back|walk back|move back|come back|step back|and back|now back|backward|backwards|"
+        "back|back up|back off|retreat|reverse|rearward|rearwards|behind|"
         "后|向后|往后|朝后|后退|倒退|退后|退|后面|后方": Direction.BACKWARD,
         "left|leftward|leftwards|counterclockwise|counter-clockwise|anticlockwise|anti-clockwise|port|"
         "左|向左|往左|左边|左侧|左转|左拐|逆时针": Direction.LEFT,

@@ -24,6 +24,8 @@ MAX_DISTANCE_M, MAX_DEGREES, MAX_STEPS = 100.0, 3600.0, 50
 SLOW_MPS = 0.2
 #: A bare "turn left" is taken as this, and the reply says so.
 BARE_TURN_DEG = 90.0
+#: A number without a unit is taken as degrees of a turn from here on, as the grammar does.
+LEAST_BARE_DEG = 5.0
 _OPPOSITE = {
     Direction.FORWARD: Direction.BACKWARD,
     Direction.BACKWARD: Direction.FORWARD,
@@ -152,12 +154,9 @@ class _Check:
             return True
         if clause.refers and any(p.op is step.action for p in self._before):
             return True
-        if clause.ops & set(_MOTIONS):
-            return False
-        implied = {Op.MOVE: Kind.LENGTH, Op.TURN: Kind.ANGLE}.get(step.action)  # "then 2 m back"
-        if implied is not None and clause.of(implied):
-            return True
-        return step.action is Op.TURN and not clause.of(Kind.LENGTH) and _turned(clause)
+        if step.action is Op.TURN:  # "thirty degrees left", "move thirty degrees left"
+            return bool(clause.of(Kind.ANGLE)) and not clause.of(Kind.LENGTH)
+        return step.action is Op.MOVE and bool(clause.of(Kind.LENGTH)) and not clause.ops  # "then 2 m back"
 
     def _most(self, clause: _Clause) -> int:
         """How many steps a clause can be: one, as many as it counts, or what it refers to."""
@@ -217,9 +216,9 @@ class _Check:
         back = bool(clause.of(Kind.BACK))
         kind = Kind.LENGTH if step.action is Op.MOVE else Kind.ANGLE
         said = {m.value for m in clause.of(kind)}
-        fits = [p for p in self._before if p.op is step.action and p.direction is not None]
-        for index, before in enumerate(fits):
-            assert before.direction is not None
+        for index, before in enumerate(self._before):
+            if before.op is not step.action or before.direction is None:
+                continue
             turned = _OPPOSITE[before.direction] if back else before.direction
             plain = clause.directions - ({Direction.BACKWARD} if back else set())
             directions = plain or {turned}
@@ -263,6 +262,8 @@ def _asked(step: ExtractedStep) -> float | None:
 def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind: Kind) -> float:
     """The amount that the post says, when the model says the same."""
     values = {m.value for m in clause.of(kind)} or {m.value for c in free if c.bare for m in c.of(kind)}
+    if not values and kind is Kind.ANGLE:  # "turn one eighty to the right"
+        values = {m.value for m in clause.of(Kind.NUMBER) if m.value >= LEAST_BARE_DEG}
     asked = _asked(step)
     if len(values) != 1 or asked is None or not same(asked, next(iter(values))):
         raise _Lacking("amount")
@@ -275,7 +276,7 @@ def _direction(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause]) ->
     elsewhere = {d for c in free for d in c.directions}
     if step.action is Op.TURN:
         said &= {Direction.LEFT, Direction.RIGHT}
-        if not said and (step.direction is None or (step.direction is Direction.LEFT and _turned(clause))):
+        if not said and (step.direction is None or (step.direction is Direction.LEFT and _whole(clause))):
             return None  # a whole or half turn without a side; the caller looks at the angle
     elif not said and not elsewhere and step.direction in (None, Direction.FORWARD):
         return None
@@ -284,10 +285,9 @@ def _direction(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause]) ->
     return next(iter(said))
 
 
-def _turned(clause: _Clause) -> bool:
-    return bool(clause.directions & {Direction.LEFT, Direction.RIGHT}) or any(
-        m.value in (180.0, 360.0) for m in clause.of(Kind.ANGLE)
-    )
+def _whole(clause: _Clause) -> bool:
+    """A whole or half turn, of which the side does not matter."""
+    return any(m.value in (180.0, 360.0) for m in clause.of(Kind.ANGLE))
 
 
 # ---------------------------------------------------------------------- clauses and quotes
@@ -301,8 +301,7 @@ def _clauses_of(text: str, mentions: Sequence[Mention]) -> list[_Clause]:
             found.append(current)
             current = _Clause(mention.end, mention.end, current.sentence + (mention.kind is Kind.END))
             continue
-        verb = mention.kind is Kind.ACTION
-        if verb and any(m.kind is Kind.ACTION and m.end <= mention.start for m in current.mentions) and _full(current):
+        if mention.kind is Kind.ACTION and _full(current, mention):
             current.end = mention.start
             found.append(current)
             current = _Clause(mention.start, mention.start, current.sentence)
@@ -328,10 +327,13 @@ def _is_bare(text: str, clause: _Clause) -> bool:
     return all(word.strip(".,;:!?~'\"").lower() in _SOFT | {""} for word in "".join(rest).split())
 
 
-def _full(clause: _Clause) -> bool:
-    """Whether a clause says enough of a deed for the next verb to begin another."""
-    gesture = any(op not in _MOTIONS for op in clause.ops)
-    return gesture or bool(clause.directions or clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))
+def _full(clause: _Clause, verb: Mention) -> bool:
+    """Whether a clause says enough of a deed for a further verb to begin another; "move, uh, move 2 m" is one."""
+    if not any(m.kind is Kind.ACTION and m.end <= verb.start for m in clause.mentions):
+        return False
+    if verb.op in clause.ops:
+        return bool(clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE)) or verb.op not in _MOTIONS
+    return bool(clause.ops - set(_MOTIONS) or clause.directions or clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))
 
 
 def _find(text: str, words: str, at: int) -> tuple[int, int] | None:
