@@ -174,6 +174,17 @@ def mind_check(
     raise typer.Exit(0 if all(one.ok for one in found) else 1)
 
 
+@mind_cli.command("try")
+def mind_try(
+    mind: Annotated[str, typer.Argument(help="Its name in the configuration, or rules.")],
+    text: Annotated[str, typer.Argument(help="What one would write in a post.")],
+    config: ConfigFile = None,
+    model: Annotated[str, typer.Option(help="The kind of robot.")] = "go2",
+) -> None:
+    """Say what a mind makes of a text, and what that took. Nothing moves."""
+    typer.echo("\n".join(app.try_mind(app.load(config), mind, text, model)))
+
+
 # ---------------------------------------------------------------------- board
 @board_cli.command("serve")
 def board_serve(config: ConfigFile = None) -> None:

@@ -95,10 +95,27 @@ async def test_what_is_wrong_is_said(server: FaultyServer, tmp_path: Path, key: 
     assert "no trusted connection" in plain.line()
 
 
-def run_check(folder: Path, *args: str, **env: str) -> subprocess.CompletedProcess[str]:
+def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) -> None:
+    step = {"action": "move", "direction": "forward", "amount": 2, "unit": "m", "words": "meander forward 2 m"}
+    answer = {"name": "answer", "arguments": {"intent": "command", "steps": [step]}}
+    running = double([{"match": {"userMessage": "meander"}, "response": {"toolCalls": [answer]}}])
+    good = f'[minds.good]\nprovider = "openai"\nmodel = "m"\nbase_url = "{running.url}/v1"\nkey_env = "TEST_KEY"\n'
+    (tmp_path / "agentrob.toml").write_text(good)
+    tried = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m")
+    assert tried.returncode == 0, tried.stderr
+    assert tried.stdout.startswith("command: walk forward 2 m\n  read by good\n  good (m): ")
+    failed = run_mind(tmp_path, "try", "good", "walk forward 1 m", TEST_KEY="")
+    assert "command: walk forward 1 m\n  read by rules (instead of good: no_key)\n" in failed.stdout
+
+
+def run_check(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:
+    return run_mind(folder, "check", *args)
+
+
+def run_mind(folder: Path, *args: str, **env: str) -> subprocess.CompletedProcess[str]:
     program = str(Path(sys.executable).with_name("agentrob"))
     return subprocess.run(
-        [program, "mind", "check", *args],
+        [program, "mind", *args],
         cwd=folder,
         env={**os.environ, "AGENTROB_DATA": str(folder), **env},
         capture_output=True,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
+import threading
 import time
 import traceback
 from collections.abc import Callable
@@ -319,4 +320,26 @@ async def test_it_can_be_interrupted_mid_thought(server: FaultyServer, make: Mak
     with pytest.raises(asyncio.CancelledError):
         await thinking
     assert time.monotonic() - began < 5
+    await model.close()
+
+
+async def test_law_15_the_library_is_loaded_beside_the_loop(
+    server: FaultyServer, make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It takes a second or more, and a stop that comes meanwhile must not wait."""
+    from agentrob.minds import provider
+
+    threads: list[threading.Thread] = []
+    made = provider.Provider.__init__
+
+    def note(self: provider.Provider, *args: Any) -> None:
+        threads.append(threading.current_thread())
+        made(self, *args)
+
+    monkeypatch.setattr(provider.Provider, "__init__", note)
+    answers(server, (200, said("Hello.")))
+    model = make(server.url + "/v1")
+    await asyncio.gather(model.chat("", "Hello"), model.chat("", "Hello"))
+    (thread,) = threads
+    assert thread is not threading.main_thread()
     await model.close()

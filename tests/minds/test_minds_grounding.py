@@ -334,3 +334,11 @@ def test_readings_agree_only_on_the_same_motion(one: list[Primitive], other: lis
 def test_the_schema_is_closed(raw: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="validation error"):
         Wants.model_validate_json(json.dumps(raw))
+
+
+@pytest.mark.parametrize(
+    "unit", ["一", "千", "one ", "one hundred and ", "1 ", "1/2 ", "half a ", "- 1", "walk 1 m ", "两米半"]
+)
+def test_a_flood_of_numbers_is_read_and_commands_nothing(unit: str) -> None:
+    text = (unit * 2000)[:2000]
+    assert isinstance(ground([move(7, "m", text[:200])] * 20, text), Ungrounded)

@@ -40,6 +40,7 @@ class ConfiguredModel:
         self._budget = Budget(name, config.limits, ledger)
         self._chance = chance
         self._gate = asyncio.Semaphore(config.concurrency)
+        self._opening = asyncio.Lock()
         self._provider: Provider | None = None
 
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
@@ -137,7 +138,7 @@ class ConfiguredModel:
                 while True:
                     attempt += 1
                     try:
-                        provider = self._opened()
+                        provider = await self._opened()
                         reserve = await self._reserve(estimate, [*spent, self._lost(began, estimate, wasted)])
                         heard = await self._once(
                             provider, reserve, system_prompt, conversation, tools, must_call, json_schema
@@ -182,21 +183,26 @@ class ConfiguredModel:
                 await self._budget.settle(reserve, 0, 0.0)
             raise
 
-    def _opened(self) -> Provider:
-        if self._provider is None:
-            key = os.environ.get(self.config.key_variable, "").strip() if self.config.key_variable else ""
-            if self.config.key_variable and not key:
-                variable = self.config.key_variable
-                raise MindFault("no_key", f"{self.name}: the environment variable {variable} must hold the key")
-            if not key.isascii() or not key.isprintable():
-                raise MindFault("no_key", f"{self.name}: what {self.config.key_variable} holds cannot be a key")
-            try:
-                from agentrob.minds.provider import Provider
-            except ImportError as e:
-                missing = f"{self.name}: a model needs the extra 'models' (pip install 'agentrob[models]'): {e}"
-                raise MindFault("no_library", missing) from None
-            self._provider = Provider(self.name, self.config, key)
-        return self._provider
+    async def _opened(self) -> Provider:
+        """The provider, made once; in a thread, since its library takes a second, and stops must not wait for it."""
+        async with self._opening:
+            if self._provider is None:
+                self._provider = await asyncio.to_thread(self._open)
+            return self._provider
+
+    def _open(self) -> Provider:
+        variable = self.config.key_variable
+        key = os.environ.get(variable, "").strip() if variable else ""
+        if variable and not key:
+            raise MindFault("no_key", f"{self.name}: the environment variable {variable} must hold the key")
+        if not key.isascii() or not key.isprintable():
+            raise MindFault("no_key", f"{self.name}: what {variable} holds cannot be a key")
+        try:
+            from agentrob.minds.provider import Provider
+        except ImportError as e:
+            missing = f"{self.name}: a model needs the extra 'models' (pip install 'agentrob[models]'): {e}"
+            raise MindFault("no_library", missing) from None
+        return Provider(self.name, self.config, key)
 
     def _left_s(self, began: float) -> float:
         return self.config.total_s - (monotonic() - began)

@@ -157,7 +157,13 @@ def _digits_value(match: re.Match[str]) -> float:
     return int(match["whole"]) + int(match["over"]) / int(match["under"])
 
 
+#: Numbers that take more letters are none that a robot walks or turns by.
+_LONGEST_NUMBER = 60
+
+
 def _english(words: str) -> float | None:
+    if len(words) > _LONGEST_NUMBER:
+        return None
     from text_to_num import text2num
 
     whole, _, decimals = words.replace("-", " ").partition(" point ")
@@ -173,11 +179,13 @@ def _english(words: str) -> float | None:
 
 
 def _chinese(words: str) -> float | None:
+    if len(words) > _LONGEST_NUMBER / 5:
+        return None
     import cn2an
 
     try:
         return float(cn2an.cn2an(words.replace("〇", "零"), "smart"))
-    except (ValueError, KeyError, IndexError):
+    except (ValueError, KeyError, IndexError, OverflowError):
         return None
 
 
