@@ -155,8 +155,8 @@ class MindConfig(_Section):
     `provider` says whose dialect is spoken; `compatible` is any OpenAI-compatible server (Ollama, vLLM, llama.cpp) and
     needs a `base_url`. `answers`: how typed answers are asked for; `tools` by tool calls, `json` by words in the prompt
     (for weak local models), `json_object` the same with `response_format` and the schema (llama.cpp).
-    `timeout_s` bounds one attempt, `total_s` all attempts for one answer with their waits. `fallbacks` are other minds,
-    tried in order when this one fails; the rules always come last.
+    `timeout_s` bounds one attempt, `total_s` one answer with all attempts and waits (an agent waits a minute at most,
+    fallbacks included). `fallbacks` are other minds, tried in order when this one fails; the rules always come last.
     """
 
     provider: Literal["openai", "anthropic", "ark", "compatible"]
@@ -165,8 +165,8 @@ class MindConfig(_Section):
     key_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
     answers: Literal["tools", "json", "json_object"] = "tools"
     images: bool = True
-    timeout_s: Annotated[float, Field(gt=0, le=120)] = 20.0
-    total_s: Annotated[float, Field(gt=0, le=300)] = 40.0
+    timeout_s: Annotated[float, Field(gt=0, le=120)] = 15.0
+    total_s: Annotated[float, Field(gt=0, le=300)] = 25.0
     retries: Annotated[int, Field(ge=0, le=10)] = 2
     concurrency: Annotated[int, Field(ge=1, le=64)] = 2
     max_output_tokens: Annotated[int, Field(ge=16)] = 2_000

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +78,20 @@ async def test_a_file_that_cannot_be_used_stops_the_spending(tmp_path: Path) -> 
         with pytest.raises(MindFault, match="cannot be kept") as caught:
             await budget(broken).reserve(1, 0.0, ())
         assert caught.value.kind == "budget"
+
+
+async def test_a_file_that_stays_locked_stops_the_spending_and_loses_no_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agentrob.minds.budget.BUSY_S", 0.05)
+    file = tmp_path / "minds.sqlite"
+    reserve = await budget(file).reserve(500, 0.0, ())
+    with closing(sqlite3.connect(file, isolation_level=None)) as other:
+        other.execute("begin immediate")
+        with pytest.raises(MindFault, match="locked"):
+            await budget(file).reserve(1, 0.0, ())
+        await budget(file).settle(reserve, 100, 0.0)
+    assert budget(file).spent_today() == (500, 0.0), "what was set aside stays counted"
 
 
 async def test_beyond_the_command_nothing_is_sent(server: FaultyServer, make: Make) -> None:

@@ -61,6 +61,15 @@ async def test_when_no_model_answers_the_rules_do_and_say_so(server: FaultyServe
     await mind.close()
 
 
+async def test_the_rules_answer_in_time_however_long_the_models_take(server: FaultyServer, make: Make) -> None:
+    server.answer = lambda handler, _: handler.hang()
+    mind = ModelMind(ChatChain([make(server.url + "/v1", n, timeout_s=60, total_s=60) for n in ("one", "two")]), 0.5)
+    reading = await read(mind, "@quadruped walk forward 2 m", LISTENER)
+    assert (reading.mind, reading.fallback) == ("rules", "timeout")
+    assert reading.understanding.intent is Intent.COMMAND
+    await mind.close()
+
+
 async def test_a_chain_without_an_answer_tells_all_that_it_took(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.send(401, b"{}")
     url = server.url + "/v1"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
+import sys
 import threading
 import time
 import traceback
@@ -16,6 +17,7 @@ from conftest import KEY
 from faulty_server import FaultyServer, anthropic_called, called, said
 from pydantic import BaseModel, ConfigDict, Field
 
+from agentrob.minds import provider  # loaded here, so that no test's time limit counts it
 from agentrob.minds.chat import Image, Returned, Said, Tool
 from agentrob.minds.configured import ConfiguredModel
 from agentrob.minds.faults import MindFault
@@ -327,8 +329,6 @@ async def test_law_15_the_library_is_loaded_beside_the_loop(
     server: FaultyServer, make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It takes a second or more, and a stop that comes meanwhile must not wait."""
-    from agentrob.minds import provider
-
     threads: list[threading.Thread] = []
     made = provider.Provider.__init__
 
@@ -343,3 +343,24 @@ async def test_law_15_the_library_is_loaded_beside_the_loop(
     (thread,) = threads
     assert thread is not threading.main_thread()
     await model.close()
+
+
+async def test_mending_an_answer_is_within_the_time_of_the_answer(server: FaultyServer, make: Make) -> None:
+    answers(server, (200, called("answer", {"far": 1})), "hang")
+    model = make(server.url + "/v1", timeout_s=60, total_s=1.5, retries=3)
+    began = time.monotonic()
+    with pytest.raises(MindFault) as caught:
+        await model.answer("", "How far?", Distance)
+    assert caught.value.kind == "timeout"
+    assert [u.failed for u in caught.value.usage] == ["", "timeout"]
+    assert time.monotonic() - began < 10
+    await model.close()
+
+
+async def test_without_the_libraries_it_says_what_to_install(
+    server: FaultyServer, make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "agentrob.minds.provider", None)
+    fault = await fault_of(make(server.url + "/v1"))
+    assert fault.kind == "no_library"
+    assert "agentrob[models]" in str(fault)

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
-from collections.abc import Callable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+
+import structlog
 
 from agentrob.config import MindLimitsConfig
 from agentrob.minds.faults import MindFault
 from agentrob.minds.usage import Usage, spent_by
 
-_BUSY_S = 2.0
+BUSY_S = 2.0
+_log = structlog.get_logger()
 _MAKE = """
 create table if not exists spent (
     day text not null, mind text not null, tokens integer not null, cost real not null, primary key (day, mind)
@@ -66,11 +69,14 @@ class Budget:
     async def settle(self, reserve: Reserve, tokens: int, cost: float) -> None:
         """Count what it really took."""
         more = (tokens - reserve.tokens, cost - reserve.cost)
-        await asyncio.to_thread(self._add, reserve.day, *more)
+        try:
+            await asyncio.to_thread(self._add, reserve.day, *more)
+        except MindFault as e:  # the answer is there all the same; what was set aside stays counted
+            _log.warning("what a mind used cannot be written down", mind=self._mind, error=str(e))
 
     def spent_today(self) -> tuple[int, float]:
         """Tokens and money of this UTC day."""
-        with closing(self._open()) as db:
+        with self._opened() as db:
             return self._of(db, self._today())
 
     def _check(self, span: str, tokens: int, cost: float) -> None:
@@ -85,7 +91,7 @@ class Budget:
         raise MindFault("budget", f"{self._mind}: {what} (minds.{self._mind}.limits)")
 
     def _take(self, reserve: Reserve) -> None:
-        with self._changing() as db:
+        with self._opened() as db:
             db.execute("begin immediate")
             tokens, cost = self._of(db, reserve.day)
             self._check("day", tokens + reserve.tokens, cost + reserve.cost)
@@ -93,28 +99,21 @@ class Budget:
             db.execute("commit")
 
     def _add(self, day: str, tokens: int, cost: float) -> None:
-        with self._changing() as db:
+        with self._opened() as db:
             db.execute(_ADD, (day, self._mind, tokens, cost))
 
     def _of(self, db: sqlite3.Connection, day: str) -> tuple[int, float]:
         row = db.execute("select tokens, cost from spent where day = ? and mind = ?", (day, self._mind)).fetchone()
         return row or (0, 0.0)
 
-    def _changing(self) -> closing[sqlite3.Connection]:
-        return closing(self._open())
-
-    def _open(self) -> sqlite3.Connection:
+    @contextmanager
+    def _opened(self) -> Iterator[sqlite3.Connection]:
+        """The file; whatever is wrong with it is a `MindFault`."""
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True)
-            db = sqlite3.connect(self._file, timeout=_BUSY_S, isolation_level=None)
+            with closing(sqlite3.connect(self._file, timeout=BUSY_S, isolation_level=None)) as db:
+                db.execute(_MAKE)
+                yield db
         except (OSError, sqlite3.Error) as e:
-            raise self._unusable(e) from None
-        try:
-            db.execute(_MAKE)
-        except sqlite3.Error as e:
-            db.close()
-            raise self._unusable(e) from None
-        return db
-
-    def _unusable(self, error: Exception) -> MindFault:
-        return MindFault("budget", f"{self._mind}: what was spent today cannot be kept in {self._file.name}: {error}")
+            what = f"{self._mind}: what was spent today cannot be kept in {self._file.name}: {e}"
+            raise MindFault("budget", what) from None

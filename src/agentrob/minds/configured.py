@@ -59,9 +59,12 @@ class ConfiguredModel:
     ) -> Answer[M]:
         conversation: list[Message] = [Said(user_message, self._pictures(images))]
         used: list[Usage] = []
+        until = monotonic() + self.config.total_s
         for _ in range(1 + _REPAIRS):
             try:
-                value, problem, reply, usage = await self._typed(system_prompt, conversation, kind, [*spent, *used])
+                value, problem, reply, usage = await self._typed(
+                    system_prompt, conversation, kind, [*spent, *used], until
+                )
             except MindFault as e:
                 raise _with_usage(e, used) from None
             used.append(usage)
@@ -98,19 +101,24 @@ class ConfiguredModel:
 
     # ------------------------------------------------------------ one typed question
     async def _typed(
-        self, system_prompt: str, conversation: Sequence[Message], kind: type[M], spent: Sequence[Usage]
+        self,
+        system_prompt: str,
+        conversation: Sequence[Message],
+        kind: type[M],
+        spent: Sequence[Usage],
+        until: float,
     ) -> tuple[M | None, str, str, Usage]:
         """The value or what is wrong, what the model said, and what it took."""
         if self.config.answers == "tools":
             tool = Tool("answer", "Gives the answer.", kind)
-            heard, usage = await self._ask(system_prompt, conversation, spent, [tool], must_call=True)
+            heard, usage = await self._ask(system_prompt, conversation, spent, [tool], True, until=until)
             given = [raw for _, name, raw in heard.calls if name == tool.name]
             if not given:
                 return *found_in(heard.text, kind), heard.text, usage
             return *checked(given[0], kind), str(given[0])[:2_000], usage
         schema = schema_of(kind) if self.config.answers == "json_object" else None
         asked = prompted.with_schema(system_prompt, kind)
-        heard, usage = await self._ask(asked, conversation, spent, json_schema=schema)
+        heard, usage = await self._ask(asked, conversation, spent, json_schema=schema, until=until)
         return *found_in(heard.text, kind), heard.text[:2_000], usage
 
     def _pictures(self, images: Sequence[Image]) -> tuple[Image, ...]:
@@ -127,14 +135,17 @@ class ConfiguredModel:
         tools: Sequence[Tool] = (),
         must_call: bool = False,
         json_schema: dict[str, Any] | None = None,
+        until: float | None = None,
     ) -> tuple[Heard, Usage]:
+        """Ends at `until` by the monotonic clock, or `total_s` from now."""
         began = monotonic()
+        until = began + self.config.total_s if until is None else until
         attempt = 0
         fault: MindFault
         estimate = self._estimate(system_prompt, conversation, tools)
         wasted = 0  # attempts that may be billed though nothing came
         try:
-            async with asyncio.timeout(self.config.total_s), self._gate:
+            async with asyncio.timeout(until - began), self._gate:
                 while True:
                     attempt += 1
                     try:
@@ -150,7 +161,7 @@ class ConfiguredModel:
                         fault = e
                     wasted += fault.kind not in UNSERVED and fault.kind != "budget"
                     wait_s = retry.wait_s(attempt, self._chance(), fault.retry_after_s)
-                    if not fault.passing or attempt > self.config.retries or wait_s > self._left_s(began):
+                    if not fault.passing or attempt > self.config.retries or wait_s > until - monotonic():
                         break
                     await asyncio.sleep(wait_s)
         except TimeoutError:
@@ -203,9 +214,6 @@ class ConfiguredModel:
             missing = f"{self.name}: a model needs the extra 'models' (pip install 'agentrob[models]'): {e}"
             raise MindFault("no_library", missing) from None
         return Provider(self.name, self.config, key)
-
-    def _left_s(self, began: float) -> float:
-        return self.config.total_s - (monotonic() - began)
 
     # ------------------------------------------------------------ what it takes
     def _estimate(self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool]) -> tuple[int, int]:

@@ -10,6 +10,7 @@ what the words of the post say, and never what the rules read otherwise. When no
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -29,6 +30,8 @@ from agentrob.minds.sentences import ask, say
 from agentrob.minds.usage import Usage
 from agentrob.model import Intent, Language, Plan, Primitive, Understanding
 
+#: A post is read within this time, by all models of a chain together; then the rules answer.
+LIMIT_S = 50.0
 #: What the rules settle alone, at once and without cost.
 _SETTLED = (Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS)
 
@@ -36,8 +39,9 @@ _SETTLED = (Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS)
 class ModelMind:
     """Understands free words through a model (or a chain of them), checked against the words themselves."""
 
-    def __init__(self, model: ChatModel) -> None:
+    def __init__(self, model: ChatModel, limit_s: float = LIMIT_S) -> None:
         self.name = model.name
+        self._limit_s = limit_s
         self.model = model
         self._rules = RulesMind()
 
@@ -54,11 +58,15 @@ class ModelMind:
         if by_rules.intent in _SETTLED or OMITTED in part or len(part) > MAX_CHARS or not part.strip():
             return Reading(by_rules, self._rules.name)
         try:
-            answer = await self.model.answer(
-                system_prompt(listener.capabilities), user_message(part, history), Wants, spent=spent
-            )
+            async with asyncio.timeout(self._limit_s):
+                answer = await self.model.answer(
+                    system_prompt(listener.capabilities), user_message(part, history), Wants, spent=spent
+                )
         except MindFault as e:
             return Reading(by_rules, self._rules.name, e.usage, fallback=f"{e.kind}")
+        except TimeoutError:
+            lost = Usage(self.name, "", latency_ms=self._limit_s * 1e3, failed="timeout")
+            return Reading(by_rules, self._rules.name, (lost,), fallback="timeout")
         understood = weigh(answer.value, by_rules, part, history)
         failed = [u.failed for u in answer.usage if u.mind == self.name and u.failed]
         return Reading(understood, answer.mind, answer.usage, fallback=failed[-1] if failed else "")
