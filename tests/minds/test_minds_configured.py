@@ -299,16 +299,35 @@ async def test_an_answer_cut_off_is_no_answer(server: FaultyServer, make: Make) 
     await model.close()
 
 
-async def test_only_so_many_questions_at_once(server: FaultyServer, make: Make) -> None:
-    answers(server, "hang")
-    model = make(server.url + "/v1", concurrency=1, timeout_s=30, retries=0)
-    asked = [asyncio.ensure_future(model.chat("", "Hello")) for _ in range(3)]
-    await asyncio.to_thread(server.came.wait, 20)
-    assert len(server.requests) == 1
-    for question in asked:
-        question.cancel()
-    await asyncio.gather(*asked, return_exceptions=True)
-    assert len(server.requests) == 1
+@pytest.mark.parametrize(("concurrency", "overlaps"), [(1, False), (2, True)])
+async def test_only_so_many_questions_at_once(
+    server: FaultyServer, make: Make, concurrency: int, overlaps: bool
+) -> None:
+    active, both = threading.Semaphore(1), threading.Event()
+
+    def answer(handler: Any, _: Any) -> None:
+        alone = active.acquire(blocking=False)
+        if not alone:
+            both.set()
+        both.wait(0.3 if concurrency == 1 else 20)  # another one may come while this one is being answered
+        if alone:
+            active.release()
+        handler.send(200, json.dumps(said("Hello.")).encode())
+
+    server.answer = answer
+    model = make(server.url + "/v1", concurrency=concurrency, timeout_s=60, total_s=60)
+    await asyncio.gather(*(model.chat("", "Hello") for _ in range(3)))
+    assert both.is_set() is overlaps
+    assert len(server.requests) == 3
+    await model.close()
+
+
+async def test_without_tools_words_that_look_like_a_call_are_words(server: FaultyServer, make: Make) -> None:
+    answers(server, (200, said('{"tool": "act_move", "arguments": {}}')))
+    model = make(server.url + "/v1", answers="json")
+    reply = (await model.turn("", [Said("Hello")], [])).value
+    assert reply.calls == ()
+    assert reply.text.startswith('{"tool"')
     await model.close()
 
 

@@ -62,7 +62,7 @@ class Provider:
         self._secrets = (key,) if key else ()
         self._url = config.address
         header = {"x-api-key": key} if config.provider == "anthropic" else {"authorization": f"Bearer {key}"}
-        self._http = client(self._url, header if key else {}, config.timeout_s, config.concurrency)
+        self._http = client(self._url, header if key else {}, config.timeout_s)
         self._model = self._anthropic() if config.provider == "anthropic" else self._openai()
 
     def __repr__(self) -> str:

@@ -55,12 +55,11 @@ class _Hooks:
         response.stream = _Bounded(response.stream)
 
 
-def client(base_url: str, credentials: Mapping[str, str], timeout_s: float, concurrency: int) -> httpx2.AsyncClient:
+def client(base_url: str, credentials: Mapping[str, str], timeout_s: float) -> httpx2.AsyncClient:
     """A client for one model; `credentials` are headers. Key and post go to the configured host and nowhere else."""
     hooks = _Hooks(credentials)
     return httpx2.AsyncClient(
         timeout=httpx2.Timeout(timeout_s, connect=min(timeout_s, 10.0)),
-        limits=httpx2.Limits(max_connections=concurrency, max_keepalive_connections=concurrency),
         event_hooks={"request": [hooks.request], "response": [hooks.response]},
         follow_redirects=False,
         trust_env=not is_loopback(base_url),
