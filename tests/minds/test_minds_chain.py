@@ -70,6 +70,13 @@ async def test_the_rules_answer_in_time_however_long_the_models_take(server: Fau
     await mind.close()
 
 
+async def test_preparing_asks_nothing_and_never_fails(server: FaultyServer, make: Make) -> None:
+    mind = ModelMind(ChatChain([make(server.url + "/v1"), make(server.url, "keyless", key_env="NO_SUCH_VARIABLE")]))
+    await mind.prepare()
+    assert server.requests == []
+    await mind.close()
+
+
 async def test_a_chain_without_an_answer_tells_all_that_it_took(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.send(401, b"{}")
     url = server.url + "/v1"

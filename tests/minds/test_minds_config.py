@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.app import make_mind
-from agentrob.config import Config, parse
+from agentrob.config import Config, MindConfig, MindLimitsConfig, PriceConfig, parse
 from agentrob.errors import ConfigError
 from agentrob.minds.model_mind import ModelMind
 from agentrob.minds.rules import RulesMind
@@ -90,3 +91,10 @@ def test_a_mind_is_made_by_its_name() -> None:
     assert isinstance(make_mind("rules", config), RulesMind)
     with pytest.raises(ConfigError, match=r"no mind named 'other'; there are: rules; configured as .*: clever"):
         make_mind("other", config)
+
+
+def test_the_documentation_names_every_setting() -> None:
+    told = (Path(__file__).parents[2] / "docs/minds.md").read_text(encoding="utf-8")
+    for section, prefix in ((MindConfig, ""), (MindLimitsConfig, "limits."), (PriceConfig, "price.")):
+        for name in section.model_fields:
+            assert name in ("limits", "price") or f"`{prefix}{name}`" in told, name

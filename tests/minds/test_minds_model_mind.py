@@ -58,6 +58,8 @@ class Scripted:
     ) -> Answer[Replied]:
         raise NotImplementedError
 
+    async def prepare(self) -> None: ...
+
     async def close(self) -> None: ...
 
 

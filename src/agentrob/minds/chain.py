@@ -41,6 +41,10 @@ class ChatChain:
     ) -> Answer[Replied]:
         return await self._first(lambda m, used: m.turn(system_prompt, conversation, tools, used), spent)
 
+    async def prepare(self) -> None:
+        for model in self._models:
+            await model.prepare()
+
     async def close(self) -> None:
         for model in self._models:
             await model.close()

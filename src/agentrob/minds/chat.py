@@ -112,6 +112,10 @@ class ChatModel(Protocol):
         """One turn with tools. Calls of unknown tools or with wrong arguments come back with a `problem`."""
         ...
 
+    async def prepare(self) -> None:
+        """Load what the first question would wait for (a second or two of a library). Asks nothing, never raises."""
+        ...
+
     async def close(self) -> None:
         """Give connections back."""
         ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import random
 from collections.abc import Callable, Sequence
@@ -88,6 +89,10 @@ class ConfiguredModel:
             what = "the answer was cut off at max_output_tokens" if heard.cut else "an empty answer"
             raise self._unusable(what, [usage])
         return Answer(reply, self.name, (usage,))
+
+    async def prepare(self) -> None:
+        with contextlib.suppress(MindFault):  # the first question says what is wrong
+            await self._opened()
 
     async def close(self) -> None:
         if self._provider is not None:

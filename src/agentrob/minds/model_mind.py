@@ -71,6 +71,10 @@ class ModelMind:
         failed = [u.failed for u in answer.usage if u.mind == self.name and u.failed]
         return Reading(understood, answer.mind, answer.usage, fallback=failed[-1] if failed else "")
 
+    async def prepare(self) -> None:
+        """Load the model's library before the first post, best when an agent starts. Never raises."""
+        await self.model.prepare()
+
     async def close(self) -> None:
         await self.model.close()
 
