@@ -16,10 +16,12 @@ demo: setup
 
 test: setup-dev
 	@scripts/system-packages render browser
+	@scripts/model-double
 	$(BIN)/pytest -m "not slow" $(ARGS)
 
 test-slow: setup-dev
 	@scripts/system-packages render browser
+	@scripts/model-double
 	$(BIN)/pytest -m slow $(ARGS)
 
 test-all: test test-slow
@@ -31,6 +33,7 @@ lint: setup-dev
 	$(BIN)/lint-imports
 
 check: lint
+	@scripts/model-double
 	$(BIN)/pytest -q -n 2 -m "not slow and not sim and not browser" $(ARGS)
 
 format: setup-dev

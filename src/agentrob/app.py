@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from agentrob.agent.turn import RobotAgent
     from agentrob.board.settings import BoardSettings
     from agentrob.forums.forum import Forum
+    from agentrob.minds.check import Checked
     from agentrob.minds.mind import Mind
 
 load = configuration.load
@@ -41,9 +42,35 @@ def make_forum(config: Config, token: str) -> Forum:
     return forum
 
 
-def make_mind(name: str) -> Mind:
-    mind: Mind = find("minds", name)()
+def make_mind(name: str, config: Config | None = None) -> Mind:
+    """A mind of the configuration, or one that is found by its entry point."""
+    minds = config.minds if config else {}
+    if config and name in minds:
+        from agentrob.minds.chain import configured_chain
+        from agentrob.minds.model_mind import ModelMind
+
+        return ModelMind(configured_chain(name, minds, minds_ledger(config)))
+    try:
+        mind: Mind = find("minds", name)()
+    except ConfigError as e:
+        configured = f"; configured as [minds.NAME]: {', '.join(sorted(minds)) or 'none'}"
+        raise ConfigError(f"{e}{configured}") from None
     return mind
+
+
+def minds_ledger(config: Config) -> Path:
+    """Where it is kept what the minds used up today."""
+    return config.data_dir / "minds.sqlite"
+
+
+def check_minds(config: Config, name: str | None) -> list[Checked]:
+    """Ask the configured models, or one of them, whether they can be used."""
+    from agentrob.minds.check import check_all
+
+    if name is not None and name not in config.minds:
+        raise ConfigError(f"no mind named {name!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
+    wanted = config.minds if name is None else {name: config.minds[name]}
+    return asyncio.run(check_all(wanted, minds_ledger(config)))
 
 
 def secret(config: Config) -> str:
@@ -179,7 +206,7 @@ def make_agent(config: Config, name: str) -> RobotAgent:
         settings=settings,
         forum=make_forum(config, secret(config)),
         driver=DriverClient(name),
-        mind=make_mind(settings.mind),
+        mind=make_mind(settings.mind, config),
         data=config.data_dir,
     )
 
@@ -254,6 +281,35 @@ def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
             lines.append(f"{name}: zero velocity commanded after {result.latency_ms:.0f} ms; {rest}")
     sure = all(isinstance(r, StopResult) and r.confirmed for r in results.values())
     return lines, 0 if sure else 1
+
+
+def try_mind(config: Config, name: str, text: str, model: str) -> list[str]:
+    """What a mind makes of a text and what that took, as lines for people. Nothing moves."""
+    from agentrob.language.render import sentence
+    from agentrob.language.visible import mentions, visible_text
+    from agentrob.minds.mind import Listener, Reading, read
+    from agentrob.minds.model_mind import ModelMind
+
+    visible = visible_text(text)
+    called = (*mentions(visible), model)[0]
+    if called not in mentions(visible):
+        visible = f"@{called} {visible}"
+
+    async def ask() -> Reading:
+        mind = make_mind(name, config)
+        try:
+            return await read(mind, visible, Listener((called,), (), capabilities_of(model)))
+        finally:
+            if isinstance(mind, ModelMind):
+                await mind.close()
+
+    reading = asyncio.run(ask())
+    found = reading.understanding
+    lines = [f"{found.intent}: {sentence(found.plan, found.language)}".rstrip(": ")]
+    lines += [f"  note: {note}" for note in found.plan.notes]
+    lines += [f"  it would answer: {found.question}"] if found.question else []
+    lines += [f"  read by {reading.mind}" + (f" (instead of {name}: {reading.fallback})" if reading.fallback else "")]
+    return [*lines, *(f"  {usage.line()}" for usage in reading.usage)]
 
 
 def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:

@@ -21,11 +21,13 @@ board_cli = typer.Typer(no_args_is_help=True)
 account_cli = typer.Typer(no_args_is_help=True)
 agent_cli = typer.Typer(no_args_is_help=True)
 eval_cli = typer.Typer(no_args_is_help=True)
+mind_cli = typer.Typer(no_args_is_help=True)
 cli.add_typer(demo_cli, name="demo", help="Forum, simulated world and robot on this machine.")
 cli.add_typer(board_cli, name="board", help="The embedded forum.")
 board_cli.add_typer(account_cli, name="account", help="Accounts of the embedded forum.")
 cli.add_typer(eval_cli, name="eval", help="Measure a mind on sentences of your own.")
 cli.add_typer(agent_cli, name="agent", help="The agent of one robot.")
+cli.add_typer(mind_cli, name="mind", help="The models that read posts.")
 
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", "-c", help="The configuration file; ./agentrob.toml when it is there.")
@@ -169,6 +171,33 @@ def agent_once(robot: RobotName = None, config: ConfigFile = None) -> None:
     """Scan the forum once, do what is asked, and end."""
     settings = app.load(config)
     app.run_agent(settings, app.only_robot(settings, robot), once=True)
+
+
+# ---------------------------------------------------------------------- minds
+@mind_cli.command("check")
+def mind_check(
+    mind: Annotated[str | None, typer.Argument(help="Its name in the configuration; without it all are asked.")] = None,
+    config: ConfigFile = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Ask each configured model whether it can be used; takes a few tokens. Exit code 1 when one cannot."""
+    found = app.check_minds(app.load(config), mind)
+    if as_json:
+        typer.echo(json.dumps([one.as_data() for one in found], ensure_ascii=False))
+    else:
+        typer.echo("\n".join([*(one.line() for one in found), "rules: always there, without a model"]))
+    raise typer.Exit(0 if all(one.ok for one in found) else 1)
+
+
+@mind_cli.command("try")
+def mind_try(
+    mind: Annotated[str, typer.Argument(help="Its name in the configuration, or rules.")],
+    text: Annotated[str, typer.Argument(help="What one would write in a post.")],
+    config: ConfigFile = None,
+    model: Annotated[str, typer.Option(help="The kind of robot.")] = "go2",
+) -> None:
+    """Say what a mind makes of a text, and what that took. Nothing moves."""
+    typer.echo("\n".join(app.try_mind(app.load(config), mind, text, model)))
 
 
 # ---------------------------------------------------------------------- board

@@ -11,6 +11,10 @@ url = "http://127.0.0.1:8088"
 model = "go2"
 interface = "lo"
 domain = 1
+
+[minds.clever]                # one table per model; its key is in the environment
+provider = "openai"
+model = "gpt-5-mini"
 """
 
 from __future__ import annotations
@@ -18,9 +22,10 @@ from __future__ import annotations
 import os
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, Self, get_args
+from urllib.parse import urlsplit
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from agentrob.errors import ConfigError
 
@@ -120,6 +125,89 @@ class RobotConfig(_Section):
     options: dict[str, Any] = {}
 
 
+class MindLimitsConfig(_Section):
+    """What one mind may use up, per command and per UTC day; money in the currency of its price. 0: no limit."""
+
+    command_tokens: Annotated[int, Field(ge=0)] = 100_000
+    day_tokens: Annotated[int, Field(ge=0)] = 2_000_000
+    command_cost: Annotated[float, Field(ge=0)] = 0.0
+    day_cost: Annotated[float, Field(ge=0)] = 0.0
+
+
+class PriceConfig(_Section):
+    """What a million tokens cost. Costs are known only from here: no price list is fetched."""
+
+    input_per_million: Annotated[float, Field(ge=0)] = 0.0
+    output_per_million: Annotated[float, Field(ge=0)] = 0.0
+    currency: str = "USD"
+
+
+#: Address and key variable of each provider, when nothing else is configured.
+_PROVIDERS = {
+    "openai": ("https://api.openai.com/v1", "OPENAI_API_KEY"),
+    "anthropic": ("https://api.anthropic.com", "ANTHROPIC_API_KEY"),
+    "ark": ("https://ark.cn-beijing.volces.com/api/v3", "ARK_API_KEY"),
+    "compatible": ("", ""),
+}
+
+
+class MindConfig(_Section):
+    """One model. The key is in the environment, in the variable that `key_env` names; it is never written here.
+
+    `provider` says whose dialect is spoken; `compatible` is any OpenAI-compatible server (Ollama, vLLM, llama.cpp) and
+    needs a `base_url`. `answers`: how typed answers are asked for; `tools` by tool calls, `json` by words in the prompt
+    (for weak local models), `json_object` the same with `response_format` and the schema (llama.cpp).
+    `timeout_s` bounds one attempt, `total_s` one answer with all attempts and waits (an agent waits a minute at most,
+    fallbacks included). `fallbacks` are other minds, tried in order when this one fails; the rules always come last.
+    """
+
+    provider: Literal["openai", "anthropic", "ark", "compatible"]
+    model: Annotated[str, Field(min_length=1)]
+    base_url: str = ""
+    key_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
+    answers: Literal["tools", "json", "json_object"] = "tools"
+    images: bool = True
+    timeout_s: Annotated[float, Field(gt=0, le=120)] = 15.0
+    total_s: Annotated[float, Field(gt=0, le=300)] = 25.0
+    retries: Annotated[int, Field(ge=0, le=10)] = 2
+    concurrency: Annotated[int, Field(ge=1, le=64)] = 2
+    max_output_tokens: Annotated[int, Field(ge=16)] = 2_000
+    fallbacks: tuple[str, ...] = ()
+    limits: MindLimitsConfig = MindLimitsConfig()
+    price: PriceConfig | None = None
+
+    @property
+    def address(self) -> str:
+        """Where it is reached: `base_url`, or the provider's own."""
+        return self.base_url or _PROVIDERS[self.provider][0]
+
+    @property
+    def key_variable(self) -> str:
+        """The environment variable with the key: `key_env`, or the provider's usual one; empty when none is needed."""
+        return self.key_env or _PROVIDERS[self.provider][1]
+
+    @field_validator("base_url")
+    @classmethod
+    def _is_plain_address(cls, url: str) -> str:
+        try:
+            parts = urlsplit(url)
+            plain = parts.scheme in ("http", "https") and parts.hostname and not (parts.username or parts.query)
+            _ = parts.port
+        except ValueError:
+            plain = False
+        if url and not plain:
+            raise ValueError("must be http(s)://host[:port][/path] without a user, key or query")
+        return url.rstrip("/")
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        if self.provider == "compatible" and not self.base_url:
+            raise ValueError('provider "compatible" needs base_url, for example "http://127.0.0.1:11434/v1"')
+        if (self.limits.command_cost or self.limits.day_cost) and self.price is None:
+            raise ValueError("a limit of cost needs a price: input_per_million and output_per_million")
+        return self
+
+
 class Config(_Section):
     """The whole file. `data` is where databases, journals and pictures are kept."""
 
@@ -127,6 +215,18 @@ class Config(_Section):
     board: BoardConfig = BoardConfig()
     forum: ForumConfig = ForumConfig()
     robots: dict[Name, RobotConfig] = {}
+    minds: dict[Name, MindConfig] = {}
+
+    @model_validator(mode="after")
+    def _minds_fit(self) -> Self:
+        if "rules" in self.minds:
+            raise ValueError("minds.rules is the built-in mind without a model; call yours otherwise")
+        for name, mind in self.minds.items():
+            models = mind.fallbacks[:-1] if mind.fallbacks[-1:] == ("rules",) else mind.fallbacks
+            if wrong := [other for other in models if other not in self.minds or other == name]:
+                known = ", ".join([*sorted(set(self.minds) - {name}), "and rules as the last"])
+                raise ValueError(f"minds.{name}.fallbacks names {', '.join(wrong)}; valid are: {known}")
+        return self
 
     def robot(self, name: str) -> RobotConfig:
         """Settings of one robot; a `ConfigError` names those that are there."""
@@ -187,13 +287,30 @@ def parse(raw: dict[str, Any], source: str = "configuration") -> Config:
         raise ConfigError(f"{source}: " + "; ".join(_explain(x) for x in e.errors())) from None
 
 
+#: Where a key may have been put by mistake: what was found there is not repeated.
+_UNSPOKEN = ("key_env", "token_env", "base_url")
+
+
 def _explain(error: Any) -> str:
     where = ".".join(str(p) for p in error["loc"])
-    if error["type"] != "extra_forbidden":
-        return f"{where}: {error['msg']} (found {error['input']!r})"
+    said = error["msg"].removeprefix("Value error, ")
+    if error["type"] == "extra_forbidden":
+        return f"{where} is not a setting; valid here: {', '.join(sorted(_section_at(error['loc']).model_fields))}"
+    secret = bool(error["loc"]) and error["loc"][-1] in _UNSPOKEN
+    if secret or not isinstance(error["input"], str | int | float | bool):
+        return f"{where}: {said}" if where else said
+    return f"{where}: {said} (found {error['input']!r})"
+
+
+def _section_at(where: tuple[Any, ...]) -> type[BaseModel]:
+    """The table that a wrong key stands in."""
     section: type[BaseModel] = Config
-    for part in error["loc"][:-1]:
-        field = section.model_fields.get(str(part))
-        kind = field.annotation if field else RobotConfig
-        section = kind if isinstance(kind, type) and issubclass(kind, BaseModel) else RobotConfig
-    return f"{where} is not a setting; valid here: {', '.join(sorted(section.model_fields))}"
+    kind: Any = Config
+    for part in where[:-1]:
+        field = section.model_fields.get(str(part)) if kind is section else None
+        # A table of tables (robots, minds) has any key; then come the settings of one of them.
+        kind = field.annotation if field else (get_args(kind) or (section,))[-1]
+        kinds = [k for k in (kind, *get_args(kind)) if isinstance(k, type) and issubclass(k, BaseModel)]
+        if kinds and not str(kind).startswith("dict"):
+            section = kind = kinds[0]
+    return section

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
+from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Plan, Understanding
 
 
@@ -34,3 +35,37 @@ class Mind(Protocol):
         Raises `agentrob.errors.MindError` when the mind cannot answer at all.
         """
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was made of a post, and how: for reports and records (law 19).
+
+    `mind` is who answered in the end. `usage` is one entry per question to a model, failed ones included. `fallback` is
+    why the mind that was asked first did not answer itself (a word of `faults.Kind`), empty when it did.
+    """
+
+    understanding: Understanding
+    mind: str
+    usage: tuple[Usage, ...] = ()
+    fallback: str = ""
+
+
+@runtime_checkable
+class ReadingMind(Protocol):
+    """A mind that tells what its answer took."""
+
+    name: str
+
+    async def read(
+        self, text: str, listener: Listener, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
+    ) -> Reading:
+        """As `Mind.understand`. `spent` is what the same command used up before."""
+        ...
+
+
+async def read(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Reading:
+    """Ask any mind; one that tells nothing of what it took is believed to have taken nothing."""
+    if isinstance(mind, ReadingMind):
+        return await mind.read(text, listener, history)
+    return Reading(await mind.understand(text, listener, history), mind.name)

@@ -1,0 +1,49 @@
+"""Real servers on loopback that the minds talk to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from faulty_server import FaultyServer, faulty_server
+from model_double import Double, model_double
+
+from agentrob.config import MindConfig
+from agentrob.minds.configured import ConfiguredModel
+
+KEY = "sk-test-0123456789-secret"
+
+
+@pytest.fixture
+def server() -> Iterator[FaultyServer]:
+    """A provider that fails as a test wants."""
+    with faulty_server() as running:
+        yield running
+
+
+@pytest.fixture
+def double(tmp_path: Path) -> Iterator[Callable[[list[dict[str, Any]]], Double]]:
+    """Starts the double of both providers with fixtures."""
+    with ExitStack() as stack:
+        yield lambda fixtures: stack.enter_context(model_double(tmp_path, fixtures))
+
+
+@pytest.fixture
+def key(monkeypatch: pytest.MonkeyPatch) -> str:
+    """A key in the environment, in TEST_KEY."""
+    monkeypatch.setenv("TEST_KEY", KEY)
+    return KEY
+
+
+@pytest.fixture
+def make(tmp_path: Path, key: str) -> Callable[..., ConfiguredModel]:
+    """Makes a configured model: `make(url, provider=…, retries=…)`. Retries wait for nothing but Retry-After."""
+
+    def make_model(url: str, name: str = "clever", **settings: Any) -> ConfiguredModel:
+        given = {"provider": "compatible", "model": "some-model", "key_env": "TEST_KEY", "base_url": url, **settings}
+        return ConfiguredModel(name, MindConfig.model_validate(given), tmp_path / "minds.sqlite", chance=lambda: 0.0)
+
+    return make_model

@@ -1,0 +1,149 @@
+"""`agentrob mind check`: one line per mind, an exit code, errors that say what to do."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from faulty_server import FaultyServer, called, said
+from model_double import Double
+
+from agentrob.config import MindConfig
+from agentrob.minds.check import Checked, check
+
+Start = Callable[[list[dict[str, Any]]], Double]
+TOOL = {
+    "match": {"userMessage": "set_number"},
+    "response": {"toolCalls": [{"name": "set_number", "arguments": {"number": 7}}]},
+}
+RED = {"match": {"userMessage": "Which colour"}, "response": {"content": "Red."}}
+
+
+def at(url: str, **more: Any) -> MindConfig:
+    return MindConfig.model_validate({"provider": "compatible", "model": "some-model", "base_url": url, **more})
+
+
+@pytest.mark.parametrize(("provider", "path"), [("openai", "/v1"), ("anthropic", "")])
+async def test_a_good_mind(double: Start, tmp_path: Path, key: str, provider: str, path: str) -> None:
+    running = double([TOOL, RED])
+    config = at(running.url + path, provider=provider, key_env="TEST_KEY")
+    found = await check("clever", config, tmp_path / "x.sqlite")
+    assert found.ok
+    assert (found.reachable, found.tool_calls, found.images) == (True, "yes", "yes")
+    assert found.latency_ms > 0
+    assert found.line().startswith("clever: reachable, model some-model, tool calls yes, images yes, ")
+
+
+@pytest.mark.parametrize(
+    ("answer", "tool_calls", "images", "ok"),
+    [
+        (lambda b: (200, said("seven")), "no", "no", False),
+        (lambda b: (200, called("set_number", {"number": 700})), "no", "no", False),
+        (lambda b: (400, {"error": "no tools"}) if "tools" in b else (200, said("yes")), "no", "no", False),
+        (lambda b: (200, called("set_number", {"number": 7})) if "tools" in b else (400, {}), "yes", "no", True),
+        (
+            lambda b: (200, called("set_number", {"number": 7})) if "tools" in b else (200, said("green")),
+            "yes",
+            "no",
+            True,
+        ),
+    ],
+)
+async def test_what_a_mind_cannot_do(
+    server: FaultyServer, tmp_path: Path, answer: Any, tool_calls: str, images: str, ok: bool
+) -> None:
+    def reply(handler: Any, body: Any) -> None:
+        status, data = answer(body)
+        handler.send(status, json.dumps(data).encode())
+
+    server.answer = reply
+    found = await check("clever", at(server.url + "/v1"), tmp_path / "x.sqlite")
+    assert found.reachable
+    assert (found.tool_calls, found.images, found.ok) == (tool_calls, images, ok)
+    if not ok:
+        assert 'answers = "json"' in found.line()
+
+
+async def test_a_weak_mind_in_words(server: FaultyServer, tmp_path: Path) -> None:
+    text = 'Of course: {"tool": "set_number", "arguments": {"number": 7}}'
+    server.answer = lambda handler, _: handler.send(200, json.dumps(said(text)).encode())
+    found = await check("weak", at(server.url + "/v1", answers="json", images=False), tmp_path / "x.sqlite")
+    assert (found.ok, found.tool_calls, found.images) == (True, "yes", "off")
+
+
+async def check_failing(server: FaultyServer, tmp_path: Path, status: int) -> Checked:
+    server.answer = lambda handler, _: handler.send(status, b"{}")
+    return await check("clever", at(server.url + "/v1", key_env="TEST_KEY"), tmp_path / "x.sqlite")
+
+
+async def test_what_is_wrong_is_said(server: FaultyServer, tmp_path: Path, key: str) -> None:
+    denied = await check_failing(server, tmp_path, 401)
+    assert not denied.ok
+    assert "NOT reachable" in denied.line()
+    assert "check the key in TEST_KEY" in denied.line()
+    assert "check base_url and model" in (await check_failing(server, tmp_path, 404)).line()
+    assert key not in denied.line()
+    lost = await check("lost", at("http://no-such-host.invalid/v1"), tmp_path / "x.sqlite")
+    assert "no such host; check base_url" in lost.line()
+    plain = await check("plain", at(server.url.replace("http:", "https:") + "/v1"), tmp_path / "x.sqlite")
+    assert "no trusted connection" in plain.line()
+
+
+def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) -> None:
+    step = {"action": "move", "direction": "forward", "amount": 2, "unit": "m", "words": "meander forward 2 m"}
+    answer = {"name": "answer", "arguments": {"intent": "command", "steps": [step]}}
+    running = double([{"match": {"userMessage": "meander"}, "response": {"toolCalls": [answer]}}])
+    good = f'[minds.good]\nprovider = "openai"\nmodel = "m"\nbase_url = "{running.url}/v1"\nkey_env = "TEST_KEY"\n'
+    (tmp_path / "agentrob.toml").write_text(good)
+    tried = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m")
+    assert tried.returncode == 0, tried.stderr
+    assert tried.stdout.startswith("command: walk forward 2 m\n  read by good\n  good (m): ")
+    failed = run_mind(tmp_path, "try", "good", "walk forward 1 m", TEST_KEY="")
+    assert "command: walk forward 1 m\n  read by rules (instead of good: no_key)\n" in failed.stdout
+
+
+def run_check(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:
+    return run_mind(folder, "check", *args)
+
+
+def run_mind(folder: Path, *args: str, **env: str) -> subprocess.CompletedProcess[str]:
+    program = str(Path(sys.executable).with_name("agentrob"))
+    return subprocess.run(
+        [program, "mind", *args],
+        cwd=folder,
+        env={**os.environ, "AGENTROB_DATA": str(folder), **env},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_the_command_has_a_line_for_each_mind_and_an_exit_code(double: Start, tmp_path: Path, key: str) -> None:
+    running = double([TOOL, RED])
+    good = f'[minds.good]\nprovider = "openai"\nmodel = "some-model"\nbase_url = "{running.url}/v1"\n'
+    good += 'key_env = "TEST_KEY"\n'
+    keyless = '[minds.keyless]\nprovider = "anthropic"\nmodel = "other"\nkey_env = "NO_SUCH_VARIABLE"\n'
+    (tmp_path / "agentrob.toml").write_text(good + keyless)
+    both = run_check(tmp_path)
+    assert both.returncode == 1, both.stderr
+    first, second, rules = both.stdout.splitlines()
+    assert first.startswith("good: reachable, model some-model, tool calls yes, images yes, ")
+    assert second == (
+        "keyless: NOT reachable, model other: keyless: the environment variable NO_SUCH_VARIABLE must hold the key"
+    )
+    assert rules == "rules: always there, without a model"
+    assert key not in both.stdout + both.stderr
+    one = run_check(tmp_path, "good", "--json")
+    assert one.returncode == 0, one.stderr
+    (found,) = json.loads(one.stdout)
+    assert found["ok"] is True
+    unknown = run_check(tmp_path, "nobody")
+    assert unknown.returncode == 1
+    assert "there are: good, keyless" in unknown.stderr
