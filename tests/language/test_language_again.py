@@ -47,7 +47,7 @@ def test_what_was_done_last_in_the_thread_is_meant(text: str, plan: str) -> None
 
 def test_what_is_done_again_is_told() -> None:
     (note,) = read("the same but slower", THREAD).plan.notes
-    assert note == "`the same`: walk forward 2 m at 0.2 m/s, then turn left 90 degrees, then take a photo."
+    assert note == "`the same but slower`: walk forward 2 m at 0.2 m/s, then turn left 90 degrees, then take a photo."
 
 
 def test_of_many_steps_only_the_first_are_told() -> None:

@@ -17,6 +17,7 @@ CORRECTED = [
     ("Turn left 90 degrees. No, turn right.", "r90"),
     ("turn left 45 degrees, I mean 60 degrees", "l60"),
     ("walk forward 2 m, no, 3 m", "F3"),
+    ("Go ahead 4 feet. Oh wait, make that 3 feet.", "F0.9144"),
     ("walk forward 2 meters, sorry, I meant backwards", "B2"),
     ("walk back 2 m, no, walk 3 m", "B3"),
     ("walk 1 m, turn left 90 degrees, no, turn right", "F1 r90"),

@@ -7,9 +7,10 @@ only collects what was said; whether that is enough to move is decided in `steps
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.language.drafts import Draft, Sentence
-from agentrob.language.lexicon import Kind, Token
+from agentrob.language.lexicon import Kind, Soft, Token
 from agentrob.language.marks import AMOUNTS, MARKS, Marks, Mode
 from agentrob.model import Direction, Op
 
@@ -30,7 +31,7 @@ class _Reader(Marks):
     """Reads one sentence, token by token."""
 
     def read(self, tokens: Sequence[Token]) -> Sentence:
-        self.tokens = [t for t in tokens if t.kind is not Kind.SOFT]
+        self._set_aside(tokens)
         for at, token in enumerate(self.tokens):
             self.at = at
             self._take(token)
@@ -46,12 +47,28 @@ class _Reader(Marks):
         self.sentence.drafts = [d for d in self.sentence.drafts if not d.empty]
         return self.sentence
 
+    def _set_aside(self, tokens: Sequence[Token]) -> None:
+        """What carries nothing, each beside the token that it stands before or after."""
+        self.tokens, self.soft_before, self.soft_after = [], {}, {}
+        soft: list[Token] = []
+        for token in tokens:
+            self.sentence.greeted |= token.value == Soft.HELLO
+            if token.kind is Kind.SOFT:
+                soft.append(token)
+                continue
+            self.soft_before[len(self.tokens)] = self.soft_after[len(self.tokens) - 1] = soft
+            self.tokens.append(token)
+            # "Walk, uh, walk": the comma between does not matter; "walk and uh walk" are two.
+            soft = [s for s in soft if s.value == Soft.UH] if token.kind is Kind.COMMA else []
+        self.soft_after[len(self.tokens) - 1] = soft
+
     def _take(self, token: Token) -> None:
         kind = token.kind
         if kind in MARKS:
             MARKS[kind](self, token)
         elif self.mode is Mode.TALK and not self._leaves_talk(token):
             self.talk_has_motion |= kind in (Kind.MOVE, Kind.TURN, Kind.OP)
+            self.sentence.status_asked |= kind is Kind.STATUS and token.value is not None
         elif self.mode is Mode.DENIED:
             self._deny(token)
         elif self.mode is Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
@@ -105,14 +122,26 @@ class _Reader(Marks):
         elif kind is Kind.HELP:
             self.sentence.help = True
         elif kind is Kind.STATUS:
-            self.sentence.status = True
+            self._status(token)
         else:
             self._qualify(token)
 
+    def _status(self, token: Token) -> None:
+        if token.value == "asked":
+            self.sentence.status_asked = True
+            self._unknown(token)
+        else:
+            self.sentence.status = True
+
     def _beyond(self, token: Token) -> None:
-        draft = self._new(token, Kind.BEYOND)
-        draft.beyond = str(token.value)
-        draft.unknown.append((token.start, token.end))
+        cur = self._open()
+        # "Walk in a circle", 把报纸拿来, 往前走到门口: what was said before it belongs to it.
+        belongs = cur is not None and (cur.vaguely_begun or (cur.is_motion and token.value == "path"))
+        draft = cur if cur is not None and belongs else self._new(token, Kind.BEYOND)
+        draft.verb, draft.beyond = Kind.BEYOND, str(token.value)
+        soft = self.soft_after[self.at]
+        draft.end = soft[-1].end if soft else token.end
+        draft.unknown.append((token.start, draft.end))
 
     def _again(self, token: Token) -> None:
         cur = self._open()
@@ -143,6 +172,7 @@ class _Reader(Marks):
         else:
             cur = self._new(token, token.kind)
         cur.sideways |= token.value == "sideways"
+        cur.spun |= token.value == "spin"
 
     def _direction(self, token: Token) -> None:
         if token is self.agreed:
@@ -162,6 +192,9 @@ class _Reader(Marks):
 
     def _amount(self, token: Token) -> None:
         cur = self._open()
+        if cur is not None and cur.beyond and token.kind is not Kind.NUMBER:  # "sleep five seconds"
+            cur.end = token.end
+            return
         if cur is not None and cur.amount is not None and cur.end == token.end and cur.verb is Kind.TURN:
             return  # 一百八十度转身: the angle that a verb implies, where one was said before
         if (
@@ -191,6 +224,8 @@ class _Reader(Marks):
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
         if kind is Kind.TIMES and last and self._counts(last):
             last.times, last.counted, last.end = _count(token), True, token.end
+            if last.spun and last.amount and last.amount.value == 180.0:
+                last.amount = replace(last.amount, value=360.0)
         elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
             last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
@@ -223,12 +258,14 @@ class _Reader(Marks):
         self.faster = token if token.value == "er" else self.faster
         draft.vague |= token.kind is Kind.VAGUE
         draft.speed_mps = _value(token) if token.kind is Kind.SPEED else draft.speed_mps
-        draft.end = token.end
+        draft.start, draft.end = (draft.start if draft.end else token.start), token.end
 
     def _unknown(self, token: Token) -> None:
         if token is self.named:
             return
         cur = self._open() or self._new(token, None)
+        soft = self.soft_before[self.at]
+        cur.place |= any(s.value == Soft.TOWARDS for s in soft) and (cur.is_motion or not cur.unknown)
         cur.unknown.append((token.start, token.end))
         cur.odd_number |= token.value == "number"
         cur.end = token.end
@@ -237,7 +274,11 @@ class _Reader(Marks):
         return self.cur if self.cur and not self.cur.closed else None
 
     def _new(self, token: Token, verb: Kind | None) -> Draft:
-        draft = Draft(token.start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
+        soft = self.soft_before[self.at]
+        start = next((s.start for s in soft if s.value in (Soft.OBJECT, Soft.TOWARDS)), token.start)
+        draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
+        joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is Kind.AND
+        draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
         if verb is Kind.OP and token.value == Op.GET_FRONT_IMAGE:
             draft.each, self.pending.each = self.pending.each, None
@@ -252,8 +293,10 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
     draft.slow, draft.slower = draft.slow or pending.slow, draft.slower or pending.slower
     draft.faster, draft.vague = draft.faster or pending.faster, draft.vague or pending.vague
     draft.speed_mps = pending.speed_mps if draft.speed_mps is None else draft.speed_mps
+    if pending.end:  # what is quoted of it has its manner
+        draft.start, draft.end = min(draft.start, pending.start), max(draft.end, pending.end)
     pending.slow = pending.slower = pending.faster = pending.vague = False
-    pending.speed_mps = None
+    pending.speed_mps, pending.start, pending.end = None, 0, 0
 
 
 _UNITS = (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.STEP_UNIT)

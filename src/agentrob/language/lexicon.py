@@ -25,7 +25,7 @@ class Kind(StrEnum):
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
     OP = "op"  # a whole gesture or picture: "wave"; value "shake/hello": this, or for who lacks it that
-    BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), wait
+    BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
     AGAIN = "again"  # what was done before, once more; value "back": the way back
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back
     NUMBER = "number"
@@ -51,8 +51,8 @@ class Kind(StrEnum):
     VAGUE = "vague"  # "a bit"
     SLOW = "slow"  # value "er": slower than before
     FASTER = "faster"
-    SOFT = "soft"  # politeness, hesitation, articles: carries nothing
-    THANKS = "thanks"  # the same; a name may follow
+    SOFT = "soft"  # politeness, hesitation, articles: carries nothing; its values: see `Soft`
+    THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
     COMMA = "comma"  # separates clauses and ends a negation
@@ -64,16 +64,26 @@ class Kind(StrEnum):
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the whole sentence commands nothing
-    CONDITION = "condition"  # if, until, or: beyond these rules
+    CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
     FIX = "fix"  # "no wait", 不对: what follows corrects what was said
     CANCEL = "cancel"  # "never mind": what was posted before is not wanted any more
     HELP = "help"
-    STATUS = "status"
+    STATUS = "status"  # value "battery": also within a question; "asked": only there
     MORE_STOP = "stop"  # "and stop" at the end
     GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
     WORD = "word"  # not known; value "number": one that cannot be told
+
+
+class Soft(StrEnum):
+    """What a word that carries nothing may still do to its neighbours; a number is "a": one, before a unit."""
+
+    HELLO = "hello"
+    UH = "uh"  # hesitates: what was begun may begin anew
+    IN = "in"  # inches, after a number at the end of a clause
+    TOWARDS = "towards"  # an unknown word after it is a place
+    OBJECT = "object"  # 把: belongs to the thing after it
 
 
 Value = float | str | None
@@ -203,6 +213,7 @@ def _symbol(text: str) -> tuple[Kind, Value]:
 _PIECE = re.compile(
     # 1,500 · -2 · 2-3 · 2x3: not to be guessed
     r"(?P<bad>[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?|(?<!\w)[-−]\.?[0-9]+|[0-9]+[-–~][0-9]+|[0-9]+[x×*^][0-9]+)"
+    r"|(?P<feet>[0-9]+)['′]\s?(?P<inches>[0-9]+)(?:[\"”″]|''|′′)?(?!\w)"  # 6'2"
     r"|[0-9]+[/⁄][1-9][0-9]*|[0-9]+(?:\.[0-9]+)?(?![.]?[0-9])|\.[0-9]+"
     r"|[^\W\d_\u3400-\u9fff]+(?:'[^\W\d_\u3400-\u9fff]+)*"
     r"|[\u3400-\u9fff]"
@@ -220,6 +231,10 @@ def pieces_of(text: str) -> list[Piece]:
         piece, start, end = match[0], match.start(), match.end()
         if match["bad"]:
             found.append(Piece("\0" + piece, start, end))
+        elif match["feet"]:
+            (feet, inches), last = (match.span(part) for part in ("feet", "inches")), match.end("inches")
+            found += [Piece(match["feet"], *feet), Piece("′", *feet), Piece(match["inches"], *inches)]
+            found.append(Piece("″", last, max(last, end)))
         elif (piece in "-" and _stands_alone(lowered, start)) or piece in _DASHES:
             found.append(Piece("—", start, end))
         elif piece not in _IGNORED_MARKS:
@@ -254,17 +269,21 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
             length, meaning = number[1], ((Kind.NUMBER, number[0]),)
         if meaning is None:
             length = _hesitation(pieces, at, words)
-            odd = "number" if _is_number(pieces[at].text, words) else None
-            length, meaning = (length, ((Kind.SOFT, None),)) if length else (1, ((Kind.WORD, odd),))
+            run = 0 if length else _odd_numerals(pieces, at, words)
+            odd = ((Kind.WORD, "number" if run else None),)
+            length, meaning = (length, ((Kind.SOFT, None),)) if length else (run or 1, odd)
         start, end = pieces[at].start, pieces[at + length - 1].end
         found += (Token(kind, value, start, end) for kind, value in meaning)
         at += length
     return found, mistyped
 
 
-def _is_number(piece: str, words: Lexicon) -> bool:
-    """Whether a piece that nobody reads is some number: "1,500", "2-3", 两 of 两三米."""
-    return piece[0] in "\0.0123456789" or piece in words.numerals
+def _odd_numerals(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
+    """How many pieces here are some number that nobody reads: "1,500", "2-3", 两三 of 两三米; 0 when it is none."""
+    end = at
+    while end < len(pieces) and (pieces[end].text[0] in "\0.0123456789" or pieces[end].text in words.numerals):
+        end += 1
+    return end - at
 
 
 def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple[str, str]]]:

@@ -17,7 +17,7 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
     for draft in drafts:
         if draft.fixes is None and draft.verb is None and not draft.unknown and _completes(joined, draft):
             continue
-        while joined and draft.joined and _is_false_start(joined[-1], draft):
+        while joined and (draft.joined or draft.hesitant) and _is_false_start(joined[-1], draft):
             joined.pop()
         if len(joined) > 1 and _begins_anew(joined[-2], joined[-1], draft):
             del joined[-2:]
@@ -25,8 +25,16 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
             joined[-1].times, joined[-1].counted = draft.times, draft.counted  # 挥手打招呼: one gesture in two words
             joined[-1].each = joined[-1].each or draft.each
             continue
+        if joined and _leaves_out_the_verb(joined[-1], draft):
+            draft.verb = Kind.TURN
         joined.append(draft)
     return joined
+
+
+def _leaves_out_the_verb(last: Draft, draft: Draft) -> bool:
+    """ "Turn 45 left and 45 right": a side and a number again, as of the turn before."""
+    alike = last.verb is Kind.TURN and draft.verb is None and bool(draft.direction) and not draft.unknown
+    return alike and all(d.amount is not None and d.amount.kind is Kind.NUMBER for d in (last, draft))
 
 
 def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
@@ -43,6 +51,9 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
     last.amount = last.amount or extra.amount
     last.direction = last.direction or extra.direction
     last.end = max(last.end, extra.end)
+    last.vague, last.faster = last.vague or extra.vague, last.faster or extra.faster
+    last.slow, last.slower = last.slow or extra.slow, last.slower or extra.slower
+    last.speed_mps = extra.speed_mps if last.speed_mps is None else last.speed_mps
     return True
 
 
@@ -54,7 +65,7 @@ def _belongs(last: Draft, extra: Draft) -> bool:
 
 
 def _is_false_start(start: Draft, again: Draft) -> bool:
-    """ "Move forward, uh, move three feet": the same begun twice without a pause, the first without an amount."""
+    """ "Move forward uh move three feet": begun twice, without a pause or hesitating, the first without an amount."""
     if not start.is_motion or start.amount is not None or start.unknown or start.verb is None or not again.is_motion:
         return False
     if start.direction is None:
