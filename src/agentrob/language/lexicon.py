@@ -168,16 +168,31 @@ def lexicon(
     extends: Lexicon | None = None,
 ) -> Lexicon:
     """Build a language from its table; phrases are separated by | and written as people write them."""
-    phrases = dict(extends.phrases) if extends else {}
+    phrases: dict[tuple[str, ...], Meaning] = {}
     for meaning, words in (*MARKS.items(), *table.items()):
         symbols = tuple(_symbol(s) for s in meaning.split())
         for phrase in words.replace("\n", " ").split("|"):
-            if key := tuple(p.text for p in pieces_of(phrase)):
+            if key := _phrase(phrase):
                 phrases[key] = symbols
-    known = {word for phrase in phrases for word in phrase} | numerals
     wanted = {key[0] for key, symbols in phrases.items() if len(key) == 1 and symbols[0][0] in _SPELT}
-    mistakes = {wrong: right for right in sorted(wanted) for wrong in misspellings(right) if wrong not in known}
-    return Lexicon(language, phrases, number, numerals, mistakes, twins or {})
+    mistakes = [(wrong, right) for right in sorted(wanted) for wrong in misspellings(right)]
+    if extends:
+        phrases, mistakes = {**extends.phrases, **phrases}, [*extends.misspelt.items(), *mistakes]
+    known = {word for phrase in phrases for word in phrase} | numerals
+    misspelt = {wrong: right for wrong, right in mistakes if wrong not in known}
+    return Lexicon(language, phrases, number, numerals, misspelt, twins or {})
+
+
+_PLAIN_WORDS, _PLAIN_HAN = re.compile("[a-z ]*"), re.compile(" *([\u3400-\u9fff]*) *")
+
+
+def _phrase(written: str) -> tuple[str, ...]:
+    """The pieces of a phrase of a table; most are plain words, which are quick to cut."""
+    if _PLAIN_WORDS.fullmatch(written):
+        return tuple(written.split())
+    if han := _PLAIN_HAN.fullmatch(written):
+        return tuple(han[1])
+    return tuple(piece.text for piece in pieces_of(written))
 
 
 #: Marks mean the same in every language.
