@@ -15,6 +15,7 @@ _AMOUNT_OF = {
     Kind.STEP_UNIT: Kind.STEPS,
     Kind.TIME_UNIT: Kind.DURATION,
     Kind.TIMES_UNIT: Kind.TIMES,
+    Kind.MORE_TIMES_UNIT: Kind.MORE_TIMES,
 }
 
 

@@ -136,7 +136,11 @@ class _Reader(Marks):
     def _beyond(self, token: Token) -> None:
         cur = self._open()
         # "Walk in a circle", 把报纸拿来, 往前走到门口: what was said before it belongs to it.
-        belongs = cur is not None and (cur.vaguely_begun or (cur.is_motion and token.value == "path"))
+        belongs = cur is not None and (
+            cur.vaguely_begun
+            or (cur.is_motion and token.value == "path")
+            or (cur.verb is Kind.MOVE and cur.bare and cur.amount is None)  # "go fetch"
+        )
         draft = cur if cur is not None and belongs else self._new(token, Kind.BEYOND)
         draft.verb, draft.beyond = Kind.BEYOND, str(token.value)
         soft = self.soft_after[self.at]
@@ -153,7 +157,7 @@ class _Reader(Marks):
         if self.at and self.tokens[self.at - 1].kind is Kind.THANKS and token.value is None:
             return  # "hello again"
         draft = self._new(token, Kind.AGAIN)
-        draft.back = token.value == "back"
+        draft.back, draft.more = token.value == "back", token.value == "more"
         # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
         draft.vague = token.value == "this" or (self._next() is Kind.COMMA and self._next(2) in _DEEDS)
 
@@ -179,6 +183,9 @@ class _Reader(Marks):
             return
         direction = Direction(str(token.value))
         cur = self._open()
+        if cur is not None and cur.beyond:  # "raise your left hand"
+            cur.end = token.end
+            return
         if cur is None or cur.verb is Kind.OP or cur.unknown or cur.bare_picture:
             cur = self._new(token, None)
         elif cur.direction is Direction.BACKWARD and cur.amount is None and direction in _SIDES:
@@ -221,11 +228,13 @@ class _Reader(Marks):
         kind = token.kind
         if kind is Kind.PICTURE:
             self._another()
+            self._picture(token)
+            return
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
-        if kind is Kind.TIMES and last and self._counts(last):
-            last.times, last.counted, last.end = _count(token), True, token.end
-            if last.spun and last.amount and last.amount.value == 180.0:
-                last.amount = replace(last.amount, value=360.0)
+        if kind in _TIMES and last is None and [t.value for t in self.tokens[self.at + 1 : self.at + 2]] == ["colon"]:
+            last = self._new(token, Kind.AGAIN)  # "three times: …"
+        if kind in _TIMES and last and self._counts(last):
+            self._count(last, token)
         elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
             last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
@@ -233,16 +242,29 @@ class _Reader(Marks):
                 self.mode = Mode.SUBJECT
         elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
             self._manner(token)
-        elif kind is Kind.PICTURE and (self._open() is None or (self._open() is last and last and last.bare_picture)):
-            (self._open() or self._new(token, None)).bare_picture = True
         elif kind is Kind.MORE_STOP and (self._open() is None or self._next() in (Kind.END, Kind.COMMA, Kind.AND)):
-            self._new(token, None).stop_word = True
-        elif kind is Kind.PICTURE and last and self._open() is last and last.op is Op.GET_FRONT_IMAGE:
-            pass  # "send a pic picture"
+            # "Turn right, wait, no, left" waits for nothing.
+            if not (self._next() is Kind.COMMA and self._next(2) in (Kind.NO, Kind.FIX)):
+                self._new(token, None).stop_word = True
         elif kind in _UNITS and last and last.vague and self._open() is last:
             last.end = token.end  # "a few metres"
         else:
             self._unknown(token)
+
+    def _picture(self, token: Token) -> None:
+        cur = self._open()
+        if cur is None or cur.bare_picture:
+            (cur or self._new(token, None)).bare_picture = True
+        elif cur.op is not Op.GET_FRONT_IMAGE:  # "send a pic picture" is one
+            self._unknown(token)
+
+    def _count(self, last: Draft, token: Token) -> None:
+        if self._open() is not last and len(self.sentence.drafts) > 1:
+            self.sentence.times_unclear = token
+        last.times, last.counted, last.end = _count(token), True, token.end
+        last.more |= token.kind is Kind.MORE_TIMES
+        if last.spun and last.amount and last.amount.value == 180.0:
+            last.amount = replace(last.amount, value=360.0)
 
     def _counts(self, last: Draft) -> bool:
         """ "Wave twice", "wave, twice"."""
@@ -301,6 +323,7 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
 
 _UNITS = (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.STEP_UNIT)
 _DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP)
+_TIMES = (Kind.TIMES, Kind.MORE_TIMES)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 
 

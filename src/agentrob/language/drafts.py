@@ -30,6 +30,8 @@ class Draft:
     vague: bool = False
     times: int = 1
     counted: bool = False
+    more: bool = False  # so many times besides the first
+    ahead: bool = False  # "three times: …"
     each: Kind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
     back: bool = False  # the way back
@@ -82,6 +84,7 @@ class Sentence:
     denial_unclear: Token | None = None  # a "not" whose reach cannot be told
     denial_joined: bool = False  # … because an "and" stands within it
     fix_unclear: Token | None = None  # "no wait", and nothing after it
+    times_unclear: Token | None = None  # "walk and turn, twice": which of them
     talked: bool = False
     question: bool = False
     cancelled: Token | None = None  # "never mind"

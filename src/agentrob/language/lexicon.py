@@ -26,7 +26,7 @@ class Kind(StrEnum):
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
     OP = "op"  # a whole gesture or picture: "wave"; value "shake/hello": this, or for who lacks it that
     BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
-    AGAIN = "again"  # what was done before, once more; value "back": the way back
+    AGAIN = "again"  # what was done before, once more; values: "back", the way back; "more", besides what was said
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back
     NUMBER = "number"
     LENGTH_UNIT = "length_unit"  # value: metres
@@ -44,6 +44,8 @@ class Kind(StrEnum):
     AND_PART = "and_part"  # "and a half"; value: the part
     TIMES_UNIT = "times_unit"
     TIMES = "times"
+    MORE_TIMES_UNIT = "more_times_unit"  # "three more times": besides the first
+    MORE_TIMES = "more_times"
     SHOW = "show"  # take, send, 拍: with a picture after it
     PICTURE = "picture"
     OF = "of"  # what follows a picture or a greeting is its subject and commands nothing
@@ -55,7 +57,7 @@ class Kind(StrEnum):
     THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
-    COMMA = "comma"  # separates clauses and ends a negation
+    COMMA = "comma"  # separates clauses and ends a negation; value "colon"
     END = "end"  # ends a sentence
     ASKED = "asked"  # a question mark, 吗
     REQUEST = "request"  # can you, please: what follows is wanted
@@ -197,7 +199,8 @@ def _phrase(written: str) -> tuple[str, ...]:
 
 #: Marks mean the same in every language.
 MARKS = {
-    "comma": ",|/|;|:|(|)|[|]|—|，|、|；|：|（|）|【|】",
+    "comma": ",|/|;|(|)|[|]|—|，|、|；|（|）|【|】",
+    "comma=colon": ":|：",
     "end": ".|!|…|。|！|．",
     "asked end": "?|？",
     "and": "&|+",

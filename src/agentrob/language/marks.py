@@ -62,6 +62,8 @@ class Marks:
             self.mode = Mode.WANTED
         if self.cur:
             self.cur.closed = True
+            again = self.cur.verb is Kind.AGAIN and self.cur.counted and not self.cur.back
+            self.cur.ahead |= again and token.value == "colon" and len(self.sentence.drafts) == 1
         self.joined_by_and = token.kind is Kind.AND
 
     def _request(self, token: Token) -> None:

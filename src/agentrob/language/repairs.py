@@ -40,8 +40,10 @@ def _leaves_out_the_verb(last: Draft, draft: Draft) -> bool:
 def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
     """ "Turn right and take a photo, ninety degrees": an amount or side said late completes the last motion."""
     last = next((d for d in reversed(drafts) if d.takes_manner), None)
-    if last is None or last.verb is None or last.unknown or not extra.is_motion:
+    if last is None or (last.verb is None and last.fixes is None) or last.unknown or not extra.is_motion:
         return False
+    if extra.hesitant and extra.direction is None and last.amount and last.amount.kind is Kind.NUMBER and last.verb:
+        last.amount = None  # "walk two, er, three metres"
     if extra.direction is not None and last.direction not in (None, extra.direction):
         return False
     if extra.amount is not None and (last.amount is not None or not _belongs(last, extra)):
@@ -118,7 +120,7 @@ def _overlay(last: Draft, fix: Draft) -> bool:
         return False
     if last.verb is Kind.TURN and (fix.direction in _AHEAD or (fix.amount and not _is_angle(fix.amount))):
         return False
-    if fix.amount is not None and last.amount is not None and _is_angle(fix.amount) is not _is_angle(last.amount):
+    if fix.amount is not None and last.amount is not None and not _alike(fix.amount, last.amount):
         return False
     last.end = max(last.end, fix.end)
     last.direction = fix.direction or last.direction
@@ -126,6 +128,11 @@ def _overlay(last: Draft, fix: Draft) -> bool:
     last.vague = fix.vague if fix.amount is None and fix.vague else last.vague and fix.amount is None
     last.slow, last.speed_mps = last.slow or fix.slow, last.speed_mps if fix.speed_mps is None else fix.speed_mps
     return True
+
+
+def _alike(amount: Token, other: Token) -> bool:
+    """Whether one may stand for the other: "two, no, three metres"."""
+    return Kind.NUMBER in (amount.kind, other.kind) or _is_angle(amount) is _is_angle(other)
 
 
 def _is_angle(amount: Token) -> bool:

@@ -13,7 +13,7 @@ from agentrob.language.again import MAX_STEPS, SLOW_MPS, Background, Unclear, on
 from agentrob.language.drafts import Draft, Sentence
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
-from agentrob.language.render import deeds, step_sentence
+from agentrob.language.render import deeds, outline, step_sentence
 from agentrob.language.repairs import corrected, settled
 from agentrob.model import Direction, Language, Op, Primitive
 
@@ -52,6 +52,14 @@ def _is_question(sentence: Sentence) -> bool:
     return sentence.talked or sentence.condition is not None or not any(d.verb for d in sentence.drafts)
 
 
+def _carry_over(sentences: Sequence[Sentence]) -> None:
+    """ "Turn right. No! Left!": a correction that is a sentence of its own begins the next one."""
+    for before, sentence, after in zip(sentences, sentences[1:], sentences[2:], strict=False):
+        if sentence.fix_unclear and not sentence.drafts and before.drafts and after.drafts and not after.talked:
+            after.drafts[0].fixes = after.drafts[0].fixes or sentence.fix_unclear
+            sentence.fix_unclear = None
+
+
 def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> str:
     """What makes a sentence doubtful: conditions, denials without an end, questions. Empty when nothing does.
 
@@ -63,6 +71,9 @@ def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> st
     if sentence.denial_unclear is not None and (wants or sentence.denial_joined):
         denial = sentence.denial_unclear
         return say("ask.denial", language, words=quote(text[denial.start : denial.end]))
+    if sentence.times_unclear is not None:
+        times = sentence.times_unclear
+        return say("ask.again_which", language, words=quote(text[times.start : times.end]))
     if sentence.fix_unclear is not None and wants:
         return say("ask.fix", language, words=quote(text[sentence.fix_unclear.start : sentence.fix_unclear.end]))
     if sentence.drafts and sentence.asked and not sentence.requested:
@@ -85,15 +96,20 @@ class _Maker:
         self.background = background
         self.reading = Reading([], [])
         self.waits = False
+        self.ahead: Draft | None = None  # what is repeated is said after it
 
     def read(self, sentences: Sequence[Sentence]) -> Reading:
         reading = self.reading
         wants = any(sentence.drafts for sentence in sentences)
         drafts: list[Draft] = []
+        _carry_over(sentences)
         for sentence in sentences:
             if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
                 continue
             reading.object_to(_doubt(sentence, wants, self.text, self.language))
+            if self.ahead:  # "Three times: … . And wave.": nobody can tell how far that reaches
+                reading.object_to(self._say("ask.again_which", self.text[self.ahead.start : self.ahead.end]))
+            self.ahead = next((d for d in sentence.drafts if d.ahead), self.ahead) if sentence.drafts else self.ahead
             if drafts and sentence.cancelled:  # "Turn left. Never mind."
                 reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
@@ -104,12 +120,27 @@ class _Maker:
             self._add(draft)
         if reading.picture_after is not None:
             reading.steps = _after_each(reading.steps, reading.picture_after)
+        self._repeat_ahead()
         if self.waits and reading.steps:  # all but the waiting would work
             reading.hints = [reading.steps[:MAX_STEPS], *reading.hints]
         if len(reading.steps) > MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
             del reading.steps[MAX_STEPS:]
         return reading
+
+    def _repeat_ahead(self) -> None:
+        reading, ahead = self.reading, self.ahead
+        if ahead is None or reading.problem:
+            return
+        said = self.text[ahead.start : ahead.end]
+        if not reading.steps:
+            reading.object_to(self._say("ask.again", said))
+        elif not 1 <= ahead.times * len(reading.steps) <= MAX_STEPS:
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+        else:
+            reading.steps *= ahead.times
+            done = outline(reading.steps, self.language)
+            reading.note(say("note.again", self.language, words=quote(said), steps=done))
 
     def _say(self, key: str, words: str) -> str:
         return say(key, self.language, words=quote(words))
@@ -124,6 +155,8 @@ class _Maker:
             reading.object_to(say(f"ask.{draft.beyond}", self.language, words=quote(said), can=can))
         elif draft.unknown or draft.stop_word:
             reading.object_to(self._not_understood(draft, said))
+        elif draft.ahead:
+            pass  # see `_repeat_ahead`
         elif draft.verb is Kind.AGAIN or (draft.back and draft.amount is None and self._is_way_back()):
             self._again(draft, said)
         else:

@@ -12,12 +12,12 @@ from agentrob.language.tongue import Tongue
 
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
-    "move": """try moving|try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive
-        |advance|come|head|run|trot|keep going|keep moving|keep walking|continue|march|stroll|roll|crawl|creep
-        |inch forward|navigate|continue moving|continue walking|continue going|keep on going|move yourself
-        |get moving|go on|move on""",
-    "move=sideways": """strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
-        |go sideways|shuffle sideways""",
+    "move": """sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving|try walking|start walking|start moving
+        |try going|move|go|walk|proceed|travel|step|drive|advance|come|head|run|trot|keep going|keep moving
+        |keep walking|continue|march|stroll|roll|crawl|creep|inch forward|navigate|continue moving|continue walking
+        |continue going|keep on going|move yourself|get moving|go on|move on""",
+    "move=sideways": """step aside|move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways
+        |walk sideways|move sideways|go sideways|shuffle sideways""",
     "move dir=backward": """back away|back it up|back yourself up|keep backing up|continue backing up|back up|backup
         |back off|reverse|retreat|step back|move backwards|go in reverse""",
     "back move dir=backward": "go back|walk back|move back|head back|go on back",
@@ -27,7 +27,7 @@ TABLE = {
         |return to your starting point|retrace your steps|go back to start|return to start
         |go back where you came from|walk back to where you were|go back to where you came from
         |return to your starting position|return to your original position""",
-    "turn": """continue turning|keep turning|keep rotating|continue rotating|try turning|start turning
+    "turn": """look|continue turning|keep turning|keep rotating|continue rotating|try turning|start turning
         |continue to turn|keep on turning|turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn
         |take a turn|twist|veer|turn yourself|rotate yourself|swing""",
     "turn dir=left": """angle left|angle to the left|angle to your left|a left turn|a left hand turn|make a left
@@ -36,9 +36,10 @@ TABLE = {
     "turn dir=right": """angle right|angle to the right|angle to your right|a right turn|a right hand turn
         |make a right|take a right|hang a right|make a right turn|take a right turn|do a right turn|hard right turn
         |make a right hand turn|make a hard right""",
-    "turn angle=180": """make a one eighty|make a 180|do a 180 turn|do a one eighty turn|turn completely around
-        |turn fully around|turn right around|turn around|turn round|about face|do a one eighty|do a 180
-        |do a one eighty degree turn|u turn|make a u turn|do a u turn|turn yourself around|face the other way""",
+    "turn angle=180": """face the other direction|face the opposite direction|face the opposite way
+        |make a one eighty|make a 180|do a 180 turn|do a one eighty turn|turn completely around|turn fully around
+        |turn right around|turn around|turn round|about face|do a one eighty|do a 180|do a one eighty degree turn
+        |u turn|make a u turn|do a u turn|turn yourself around|face the other way""",
     "turn=spin angle=180": "spin around|spin round|spin yourself around",
     "dir=forward": """fwd|forward|forwards|ahead|straight|straight ahead|straight forward|onward|straight on|frontwards
         |in front|to the front""",
@@ -72,28 +73,30 @@ TABLE = {
     "op=stand": "stand|stand up|get up|rise|stand up straight",
     "op=stretch": """stretch your legs|do some stretching|do some stretches|stretch your back|give a stretch
         |stretch a bit|stretch|stretch yourself|have a stretch|do a stretch|take a stretch|stretch out""",
-    "beyond=eyes": """enter|exit|leave|find|look for|search|search for|seek|locate|follow|chase|explore|approach
-        |come here|come to me|come over here|come over|go see|go look|investigate|inspect|patrol|go home|track|hunt
-        |guard|watch|survey|go explore|go find|go and find|go over|go check|check out|check|scan|identify|count""",
-    "beyond=hands": """pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour|clean|wash|cook|unlock|put
-        |place|catch|touch|hold on to|switch on|turn on|switch off|turn off|play|sing|dance|lie down|lay down
-        |roll over|jump|bark|speak|talk|say|climb|bow|nod|shake your head|wag your tail|kneel|crouch|hop|swim|fly
-        |whistle|point at|point to|sing|read|write|drop|throw|kick|push|pull""",
+    "beyond=eyes": """look around|look out|look inside|look outside|look behind|enter|exit|leave|find|look for
+        |search|search for|seek|locate|follow|chase|explore|approach|come here|come to me|come over here|come over
+        |go see|go look|investigate|inspect|patrol|go home|track|hunt|guard|watch|survey|go explore|go find
+        |go and find|go over|go check|check out|check|scan|identify|count""",
+    "beyond=hands": """raise|shout|smile|laugh|pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour
+        |clean|wash|cook|unlock|put|place|catch|touch|hold on to|switch on|turn on|switch off|turn off|play|sing
+        |dance|lie down|lay down|roll over|jump|bark|speak|talk|say|climb|bow|nod|shake your head|wag your tail
+        |kneel|crouch|hop|swim|fly|whistle|point at|point to|read|write|drop|throw|kick|push|pull""",
     "beyond=path": """in a circle|in circles|in a square|in a triangle|in a zigzag|in a zig zag|zigzag|zig zag
         |in a figure eight|a figure eight|in a curve|in an arc|along a curve|diagonally|around the room|in a big circle
         |in a small circle|in a wide circle|a circle|a square|north|south|east|west|up the stairs|down the stairs
         |upstairs|downstairs""",
     "beyond=wait": "pause|wait for|sleep|wait a second|wait a moment|wait a minute|hold on|rest",
-    "again=this": """do this|do that|do it|do all that|do all of that|do all of this|do all this|do everything|do so
-        |the whole thing|do the whole thing|same""",
+    "again=this": """do the following|do this|do that|do it|do all that|do all of that|do all of this|do all this
+        |do everything|do so|the whole thing|do the whole thing|same""",
     "again": """again|once again|once more|one more time|do it again|do that again|do this again|repeat|repeat that
         |repeat it|repeat this|same again|the same again|the same|do the same|do the same again|same thing
         |the same thing|do the same thing|same thing again|repeat all of that|repeat all that|repeat everything|redo
         |redo that|the same as before|same as before|repeat the last command|repeat the sequence|repeat the last one
         |repeat the last move|repeat that sequence|do that sequence""",
-    "op=get_front_image of": """show me what you see|show us what you see|show me what is in front of you
-        |show me what's in front of you|take a look|show view|show me the view|show me your view|give me a visual
-        |let me see what you see|look ahead|what does your camera see|show me your camera""",
+    "op=get_front_image of": """send me what you see|send us what you see|send what you see|photograph what you see
+        |show me what you see|show us what you see|show me what is in front of you|show me what's in front of you
+        |take a look|show view|show me the view|show me your view|give me a visual|let me see what you see
+        |look ahead|what does your camera see|show me your camera""",
     "op=get_front_image": "send it again|send that again|resend|resend it|resend that|send me that again",
     "show=talk": """let me see|can i see|could i see|may i see|let us see|i want to see|i wanna see|i'd like to see
         |we want to see|i would like to see|can we see|could we see|i need to see|we need to see""",
@@ -101,7 +104,8 @@ TABLE = {
         |share|provide|upload|transmit|return me""",
     "picture": """photo|photos|picture|pictures|pic|pics|image|images|photograph|snapshot|shot|selfie|camera image
         |front image|front photo""",
-    "soft": "send it|send it to me|send it to us|post it|show it to me|show me|upload it|share it",
+    "soft": """let me think|let me see now|send it|send it to me|send it to us|post it|show it to me|show me
+        |upload it|share it""",
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
         |from where you are""",
     "each": """after each movement|after each|after each step|after every movement|after every step|after every one
@@ -127,7 +131,8 @@ TABLE = {
     "angle_unit=57.29577951308232": "radian|radians|rad",
     "speed_unit=1": """m/s|mps|m per s|m per second|m per sec|m a second|meters a second|metres a second|m/sec
         |meters per second|metres per second|meter per second|metre per second|m / sec""",
-    "speed_unit=0.01": "cm/s|cm per second|cm per sec|cm a second|centimeters per second|centimetres per second",
+    "speed_unit=0.01": """centimeters a second|centimetres a second|centimeter per second|centimetre per second
+        |cm/s|cm per second|cm per sec|cm a second|centimeters per second|centimetres per second""",
     "speed_unit=0.3048": "feet per second|foot per second|ft/s|ft per second|feet a second|foot a second",
     "speed_unit=0.0254": "inches per second|inch per second",
     "speed_unit=0.44704": "mph|miles per hour|miles an hour",
@@ -136,13 +141,13 @@ TABLE = {
     "step_unit": "steps|pace|paces|stride|strides|footsteps",
     "time_unit=1": "s|second|seconds|sec|secs",
     "time_unit=60": "minute|minutes|min|mins",
-    "turn angle=90": "quarter turn|a quarter turn|a quarter of a turn",
-    "turn angle=180 ": "half turn|a half turn|half a turn",
+    "turn angle=90": "1/4 turn|a 1/4 turn|1/4 of a turn|quarter turn|a quarter turn|a quarter of a turn",
+    "turn angle=180 ": "1/2 turn|a 1/2 turn|half turn|a half turn|half a turn",
     "turn angle=360": """twirl|do a twirl|a twirl|twirl around|pirouette|do a pirouette|a pirouette|do a spin
         |a spin|a full spin|do a full spin|a complete spin|do a three sixty|do a 360|do a full 360
         |do a full three sixty|full turn|a full turn|full circle|a full circle|full rotation|a full rotation
         |complete turn|a complete turn|turn in a circle|spin in a circle|turn all the way around""",
-    "turn angle=270": "three quarter turn|a three quarter turn|three quarters of a turn",
+    "turn angle=270": "3/4 turn|a 3/4 turn|three quarter turn|a three quarter turn|three quarters of a turn",
     "angle_unit=360": """full turns|full circles|full rotations|rotations|revolutions|circles|complete turns|turns
         |spins|full spins|complete spins|twirls|full revolutions|complete rotations|loops""",
     "half": "half a|half an|half of a|a half|half|one half|one half of a",
@@ -154,13 +159,16 @@ TABLE = {
     "times=1": "once|one time",
     "times=2": "twice|two times",
     "times=3": "thrice|three times",
-    "times_unit": "times|x",
+    "times_unit": "times in a row|times|x",
+    "more_times_unit": "more times|times more|further times|additional times|extra times",
+    "more_times=1": "one more time after that",
     "vague": """a bit|a little|a little bit|slightly|some|somewhat|a few|few|several|a couple|a couple of
         |as far as you can|as far as possible|far|further|farther|a lot|a touch|a tad|a little ways|a ways|a way
         |a hair|a smidge|a smidgen|a notch|a whisker|a wee bit|a teeny bit|a tiny bit|ever so slightly|a bit more
         |a little more|a little further|a bit further|a fair bit|a small amount""",
-    "slow": """slowly|slow|carefully|gently|gradually|at low speed|at a slow pace|very slowly|really slowly
-        |slow and steady|at a slow speed|with care|nice and slow|cautiously|real slow|at a crawl""",
+    "slow": """very slow|really slow|super slow|very carefully|very gently|slowly|slow|carefully|gently|gradually
+        |at low speed|at a slow pace|very slowly|really slowly|slow and steady|at a slow speed|with care
+        |nice and slow|cautiously|real slow|at a crawl""",
     "slow=er": """more gently|more carefully|slower|slow down|more slowly|a bit slower|a little slower
         |a bit more slowly|much slower|only slower|at half speed""",
     "faster": """quickly|fast|at full speed|as fast as you can|as fast as possible|at top speed|at maximum speed
@@ -201,17 +209,21 @@ TABLE = {
         |are you able to|are you able to please|is it possible for you to|how about you|why don't you|would you mind
         |you have to|you must|can we|could we|may i have|can i have|can i get|could i have|could i get|kindly
         |have the robot|tell the robot to|robot please""",
-    "request=stated": """maybe you could|perhaps you could|maybe you can|perhaps you can|we need|we want|we'd like
-        |i think we should|i think you should|maybe we should|perhaps we should|perhaps you should|maybe you should
-        |i'm going to need you to|i'd appreciate it if you could|i'd like to have you|i'd like for you to
-        |i would like for you to|i want you to|we want you to|we would like you to|we need you to|we'd like you to
-        |i want for you to|i'd like you to|i would like you to|i need you to|i'd love you to|i want|i'd like
-        |i would like|i need""",
+    "request=stated": """i'd be grateful if you could|i would be grateful if you could
+        |it would be great if you could|it'd be great if you could|it would be nice if you could
+        |it'd be nice if you could|i was hoping you could|i was wondering if you could|i'd love it if you could
+        |i'd appreciate if you could|i'd be happy if you could|any chance you could|is there any chance you could
+        |do you think you could|maybe you could|perhaps you could|maybe you can|perhaps you can|we need|we want
+        |we'd like|i think we should|i think you should|maybe we should|perhaps we should|perhaps you should
+        |maybe you should|i'm going to need you to|i'd appreciate it if you could|i'd like to have you
+        |i'd like for you to|i would like for you to|i want you to|we want you to|we would like you to
+        |we need you to|we'd like you to|i want for you to|i'd like you to|i would like you to|i need you to
+        |i'd love you to|i want|i'd like|i would like|i need""",
     "wish": """it's time to|it is time to|it's your turn to|now it's time to|now we|now you|we should|you should
         |you can|you could|let's|lets|we can|let us|you may|time to|we need to|you need to|try to""",
-    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know|tell me
+    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know
         |i am|they|he|she|he's|she's|you are|you're|you were|you've|you have|it is|it was|that is|that was""",
-    "talk=question": """what|what's|how|how's|do you|did you|did we|did it|do we|do i|there|who|who's|why|where
+    "talk=question": """tell me|what|what's|how|how's|do you|did you|did we|did it|do we|do i|there|who|who's|why|where
         |where's|which|can i|can you tell|can you see|can you describe|can you detect|can you locate|can you hear
         |can you fit|can you get|can you manipulate|can you go through|could you tell|could i|should i|should we
         |should you|may i|have you|have we|are you|is it|is there|is that|is this|are there|was it|was that
@@ -250,11 +262,11 @@ TABLE = {
     "thanks=hello": """hello|hi|hey|good morning|hi there|hello there|good day|greetings|good evening|good afternoon
         |howdy|hiya|heya|ahoy|yo|hey there""",
     "soft=1": "a|an|another|one more|new|a new|one additional",
-    "thanks": """goodbye|bye|bye bye|see you|see you later|good night|once again thank you|once again thanks
-        |again thank you|again thanks|here we go again|welcome back|lol|haha|hahaha|thanks
-        |thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers|good job|great job
-        |good work|well done|nice work|good boy|thanks so much|much appreciated|no problem
-        |no worries|thanks again|thank you again|dear""",
+    "thanks": """nice one|good one|great one|well played|bravo|you're the best|you are the best|goodbye|bye|bye bye
+        |see you|see you later|good night|once again thank you|once again thanks|again thank you|again thanks
+        |here we go again|welcome back|lol|haha|hahaha|thanks|thank you|thank you very much|thank you so much
+        |thanks a lot|many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy
+        |thanks so much|much appreciated|no problem|no worries|thanks again|thank you again|dear""",
     "soft ": """simply|asap|task:|your task:|command:|your command:|here is your command:|here is your task:
         |do the following:|do this:|do this for me:|be a good dog and|be a good robot and|be a good boy and
         |do as i say:|the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely
