@@ -15,6 +15,8 @@ EYES = {
     "go over to the door": "go over to the door",
     "walk 2 m to the door": "walk 2 m to the door",
     "follow me": "follow me",
+    "walk 2 m towards the wall": "walk 2 m towards the wall",
+    "move out of the way": "move out of the way",
 }
 HANDS = {"把报纸拿来": "把报纸拿来", "唱首歌": "唱首歌", "fetch me a beer": "fetch me a beer", "bow to us": "bow to us"}
 PATHS = {
@@ -29,6 +31,7 @@ WAITS = {
     "休息十秒然后坐下": ("休息十秒", "坐下"),
     "wave, wait 3 seconds, sit down": ("wait 3 seconds", "wave, then sit down"),
     "rest for ten seconds, then wave": ("rest for ten seconds", "wave"),
+    "take a photo in 5 seconds": ("5 seconds", "take a photo"),
 }
 
 
@@ -81,6 +84,8 @@ def test_a_time_to_begin_at_is_answered_as_waiting(text: str, words: str) -> Non
         ("walk 20 to the left", "`walk left 0.2 m`"),
         ("walk forward 3", "`walk forward 3 m`"),
         ("往前走三", "`向前走3米`"),
+        ("left", "`turn left 90 degrees` · `walk left 1 m`"),
+        ("90", "`turn left 90 degrees` · `walk forward 0.9 m`"),
     ],
 )
 def test_a_number_without_a_unit_is_offered_with_likely_ones(text: str, examples: str) -> None:

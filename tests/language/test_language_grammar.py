@@ -69,6 +69,10 @@ COMMANDS = [
     ("重复两次：挥手，坐下", "hello sit hello sit"),
     ("look left and take a picture", "l90 photo"),
     ("make a 1/4 turn to the right", "r90"),
+    ("shake hands with the visitor, then make a heart for us", "shake heart"),
+    ("applaud the speaker", "clap"),
+    ("shake hands with people who walk 2 m", None),
+    ("how far can you walk 2 m", ""),
     ("I'd be grateful if you could turn right 20 degrees", "r20"),
     ("walk 1 m and send me what you see", "F1 photo"),
     ("开始前进一米", "F1"),
@@ -177,7 +181,8 @@ COMMANDS = [
 @pytest.mark.parametrize(("text", "plan"), COMMANDS)
 def test_a_command_becomes_the_plan_that_is_meant(text: str, plan: str | None) -> None:
     understood = read(text)
-    assert understood.intent is (Intent.COMMAND if plan else Intent.ASK_BACK), understood.question
+    wanted = {None: Intent.ASK_BACK, "": Intent.NOTHING}.get(plan, Intent.COMMAND)
+    assert understood.intent is wanted, understood.question
     assert short(understood.plan) == (plan or "")
 
 
@@ -279,6 +284,10 @@ def test_other_intents(text: str, intent: Intent) -> None:
         ("@quadruped @dog2 both of you walk 1 m", "F1"),
         ("@quadruped 前进一米，@dog2 左转。你们都挥手", "F1 hello"),
         ("@dog2 both of you wave", ""),
+        ("@quadruped: walk 1 m. @dog2: turn left. After that both of you wave!", "F1 hello"),
+        ("@dog2 go fwd 1m, then @quadruped wave, and then both of you sit", "hello sit"),
+        ("@quadruped 请你和 @dog2 都坐下", "sit"),
+        ("@dog2 and @quadruped, walk forward 1 m each", "F1"),
     ],
 )
 def test_only_the_part_for_this_robot_counts(text: str, plan: str | None) -> None:
@@ -309,6 +318,29 @@ def test_a_robot_is_called_by_its_name_without_an_at_too() -> None:
     assert short(read("Hello Quadruped, walk forward 1 m").plan) == "F1"
     assert parse("rex, sit", ["rex"], [], OPS).plan.steps == (Primitive(Op.SIT),)
     assert parse("don't turn left", ["don't"], [], OPS).intent is Intent.NOTHING
+
+
+NOUNS = """wall door table chair sofa window lamp rug carpet box stairs plant tree street road path edge corner cup desk
+tent kerb cat car van bus bin bag bed bar ball bench bike boat bridge brick cab cap cart cliff closet cone crate curtain
+den ditch fan fence field fire fish floor forge fork gap garage garden gate girl goal grass hall hedge hill hole house
+iron jar key kid kitchen lad lake lane leg lid lift lobby log man map mat net nook nut oven park pen pig pillar pin pit
+pole pool pot rack rail ramp ridge ring river rock roof room rope row sea seat shed shelf shop sign sink stage star
+stick stone stove table tap teapot thin tip toilet toy track tray truck tub tunnel tv twin vase wagon water web wheel
+wind wing woman wood yard zoo stand step""".split()  # noqa: SIM905
+PAST_A_NOUN = """walk along the {} 2 m|go by the {} ninety feet forward|turn at the {} left 90 degrees
+walk to the {} two metres|walk 2 m towards the {}"""
+
+
+@pytest.mark.parametrize("frame", PAST_A_NOUN.replace("\n", "|").split("|"))
+def test_a_thing_on_the_way_is_no_hesitation_and_no_word_of_motion(frame: str) -> None:
+    moved = [noun for noun in NOUNS if read(frame.format(noun)).intent is not Intent.ASK_BACK]
+    assert moved == []
+
+
+@pytest.mark.parametrize("where", ["to", "at", "by", "around"])
+def test_the_dog_that_one_walks_to_is_not_the_one_that_is_called(where: str) -> None:
+    assert read(f"walk {where} the dog 2 m").intent is Intent.ASK_BACK
+    assert short(read("ok dog, walk 2 m").plan) == "F2"
 
 
 def test_places_are_recognised_as_what_needs_eyes() -> None:

@@ -73,7 +73,7 @@ class _Reader(Marks):
             self._deny(token)
         elif self.mode is Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
             pass
-        elif self.mode is Mode.SUBJECT and self.cur and self.cur.op is Op.HELLO:
+        elif self.mode is Mode.SUBJECT and self.cur and self.cur.op in _FOR_SOMEBODY:
             self._unknown(token)  # "wave to those who walk 2 m"
         else:
             self.mode = Mode.WANTED
@@ -238,7 +238,7 @@ class _Reader(Marks):
         elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
             last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
-            if self.cur and not self.cur.closed and self.cur.op in (Op.GET_FRONT_IMAGE, Op.HELLO):
+            if self.cur and not self.cur.closed and self.cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY):
                 self.mode = Mode.SUBJECT
         elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
             self._manner(token)
@@ -287,7 +287,9 @@ class _Reader(Marks):
             return
         cur = self._open() or self._new(token, None)
         soft = self.soft_before[self.at]
-        cur.place |= any(s.value == Soft.TOWARDS for s in soft) and (cur.is_motion or not cur.unknown)
+        towards = any(s.value == Soft.TOWARDS for s in soft) and not cur.unknown
+        goes = cur.is_motion and any(s.value in (Soft.TO, Soft.TOWARDS) for s in soft)
+        cur.place |= goes or towards or token.value == "place"
         cur.unknown.append((token.start, token.end))
         cur.odd_number |= token.value == "number"
         cur.end = token.end
@@ -323,6 +325,7 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
 
 _UNITS = (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.STEP_UNIT)
 _DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP)
+_FOR_SOMEBODY = (Op.HELLO, Op.SHAKE, Op.CLAP, Op.HEART)
 _TIMES = (Kind.TIMES, Kind.MORE_TIMES)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 

@@ -31,6 +31,7 @@ from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, 
 
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
 MAX_CHARS = 2_000
+_WORD = re.compile(r"\w")
 _NOTHING_KNOWN = Background()
 
 
@@ -68,8 +69,8 @@ def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk |
     part = part_for(visible, names, others)
     if len(part) > MAX_CHARS or stop_intent(part):
         return None
-    if not part:  # "@robot" alone; beside words for others it is only mentioned
-        return None if without_mentions(visible).strip() else Talk.GREETING
+    if not _WORD.search(part):  # "@robot" alone; beside words for others it is only mentioned
+        return None if _WORD.search(without_mentions(visible)) else Talk.GREETING
     return talk_in(_sentences(part, names, language_of(part))[0])
 
 

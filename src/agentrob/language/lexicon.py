@@ -75,7 +75,7 @@ class Kind(StrEnum):
     STATUS = "status"  # value "battery": also within a question; "asked": only there
     MORE_STOP = "stop"  # "and stop" at the end
     GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
-    WORD = "word"  # not known; value "number": one that cannot be told
+    WORD = "word"  # not known; value "number": one that cannot be told, "place": where
 
 
 class Soft(StrEnum):
@@ -84,7 +84,8 @@ class Soft(StrEnum):
     HELLO = "hello"
     UH = "uh"  # hesitates: what was begun may begin anew
     IN = "in"  # inches, after a number at the end of a clause
-    TOWARDS = "towards"  # an unknown word after it is a place
+    TO = "to"  # an unknown word after it is a place, where one goes
+    TOWARDS = "towards"  # … is a place
     OBJECT = "object"  # 把: belongs to the thing after it
 
 
@@ -114,6 +115,7 @@ NumberReader = Callable[[Sequence[Piece], int], tuple[float, int] | None]
 
 
 Meaning = tuple[tuple[Kind, Value], ...]
+_SIDE_WORDS = {Kind.DIR, Kind.AGREE, Kind.BACK}
 
 
 @dataclass(frozen=True)
@@ -142,8 +144,8 @@ class Lexicon:
                 at = at.setdefault(word, {})
             at[""] = meaning
         said = frozenset(word for phrase in self.phrases for word in phrase) | self.numerals
-        directions = {phrase[0] for phrase, meaning in self.phrases.items() if meaning[-1][0] is Kind.DIR}
-        starts = frozenset(w[:n] for w in self.numerals | directions if w.isascii() for n in range(1, min(len(w), 4)))
+        sides = {phrase[0] for phrase, meaning in self.phrases.items() if {k for k, _ in meaning} <= _SIDE_WORDS}
+        starts = frozenset(w[:n] for w in self.numerals | sides if w.isascii() for n in range(1, min(len(w), 4)))
         object.__setattr__(self, "_tree", tree)
         object.__setattr__(self, "vocabulary", said)
         object.__setattr__(self, "broken_off", starts)
@@ -323,7 +325,7 @@ def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
         return 1
     if not (piece.isascii() and piece.isalpha() and len(piece) <= 12):
         return 0
-    begun = re.sub(r"(.)\1+", r"\1", piece)
+    begun = re.sub(r"^(.)\1+", r"\1", piece)
     if len(begun) > 3:
         return 0
     if begun in words.broken_off and _is_unit(pieces, at + 1, words) and _replaces(pieces, at + 2, words):

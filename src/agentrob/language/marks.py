@@ -69,9 +69,18 @@ class Marks:
     def _request(self, token: Token) -> None:
         if self.mode is Mode.TALK and token.value == "stated" and self.talk_doubts:
             return  # "I do not think I want you to …", "do you think we should …"
+        if self.mode is Mode.TALK and self._asks_how():
+            return  # "how far can you walk"
         self.sentence.requested = True
         if self.mode is not Mode.DENIED:
             self.mode = Mode.WANTED
+
+    def _asks_how(self) -> bool:
+        """Whether a question word stands right before, or with a manner between: "how", "how far"."""
+        before = self.tokens[max(0, self.at - 2) : self.at]
+        if len(before) > 1 and before[1].kind in (Kind.VAGUE, Kind.SLOW, Kind.FASTER):
+            before = before[:1]
+        return before[-1:] != [] and before[-1].kind is Kind.TALK and before[-1].value == "question"
 
     def _wish(self, token: Token) -> None:
         if self.mode is Mode.SUBJECT:

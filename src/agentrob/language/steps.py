@@ -169,6 +169,8 @@ class _Maker:
         if draft.stop_word and draft.amount and draft.amount.kind is Kind.DURATION:
             self.waits = True
             return self._say("ask.wait", said)
+        if draft.stop_word and not draft.unknown and not draft.amount:  # "please wait"
+            return self._say("ask.wait", said)
         if draft.odd_number:
             self.reading.hints = self.reading.hints or _hints(draft)
             return self._say("ask.number", said)
@@ -230,6 +232,9 @@ class _Maker:
     def _motion(self, draft: Draft, said: str) -> tuple[Primitive | None, str]:
         kind = draft.amount.kind if draft.amount else None
         value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+        if draft.verb is None and draft.direction is None and kind is Kind.DURATION:  # "a photo in 5 seconds"
+            self.waits = True
+            return None, self._say("ask.wait", said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not Kind.ANGLE:
             return None, self._say("ask.what", said)
         if draft.verb is Kind.TURN and draft.direction in _AHEAD:
@@ -303,7 +308,8 @@ def _hints(draft: Draft) -> list[list[Primitive]]:
         metres /= 100
     usual = Direction.LEFT if draft.sideways else Direction.FORWARD
     walk = Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
-    either = kind is Kind.NUMBER and value >= 5 and draft.direction in _SIDES and draft.verb is None
+    side, number = draft.direction in _SIDES, kind is Kind.NUMBER and value >= 5
+    either = draft.verb is None and ((side and (number or kind is None)) or (number and draft.direction is None))
     return [[turn], [walk]] if either else [[walk]]
 
 

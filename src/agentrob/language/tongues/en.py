@@ -10,6 +10,10 @@ from agentrob.language.lexicon import Piece, digits, lexicon
 from agentrob.language.phrases_en import PHRASES
 from agentrob.language.tongue import Tongue
 
+#: With "the", a dog or robot is not the one that is spoken to.
+_AT_THE_DOG = "|".join(
+    f"{where} the {who}" for where in ("around", "at", "by", "to", "into", "with") for who in ("dog", "robot")
+)
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
     "move": """sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving|try walking|start walking|start moving
@@ -62,11 +66,14 @@ TABLE = {
         |give me a heart|do a heart for me|make a heart|show a heart|heart gesture|finger heart|draw a heart
         |do a heart|make a heart shape|make a heart sign|make the heart|do the heart|do the heart gesture
         |do a heart gesture|show me a heart|show heart""",
-    "op=clap": """clap|clap your hands|clap hands|clap for me|clap for us|applaud|give a clap|give us a clap
+    "op=clap": """clap|clap your hands|clap hands|clap for me|clap for us|give a clap|give us a clap
         |give me a clap|give applause|do a clap|clap along|give a round of applause|a round of applause""",
     "op=shake/hello": """shake hands|shake hands with me|shake my hand|shake hand|shake a hand|give a handshake
         |do a handshake|give me a handshake|handshake|offer your hand|give me your hand|shake|shake paws|shake paw
         |give me your paw|give paw|give me a paw|offer your paw""",
+    "op=clap of": "applaud|clap for|clap to",
+    "op=shake/hello of": "shake hands with|shake the hand of|give your paw to|give your hand to",
+    "op=heart of": "make a heart for|show a heart to|give a heart to|send a heart to|do a heart for",
     "op=backflip": """backflip|back flip|do a backflip|do a back flip|flip|do a flip|make a backflip|make a flip
         |somersault|do a somersault|perform a backflip""",
     "op=sit": "sit|sit down|take a seat|have a seat",
@@ -77,10 +84,11 @@ TABLE = {
         |search|search for|seek|locate|follow|chase|explore|approach|come here|come to me|come over here|come over
         |go see|go look|investigate|inspect|patrol|go home|track|hunt|guard|watch|survey|go explore|go find
         |go and find|go over|go check|check out|check|scan|identify|count""",
-    "beyond=hands": """raise|shout|smile|laugh|pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour
-        |clean|wash|cook|unlock|put|place|catch|touch|hold on to|switch on|turn on|switch off|turn off|play|sing
-        |dance|lie down|lay down|roll over|jump|bark|speak|talk|say|climb|bow|nod|shake your head|wag your tail
-        |kneel|crouch|hop|swim|fly|whistle|point at|point to|read|write|drop|throw|kick|push|pull""",
+    "beyond=hands": """record a video|make a video|take a video|video|film|stream|hug|heel|raise|shout|smile|laugh
+        |pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour|clean|wash|cook|unlock|put|place|catch
+        |touch|hold on to|switch on|turn on|switch off|turn off|play|sing|dance|lie down|lay down|roll over|jump
+        |bark|speak|talk|say|climb|bow|nod|shake your head|wag your tail|kneel|crouch|hop|swim|fly|whistle|point at
+        |point to|read|write|drop|throw|kick|push|pull""",
     "beyond=path": """in a circle|in circles|in a square|in a triangle|in a zigzag|in a zig zag|zigzag|zig zag
         |in a figure eight|a figure eight|in a curve|in an arc|along a curve|diagonally|around the room|in a big circle
         |in a small circle|in a wide circle|a circle|a square|north|south|east|west|up the stairs|down the stairs
@@ -236,19 +244,22 @@ TABLE = {
     "report": """wrote|says|writes|suggested|suggests|claimed|claims|thinks|thought|yesterday|walked|moved|went
         |turned|rotated|ran|earlier today|last time|last week|last night|ago|told|said|asked|was told|has moved
         |has walked|previously|back then""",
-    "cancel": """never mind|nevermind|never mind that|forget it|forget about it|forget that|forget what i said
-        |leave it|don't bother|do not bother|cancel my command|cancel my last command|cancel the last command
-        |cancel my request|i changed my mind|i've changed my mind|i have changed my mind|changed my mind|scrap that
-        |ignore that|ignore my last post|ignore that last one|ignore my last command|disregard|disregard that
-        |disregard my last post|no longer needed|withdrawn|not any more|not anymore|belay that|ignore this
-        |disregard this|no need any more|no need anymore|cancel this|cancel my post""",
+    "cancel": """cancel my last post|cancel my previous post|cancel my previous command|cancel my last message
+        |cancel the last post|never mind|nevermind|never mind that|forget it|forget about it|forget that
+        |forget what i said|leave it|don't bother|do not bother|cancel my command|cancel my last command
+        |cancel the last command|cancel my request|i changed my mind|i've changed my mind|i have changed my mind
+        |changed my mind|scrap that|ignore that|ignore my last post|ignore that last one|ignore my last command
+        |disregard|disregard that|disregard my last post|no longer needed|withdrawn|not any more|not anymore
+        |belay that|ignore this|disregard this|no need any more|no need anymore|cancel this|cancel my post""",
     "help": """help|what can you do|what do you do|what can i say|how do i use you|how does this work|commands|usage
         |what commands|show help|help me|which commands do you know|what are your commands|list commands
         |what are you able to do|how can i command you|instructions""",
     "status=battery": "battery|batteries|your battery",
     "status=asked": """charge|charged|charging|recharge|recharging|recharged|juice|power level
         |power left""",
-    "status": """are you still there|are you still alive|are you still moving|what's your battery
+    "status": """status report|report|give me your status|give me a status|tell me where you are
+        |tell me your status|tell me your position|i'd like to know where you are|give us your status
+        |where you are now|are you still there|are you still alive|are you still moving|what's your battery
         |what is your battery level|what's the battery|what's the battery level|how much battery is left
         |how much battery|how charged are you|battery status|what's your state|what is your state|where are you now
         |are you moving|are you free|how are you doing|are you alive|are you awake|your status|your position
@@ -258,7 +269,10 @@ TABLE = {
         |what is your battery|what's your battery level|are you busy|are you online""",
     "soft=uh": "um|uh|uhh|uhhh|umm|hm|hmm|er|erm|err|ehm|eh",
     "soft=in": "in",
-    "soft=towards": "to",
+    "soft=to": "to",
+    "word=place": f"""towards|toward|away from|out of the way|past|between|through|over to|next to|behind|beside
+        |close to|near|close|nearby|against|the stand|the step|the steps|the drive|the face|the head|the walk|the slide|the swing
+        |the run|{_AT_THE_DOG}""",
     "thanks=hello": """hello|hi|hey|good morning|hi there|hello there|good day|greetings|good evening|good afternoon
         |howdy|hiya|heya|ahoy|yo|hey there""",
     "soft=1": "a|an|another|one more|new|a new|one additional",
@@ -289,7 +303,7 @@ TABLE = {
         |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|ready|i think
         |i guess|i believe|keep straight|with|on|as|be so kind and|be so kind to|would be nice|from your location
         |sir|from your position|go on and|your body|your camera|with your camera|with the camera|everyone|everybody
-        |all|both|each of you|of you|at normal speed|there you go|that would be great|that would be nice
+        |all|both|each|each of you|of you|at normal speed|there you go|that would be great|that would be nice
         |at your own pace|final|last|feel free to""",
 }
 
