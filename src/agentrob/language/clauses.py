@@ -177,6 +177,7 @@ class _Reader(Marks):
             cur = self._new(token, token.kind)
         cur.sideways |= token.value == "sideways"
         cur.spun |= token.value == "spin"
+        cur.place |= token.value == "to"
 
     def _direction(self, token: Token) -> None:
         if token is self.agreed:
@@ -288,7 +289,7 @@ class _Reader(Marks):
         cur = self._open() or self._new(token, None)
         soft = self.soft_before[self.at]
         towards = any(s.value == Soft.TOWARDS for s in soft) and not cur.unknown
-        goes = cur.is_motion and any(s.value in (Soft.TO, Soft.TOWARDS) for s in soft)
+        goes = cur.is_motion and any(s.value in (Soft.TO, Soft.THE, Soft.TOWARDS) for s in soft)
         cur.place |= goes or towards or token.value == "place"
         cur.unknown.append((token.start, token.end))
         cur.odd_number |= token.value == "number"
@@ -302,6 +303,7 @@ class _Reader(Marks):
         start = next((s.start for s in soft if s.value in (Soft.OBJECT, Soft.TOWARDS)), token.start)
         draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
         joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is Kind.AND
+        draft.after_and = self.joined_by_and and not draft.joined
         draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
         if verb is Kind.OP and token.value == Op.GET_FRONT_IMAGE:

@@ -38,6 +38,7 @@ class Draft:
     beyond: str = ""  # eyes, hands, path, wait: what it would take
     place: bool = False  # to where, in words that are not known
     spun: bool = False  # "spin around": once is half a turn, three times are three turns
+    after_and: bool = False  # "and" or "then" stands before it
     hesitant: bool = False  # after an "uh"
     fixes: Token | None = None  # said in place of the draft before
     unknown: list[tuple[int, int]] = field(default_factory=list)

@@ -20,7 +20,7 @@ from agentrob.model import Language
 class Kind(StrEnum):
     """Parts of speech of the robot's small world."""
 
-    MOVE = "move"  # a verb of going, in any direction
+    MOVE = "move"  # a verb of going, in any direction; values "sideways", "to" (to a place)
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
@@ -85,7 +85,8 @@ class Soft(StrEnum):
     UH = "uh"  # hesitates: what was begun may begin anew
     IN = "in"  # inches, after a number at the end of a clause
     TO = "to"  # an unknown word after it is a place, where one goes
-    TOWARDS = "towards"  # … is a place
+    THE = "the"  # the same
+    TOWARDS = "towards"  # an unknown word after it is a place
     OBJECT = "object"  # 把: belongs to the thing after it
 
 

@@ -27,8 +27,16 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
             continue
         if joined and _leaves_out_the_verb(joined[-1], draft):
             draft.verb = Kind.TURN
+        if joined and draft.after_and and _may_share_its_angle(joined[-1], draft):
+            joined[-1].vague = True
         joined.append(draft)
     return joined
+
+
+def _may_share_its_angle(last: Draft, draft: Draft) -> bool:
+    """ "Turn left and right 45 degrees": 45 for one of them, or for both."""
+    turns = last.verb is Kind.TURN and last.direction is not None and last.amount is None
+    return turns and draft.verb is None and draft.direction is not None and draft.amount is not None
 
 
 def _leaves_out_the_verb(last: Draft, draft: Draft) -> bool:
@@ -48,8 +56,8 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
         return False
     if extra.amount is not None and (last.amount is not None or not _belongs(last, extra)):
         return False
-    if extra.amount is None and last.direction is not None:
-        return False
+    if extra.amount is None and (last.direction is not None or extra.after_and):
+        return False  # "walk 1 m and then back"
     last.amount = last.amount or extra.amount
     last.direction = last.direction or extra.direction
     last.end = max(last.end, extra.end)

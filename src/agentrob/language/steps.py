@@ -179,9 +179,9 @@ class _Maker:
         words = said if known_part else self.text[draft.unknown[0][0] : draft.unknown[-1][1]]
         goes = draft.verb in (Kind.MOVE, Kind.TURN)
         # "Go to the kitchen", "face the door": a place instead of an amount.
-        if goes and bool(draft.unknown) and (draft.place or draft.amount is None):
-            return self._say("ask.place", words)
-        return self._say("ask.eyes", said) if draft.place else self._say("ask.words", words)
+        if draft.place and draft.unknown:
+            return self._say("ask.place", words) if goes else self._say("ask.eyes", said)
+        return self._say("ask.words", words)
 
     def _again(self, draft: Draft, said: str) -> None:
         reading = self.reading

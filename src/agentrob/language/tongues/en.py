@@ -25,11 +25,12 @@ TABLE = {
     "move dir=backward": """back away|back it up|back yourself up|keep backing up|continue backing up|back up|backup
         |back off|reverse|retreat|step back|move backwards|go in reverse""",
     "back move dir=backward": "go back|walk back|move back|head back|go on back",
-    "again=back": """come back|come back here|return|go back to where you were|back to where you were
-        |back to the start|go back to the start|go back to where you started|back to where you started
-        |return to the start|undo that|undo|return to where you were|return to where you started
-        |return to your starting point|retrace your steps|go back to start|return to start
-        |go back where you came from|walk back to where you were|go back to where you came from
+    "again=back": """walk back to the start|walk back to where you started|go back to where you began
+        |walk back to where you began|come back|come back here|return|go back to where you were
+        |back to where you were|back to the start|go back to the start|go back to where you started
+        |back to where you started|return to the start|undo that|undo|return to where you were
+        |return to where you started|return to your starting point|retrace your steps|go back to start
+        |return to start|go back where you came from|walk back to where you were|go back to where you came from
         |return to your starting position|return to your original position""",
     "turn": """look|continue turning|keep turning|keep rotating|continue rotating|try turning|start turning
         |continue to turn|keep on turning|turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn
@@ -158,6 +159,7 @@ TABLE = {
     "turn angle=270": "3/4 turn|a 3/4 turn|three quarter turn|a three quarter turn|three quarters of a turn",
     "angle_unit=360": """full turns|full circles|full rotations|rotations|revolutions|circles|complete turns|turns
         |spins|full spins|complete spins|twirls|full revolutions|complete rotations|loops""",
+    "angle=360": "all the way around|all the way round|the whole way round|the whole way around|once around",
     "half": "half a|half an|half of a|a half|half|one half|one half of a",
     "and_part=0.5": "and a half|and one half|and half",
     "and_part=0.25": "and a quarter|and one quarter",
@@ -211,12 +213,13 @@ TABLE = {
         |would you mind spinning""",
     "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
-    "request": """can you|could you|would you|will you|please|pls|plz|can you please|could you please
+    "request": """don't forget to|do not forget to|remember to|make sure to|make sure you|be sure to
+        |please remember to|can you|could you|would you|will you|please|pls|plz|can you please|could you please
         |would you please|do me a favor and|do me a favour and|be a dear and|please go ahead and|go ahead and
         |let's have you|please could you|please can you|please would you|your task is to|your next task is to
-        |are you able to|are you able to please|is it possible for you to|how about you|why don't you|would you mind
-        |you have to|you must|can we|could we|may i have|can i have|can i get|could i have|could i get|kindly
-        |have the robot|tell the robot to|robot please""",
+        |are you able to|are you able to please|is it possible for you to|how about you|why don't you
+        |would you mind|you have to|you must|can we|could we|may i have|can i have|can i get|could i have
+        |could i get|kindly|have the robot|tell the robot to|robot please""",
     "request=stated": """i'd be grateful if you could|i would be grateful if you could
         |it would be great if you could|it'd be great if you could|it would be nice if you could
         |it'd be nice if you could|i was hoping you could|i was wondering if you could|i'd love it if you could
@@ -269,10 +272,11 @@ TABLE = {
         |what is your battery|what's your battery level|are you busy|are you online""",
     "soft=uh": "um|uh|uhh|uhhh|umm|hm|hmm|er|erm|err|ehm|eh",
     "soft=in": "in",
+    "soft=the": "the|your",
     "soft=to": "to",
     "word=place": f"""towards|toward|away from|out of the way|past|between|through|over to|next to|behind|beside
-        |close to|near|close|nearby|against|the stand|the step|the steps|the drive|the face|the head|the walk|the slide|the swing
-        |the run|{_AT_THE_DOG}""",
+        |close to|near|close|nearby|against|the stand|the step|the steps|the drive|the face|the head|the walk|the slide
+        |the swing|the run|{_AT_THE_DOG}""",
     "thanks=hello": """hello|hi|hey|good morning|hi there|hello there|good day|greetings|good evening|good afternoon
         |howdy|hiya|heya|ahoy|yo|hey there""",
     "soft=1": "a|an|another|one more|new|a new|one additional",
@@ -284,8 +288,8 @@ TABLE = {
     "soft ": """simply|asap|task:|your task:|command:|your command:|here is your command:|here is your task:
         |do the following:|do this:|do this for me:|be a good dog and|be a good robot and|be a good boy and
         |do as i say:|the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely
-        |fully|all the way|entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed|the
-        |your|yourself|me|us|you|my|our|it|that|this|at|by|for|on the spot|in place|on your left|mhm|ah|oh|or so
+        |fully|all the way|entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed
+        |yourself|me|us|you|my|our|it|that|this|at|by|for|on the spot|in place|on your left|mhm|ah|oh|or so
         |or thereabouts|would ya|will ya|would you please|little|well|so|like|okay|ok|kay|mkay|k|alright|all right
         |right now|now|yes|yeah|yep|yup|sure|please please|great|good|nice|perfect|excellent|cool|awesome|good dog
         |good robot|got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time|all set|copy|copy that
