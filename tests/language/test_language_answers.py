@@ -10,13 +10,14 @@ from agentrob.model import Intent, Op
 
 EYES = {
     "往前走到门口": "往前走到门口",
-    "前进到沙发旁边": "前进到沙发旁",
-    "往窗户那边走一米": "往窗户",
+    "前进到沙发旁边": "前进到沙发旁边",
+    "往窗户那边走一米": "往窗户那边",
     "go over to the door": "go over to the door",
     "walk 2 m to the door": "walk 2 m to the door",
     "follow me": "follow me",
     "walk 2 m towards the wall": "walk 2 m towards the wall",
     "move out of the way": "move out of the way",
+    "walk 2 m towards me": "walk 2 m towards me",
 }
 HANDS = {"把报纸拿来": "把报纸拿来", "唱首歌": "唱首歌", "fetch me a beer": "fetch me a beer", "bow to us": "bow to us"}
 PATHS = {

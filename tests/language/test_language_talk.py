@@ -15,7 +15,7 @@ POSTS = {
     Talk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
     Talk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
     Talk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
-    None: "thanks, good job!|谢谢|well done @dog2, and @quadruped|ok",
+    None: "thanks, good job!|谢谢|well done @dog2, and @quadruped|ok|@quadruped 👍|@dog2 wave, @quadruped?",
 }
 
 

@@ -293,7 +293,8 @@ class _Reader(Marks):
         cur.place |= goes or towards or token.value == "place"
         cur.unknown.append((token.start, token.end))
         cur.odd_number |= token.value == "number"
-        cur.end = token.end
+        after = self.soft_after[self.at]
+        cur.end = after[-1].end if cur.place and after else token.end
 
     def _open(self) -> Draft | None:
         return self.cur if self.cur and not self.cur.closed else None

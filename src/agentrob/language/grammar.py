@@ -31,7 +31,7 @@ from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, 
 
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
 MAX_CHARS = 2_000
-_WORD = re.compile(r"\w")
+_WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
 _NOTHING_KNOWN = Background()
 
 
@@ -69,8 +69,8 @@ def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk |
     part = part_for(visible, names, others)
     if len(part) > MAX_CHARS or stop_intent(part):
         return None
-    if not _WORD.search(part):  # "@robot" alone; beside words for others it is only mentioned
-        return None if _WORD.search(without_mentions(visible)) else Talk.GREETING
+    if _WORDLESS.fullmatch(part):  # "@robot" alone; beside words for others it is only mentioned
+        return Talk.GREETING if _WORDLESS.fullmatch(without_mentions(visible)) else None
     return talk_in(_sentences(part, names, language_of(part))[0])
 
 
