@@ -20,8 +20,9 @@ test: setup-dev
 	$(BIN)/pytest -m "not slow" $(ARGS)
 
 test-slow: setup-dev
-	@scripts/system-packages render browser
+	@scripts/system-packages render browser peers
 	@scripts/model-double
+	@scripts/peers
 	$(BIN)/pytest -m slow $(ARGS)
 
 test-all: test test-slow
