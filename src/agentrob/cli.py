@@ -54,6 +54,9 @@ def demo(
     post: Annotated[str | None, typer.Option(help="Post this text, wait for the answer, print it and end.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="With --post: the last line is one JSON object.")] = False,
     world: Annotated[str, typer.Option(help="The simulated world.")] = "room",
+    robot: Annotated[
+        list[str] | None, typer.Option(help="Another kind of robot that is installed, beside the two; also several.")
+    ] = None,
 ) -> None:
     """Start everything on this machine and print the address to open."""
     if context.invoked_subcommand:
@@ -70,6 +73,7 @@ def demo(
         post=post,
         as_json=as_json,
         world=world,
+        more=tuple(robot or ()),
     )
     raise typer.Exit(demonstration.run(settings))
 
@@ -112,7 +116,7 @@ def eval_plan(
 
 @cli.command()
 def drive(
-    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, fake.")],
+    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, g1, …")],
     text: Annotated[str, typer.Argument(help="What to do, in words.")],
     config: ConfigFile = None,
     interface: Annotated[
