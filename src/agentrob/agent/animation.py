@@ -71,7 +71,7 @@ def draw(scene: Scene, pictures: Sequence[bytes]) -> bytes | None:
         play_ms = round(1000 * min(PLAY_S, max(1.0, scene.seconds)) / count)
         file = io.BytesIO()
         images[0].save(
-            file, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=2, loop=LOOPS,
+            file, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=1, loop=LOOPS,
             duration=[play_ms] * (len(images) - 1) + [round(1000 * LAST_S)],
         )  # fmt: skip
         if len(webp := file.getvalue()) <= MAX_BYTES:
@@ -110,18 +110,23 @@ class _Stage:
     def __init__(self, scene: Scene, fast: bool) -> None:
         self.scene = scene
         self.fast = f" ×{scene.seconds / PLAY_S:.2g}" if fast else ""
-        self.large, self.small = _font(21), _font(17)
+        self.large = _font(21)
+        self._grounds: dict[int, Image.Image] = {}
         self.top_mps = max([0.2, *(max(m[5], m[7]) for m in scene.moments)])
+        walked = (m[5] for m in scene.moments if scene.steps[m[1] - 1][1] == "m")
+        self.fastest_mps = max(walked, default=0.0)
         self.top_rps = max([0.4, *(max(abs(m[6]), abs(m[8])) for m in scene.moments)])
 
     def map(self, size: tuple[int, int], t_s: float) -> Image.Image:
         """The way walked until then over the way asked for."""
         scene, (w, h) = self.scene, (size[0] * _FINE, size[1] * _FINE)
-        image = Image.new("RGB", (w, h), _CARD)
-        pen, at, scale = ImageDraw.Draw(image), *self._fit(w, h)
+        at, scale = self._fit(w, h)
         fine = w / _W * 3
-        self._ground(pen, at, scale, (w, h))
-        _dashes(pen, [at(p) for p in scene.asked], _ASKED, fine)
+        if (ground := self._grounds.get(w)) is None:
+            ground = self._grounds[w] = self._ground(at, scale, (w, h))
+            _dashes(ImageDraw.Draw(ground), [at(p) for p in scene.asked], _ASKED, fine)
+        image = ground.copy()
+        pen = ImageDraw.Draw(image)
         past = [m for m in scene.moments if m[0] <= t_s] or scene.moments[:1]
         way = [at((m[2], m[3])) for m in past]
         if len(way) > 1:
@@ -129,7 +134,7 @@ class _Stage:
         body = max(3.2 * fine, 8)
         _dot(pen, at((scene.moments[0][2], scene.moments[0][3])), body, _START)
         _arrow(pen, way[-1], past[-1][4], 2.3 * body, _END)
-        return image.resize(size, Image.Resampling.LANCZOS)
+        return image.reduce(_FINE)
 
     def _fit(self, w: int, h: int) -> tuple[Callable[[Point], Point], float]:
         points = [*self.scene.asked, *((m[2], m[3]) for m in self.scene.moments)]
@@ -138,9 +143,10 @@ class _Stage:
         mid_x, mid_y = (max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2
         return lambda p: (w / 2 + (p[0] - mid_x) * scale, h / 2 - (p[1] - mid_y) * scale), scale
 
-    def _ground(self, pen: ImageDraw.ImageDraw, at: Callable[[Point], Point], scale: float, size: Point) -> None:
+    def _ground(self, at: Callable[[Point], Point], scale: float, size: tuple[int, int]) -> Image.Image:
         """A grid through the start, and how wide its squares are where there is room to read it."""
-        w, h = size
+        image = Image.new("RGB", size, _CARD)
+        pen, (w, h) = ImageDraw.Draw(image), size
         step = next(s for s in (0.25, 0.5, 1, 2, 5, 10, 20, 50, 1e9) if s * scale > h / 6)
         x0, y0 = at((0.0, 0.0))
         for k in range(-40, 41):
@@ -150,6 +156,7 @@ class _Stage:
             words, font = f"grid {step:g} m", _font(17 * _FINE)
             pen.rectangle((0, h - 26 * _FINE, pen.textlength(words, font) + 20 * _FINE, h), fill=_CARD)
             pen.text((10 * _FINE, h - 4 * _FINE), words, fill=_ASKED, font=font, anchor="ls")
+        return image
 
     def strip(self, image: Image.Image, t_s: float, with_map: bool) -> None:
         """Below the picture: how far, how fast, how long, and the speeds over time."""
@@ -173,6 +180,8 @@ class _Stage:
         now = next((m for m in reversed(scene.moments) if m[0] <= t_s), None)
         if now is None:
             return "", ""
+        if t_s >= scene.seconds and self.fastest_mps:
+            return "", f"max {self.fastest_mps:.2f} m/s"
         amount, unit = scene.steps[now[1] - 1]
         begun = next(m for m in scene.moments if m[1] == now[1])
         if unit == "°":
@@ -210,7 +219,7 @@ class _Stage:
                     pen.line(line, fill=color, width=4 if color == _ASKED else 5, joint="curve")
         now = t_s / whole * w
         pen.line([(now, 0), (now, h)], fill=_GRID, width=3)
-        return image.resize(size, Image.Resampling.LANCZOS)
+        return image.reduce(_FINE)
 
 
 def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
