@@ -19,7 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO
 
-from PIL import Image, ImageDraw, ImageFont, ImageOps
+from PIL import Image, ImageChops, ImageDraw, ImageFilter, ImageFont, ImageOps
 
 MAX_BYTES = 2 * 2**20
 MAX_FRAMES = 40
@@ -27,6 +27,8 @@ MAX_FRAMES = 40
 PLAY_S, LAST_S = 6.0, 2.0
 #: Played so often, then it rests on its last picture, which shows the whole way.
 LOOPS = 3
+#: Grey levels that count as a change, and the narrowest part of a picture that is shown for the whole.
+_CHANGED, _NEAREST = 24, 0.42
 _CPU_S, _MEMORY = 20, 2 * 2**30
 _W, _H, _STRIP = 480, 360, 90
 _FINE = 2  # lines are drawn so many times as large, then made small: Pillow has no smooth ones
@@ -81,27 +83,42 @@ def draw(scene: Scene, pictures: Sequence[bytes]) -> bytes | None:
 
 
 def _images(scene: Scene, pictures: Sequence[bytes], count: int) -> Iterator[Image.Image]:
-    stage, shown = _Stage(scene, fast=scene.seconds > 1.2 * PLAY_S), -1
-    size = (_W, _H - _STRIP)
-    seen: Image.Image | None = None
+    stage, size = _Stage(scene, fast=scene.seconds > 1.2 * PLAY_S), (_W, _H - _STRIP)
+    film = _near([_decoded(jpeg, size) for jpeg in pictures], size)
     for k in range(count):
         t_s = scene.seconds * k / (count - 1)
+        at = max((i for i, (taken_s, _) in enumerate(scene.frames) if taken_s <= t_s), default=0)
+        if film and not scene.moments:  # a gesture: there is nothing to say below it
+            yield film[at]
+            continue
         image = Image.new("RGB", (_W, _H), _CARD)
-        if pictures:
-            at = max((i for i, (taken_s, _) in enumerate(scene.frames) if taken_s <= t_s), default=0)
-            if at != shown or seen is None:
-                shown, seen = at, ImageOps.fit(_decoded(pictures[at], size), size)
-            image.paste(seen, (0, 0))
-        elif scene.moments:
-            image.paste(stage.map(size, t_s), (0, 0))
-        stage.strip(image, t_s, with_map=bool(pictures and scene.moments))
+        image.paste(film[at] if film else stage.map(size, t_s), (0, 0))
+        stage.strip(image, t_s, with_map=bool(film))
         yield image
 
 
 def _decoded(jpeg: bytes, size: tuple[int, int]) -> Image.Image:
     with Image.open(io.BytesIO(jpeg), formats=("JPEG",)) as picture:
-        picture.draft("RGB", size)  # decodes to no more pixels than are needed
+        picture.draft("RGB", (size[0] * 2, size[1] * 2))  # decodes to not many more pixels than are needed
         return picture.convert("RGB")
+
+
+def _near(film: Sequence[Image.Image], size: tuple[int, int]) -> list[Image.Image]:
+    """The part of the pictures where something moves, in `size`: a camera on a wall shows a robot rather small."""
+    if not film or any(picture.size != film[0].size for picture in film):
+        return [ImageOps.fit(picture, size) for picture in film]
+    (w, h), small = film[0].size, (160, 90)
+    greys = [picture.convert("L").resize(small, Image.Resampling.BOX) for picture in film]
+    changed = Image.new("L", small)
+    for grey in greys:
+        changed = ImageChops.lighter(changed, ImageChops.difference(grey, greys[0]))
+    box = changed.point(lambda v: 255 * (v > _CHANGED)).filter(ImageFilter.MedianFilter(3)).getbbox() or (0, 0, *small)
+    x, y = (box[0] + box[2]) / 2 * w / small[0], (box[1] + box[3]) / 2 * h / small[1]
+    wide = max((box[2] - box[0]) * w / small[0], (box[3] - box[1]) * h / small[1] * size[0] / size[1])
+    wide = min(max(wide * 1.5, w * _NEAREST), w, h * size[0] / size[1])
+    high = wide * size[1] / size[0]
+    left, top = min(max(0, x - wide / 2), w - wide), min(max(0, y - high / 2), h - high)
+    return [picture.resize(size, Image.Resampling.BILINEAR, (left, top, left + wide, top + high)) for picture in film]
 
 
 class _Stage:
@@ -257,7 +274,7 @@ def _arrow(pen: ImageDraw.ImageDraw, at: Point, heading: float, size: float, col
 
 def main() -> None:
     """The drawing process."""
-    os.nice(15)
+    os.nice(10)
     resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     scene, pictures = read_scene(sys.stdin.buffer)

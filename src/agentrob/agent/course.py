@@ -22,7 +22,7 @@ from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, chain_refusal, judge, permission
-from agentrob.agent.pictures import illustrate
+from agentrob.agent.pictures import illustrate, late_recording
 from agentrob.agent.recorder import Recorder
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
@@ -350,6 +350,9 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+        if recording := await late_recording(command.post_id, self.recorder, self.store):
+            text = words.final(report, (*pictures, recording))
+            await job.status.add(Shown(text, card), [recording.data] if recording.attached else [])
 
 
 def _decisive(execution: Execution, verdict: Verdict) -> Verdict:

@@ -50,6 +50,14 @@ async def illustrate(
     return tuple(p for p in kept if not (p.kind == "data" and p.attached))
 
 
+async def late_recording(post_id: str, recorder: Recorder, store: ImageStore | None) -> Picture | None:
+    """The recording that was not ready for the reply; None when there is none."""
+    if (webp := await recorder.late(post_id)) is None:
+        return None
+    recording = Picture("recording", webp)
+    return await _kept(store, f"{safe_name(post_id)}-recording", recording) if store else recording
+
+
 async def _path(results: Sequence[ActionResult]) -> bytes | None:
     if not any(len(r.path) > 1 for r in results):
         return None

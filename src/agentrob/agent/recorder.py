@@ -27,8 +27,8 @@ from agentrob.config import RecordingConfig, RobotConfig
 from agentrob.model import ActionResult, Op, Outcome, Report
 from agentrob.robots.client import DriverClient
 
-#: A reply waits at most so long for its animation, counted from when the drawing begins.
-DRAW_S = 3.0
+#: A reply waits at most so long for its animation; one that takes longer follows, but not later than that.
+DRAW_S, LATE_S = 1.5, 30.0
 #: Shorter commands have nothing that is worth an animation.
 SHORTEST_S = 1.0
 #: Pictures come at first so often; when there are many, every second one goes and they come half as often.
@@ -85,6 +85,7 @@ class Recorder:
         self._look = look
         self._films: dict[str, Film] = {}
         self._running: Film | None = None
+        self._drawing: dict[str, asyncio.Task[bytes | None]] = {}
 
     # ------------------------------------------------------------------ while it moves
     def see(self, jpeg: bytes) -> None:
@@ -119,26 +120,54 @@ class Recorder:
 
     # ------------------------------------------------------------------ afterwards
     async def animation(self, report: Report, *, hurry: bool = False) -> bytes | None:
-        """The recording goes to disk, and the animation comes back as WebP: within `DRAW_S` or not at all.
+        """The recording goes to disk, and the animation comes back as WebP; None when it is not ready in `DRAW_S`.
 
-        In a hurry there is none; after a restart the pictures are lost, and it shows the way.
+        Then `late` may have it. In a hurry there is none; after a restart the pictures are lost, and it shows the way.
         """
-        film = self._films.pop(report.command.post_id, Film())
+        post_id = report.command.post_id
+        film = self._films.pop(post_id, Film())
         if not any(r.primitive.moves and r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED) for r in report.results):
             return None
-        webp = None
         try:
+            await asyncio.to_thread(self._keep, report)
             scene, pictures = _scene(report.results, film)
             worth = scene.seconds >= SHORTEST_S and (pictures or len(scene.moments) > 1)
-            if worth and not hurry and self._settings.view != "none":
-                webp = await _drawn(animation.write_scene(scene, pictures))
-            await asyncio.to_thread(self._keep, report, webp)
+            if not worth or hurry or self._settings.view == "none":
+                return None
+            self._drawing[post_id] = asyncio.create_task(self._draw(post_id, animation.write_scene(scene, pictures)))
         except Exception as e:
-            _log.warning("recording lost", post=report.command.post_id, error=str(e) or type(e).__name__)
-        return webp
+            _log.warning("recording lost", post=post_id, error=str(e) or type(e).__name__)
+        return await self._ready(post_id, DRAW_S)
 
-    def _keep(self, report: Report, webp: bytes | None) -> None:
-        """Write the data and the animation, then let go of what is too old or too much."""
+    async def late(self, post_id: str) -> bytes | None:
+        """The animation that was not ready for the reply, when it is; None when there is none."""
+        return await self._ready(post_id, LATE_S, last=True)
+
+    async def _ready(self, post_id: str, limit_s: float, *, last: bool = False) -> bytes | None:
+        if (drawing := self._drawing.get(post_id)) is None:
+            return None
+        try:
+            await asyncio.wait({drawing}, timeout=limit_s)
+        except asyncio.CancelledError:
+            last = True
+            raise
+        finally:
+            if last or drawing.done():
+                drawing.cancel()
+                del self._drawing[post_id]
+        return drawing.result() if drawing.done() and not drawing.cancelled() else None
+
+    async def _draw(self, post_id: str, scene: bytes) -> bytes | None:
+        try:
+            if webp := await _drawn(scene):
+                await asyncio.to_thread(_write, self.file(post_id, "webp"), webp)
+            return webp
+        except (OSError, ValueError) as e:
+            _log.warning("animation lost", post=post_id, error=str(e) or type(e).__name__)
+            return None
+
+    def _keep(self, report: Report) -> None:
+        """Write the data, then let go of what is too old or too much."""
         command, started = report.command, begins_s(report.results)
         ago_s = time.monotonic() - started
         head = {
@@ -152,8 +181,6 @@ class Recorder:
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         text = "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in lines(report.results, **head))
         _write(self.file(command.post_id), text.encode())
-        if webp:
-            _write(self.file(command.post_id, "webp"), webp)
         prune(self._folder, self._settings.keep_days, self._settings.keep_mb)
 
     def kept(self, post_id: str) -> str:
@@ -227,17 +254,13 @@ def _asked_of(result: ActionResult) -> tuple[float, str]:
 
 
 async def _drawn(scene: bytes) -> bytes | None:
-    """The answer of the drawing process; None when it fails or takes too long. It never outlives this call."""
+    """The answer of the drawing process; None when it fails. It never outlives this call."""
     environment = {k: v for k, v in os.environ.items() if k in ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")}
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "agentrob.agent.animation", stdin=-1, stdout=-1, stderr=-3, env=environment
     )
     try:
-        async with asyncio.timeout(DRAW_S):
-            webp, _ = await process.communicate(scene)
-    except TimeoutError:
-        _log.info("animation not ready in time", limit_s=DRAW_S)
-        return None
+        webp, _ = await process.communicate(scene)
     finally:
         if process.returncode is None:
             with contextlib.suppress(ProcessLookupError):

@@ -94,6 +94,15 @@ class StatusLine:
                 return
         await self._tell_in_reply(final, images, short)
 
+    async def add(self, final: Shown, images: Sequence[bytes]) -> None:
+        """Put something that came too late for the end beside it, once, where the forum does not count edits."""
+        if self._post_id is None or self._limited:
+            return
+        try:
+            await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
+        except ForumError as e:
+            _log.info("what came late is not shown", post=self._command.post_id, error=str(e))
+
     async def _tell(self, final: Shown, images: Sequence[bytes]) -> None:
         assert self._post_id is not None
         now = await self._forum.post(self._post_id)

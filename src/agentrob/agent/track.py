@@ -98,7 +98,7 @@ def clips(results: Sequence[ActionResult]) -> tuple[Clip, ...]:
         speeds = [Velocity(*c[1:]).speed_mps for c in result.commanded]
         held = sum(v >= 0.99 * max(speeds) for v in speeds)
         if max(speeds) < 0.95 * asked_mps and held >= HELD_SAMPLES:
-            found.append(Clip(number, asked_mps, round(max(speeds), 3)))
+            found.append(Clip(number, asked_mps, round(max(speeds), 2)))
     return tuple(found)
 
 
