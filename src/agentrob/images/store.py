@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import secrets
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -60,8 +61,7 @@ class Bucket:
         except TimeoutError:
             raise ImageStoreError(f"the image store did not take {name} within {KEEP_S:g} s") from None
         except (BaseError, OSError, ValueError) as e:
-            # The library's errors hold the answer's whole text; its first line says which it was.
-            raise ImageStoreError(f"the image store did not take {name}: {_first_line(e)}") from None
+            raise ImageStoreError(f"the image store did not take {name}: {_reason(e)}") from None
         return Link(url, now + timedelta(seconds=self._config.link_s))
 
 
@@ -93,6 +93,9 @@ def _open(config: ImagesConfig) -> S3Store:
     )
 
 
-def _first_line(error: BaseException) -> str:
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return (lines[0] if lines else type(error).__name__)[:300]
+def _reason(error: BaseException) -> str:
+    """In one line: the library's errors hold the address, the answer's whole text and their own insides."""
+    text = str(error).partition("Debug source")[0]
+    code = re.search(r"<Code>(\w{1,60})</Code>", text)
+    told = " ".join(text.partition("<?xml")[0].split()).rpartition(" - ")[2].rstrip(" :")
+    return f"{told[:200]}{f' ({code[1]})' if code else ''}" or type(error).__name__
