@@ -29,6 +29,8 @@ PLAY_S, LAST_S = 6.0, 2.0
 LOOPS = 3
 #: Grey levels that count as a change, and the narrowest part of a picture that is shown for the whole.
 _CHANGED, _NEAREST = 24, 0.42
+#: So long after a step last told its place, nothing is said of it any more.
+_SILENT_S = 0.8
 _CPU_S, _MEMORY = 20, 2 * 2**30
 _W, _H, _STRIP = 480, 360, 90
 _FINE = 2  # lines are drawn so many times as large, then made small: Pillow has no smooth ones
@@ -195,7 +197,7 @@ class _Stage:
         """How much of the step is done, and how fast it goes."""
         scene = self.scene
         now = next((m for m in reversed(scene.moments) if m[0] <= t_s), None)
-        if now is None:
+        if now is None or (t_s - now[0] > _SILENT_S and t_s < scene.seconds):  # a gesture, or a picture, or nothing yet
             return "", ""
         if t_s >= scene.seconds and self.fastest_mps:
             return "", f"max {self.fastest_mps:.2f} m/s"
