@@ -315,9 +315,9 @@ class ActionResult:
     started_s: float = 0.0
     ended_s: float = 0.0
     path: tuple[tuple[float, float, float, float], ...] = ()
-    commanded: tuple[tuple[float, float, float, float], ...] = ()
     image: bytes | None = None
     animated: bool = False
+    commanded: tuple[tuple[float, float, float, float], ...] = ()
 
     @property
     def ok(self) -> bool:

@@ -144,8 +144,8 @@ def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionRe
     measured = track.measured(primitive)
     outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
     ended_s = time.monotonic()
-    path, commanded = track.path(), track.commanded()
-    return ActionResult(primitive, outcome, measured, word, message, started_s, ended_s, path, commanded)
+    path, sent = track.path(), track.commanded()
+    return ActionResult(primitive, outcome, measured, word, message, started_s, ended_s, path, commanded=sent)
 
 
 def not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
