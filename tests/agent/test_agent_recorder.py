@@ -14,6 +14,7 @@ from contextlib import asynccontextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import pytest
 from agent_scene import Driver, Scene, make_scene, robot_settings
@@ -23,9 +24,10 @@ from agentrob.agent import animation, recorder
 from agentrob.agent.recorder import MANY, Film, Recorder, prune
 from agentrob.agent.track import clips, lines, samples
 from agentrob.config import RecordingConfig, RobotConfig, parse
-from agentrob.errors import ConfigError, RobotError
+from agentrob.errors import ConfigError, ForumError, RobotError
 from agentrob.forums.forum import Forum
-from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Plan, Primitive, Report
+from agentrob.forums.memory import MemoryForum
+from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Plan, Post, Primitive, Report
 from agentrob.robots.fake import FakeRobot
 
 MOVE = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0, speed_mps=0.5)
@@ -257,6 +259,41 @@ async def test_a_reply_shows_the_animation_and_the_record_names_the_data(slow: D
     data = Path(record["recording"]).read_text().splitlines()
     assert len(data) > 10
     assert Path(record["recording"]).parent.stat().st_mode & 0o077 == 0, "nobody else on this machine may read it"
+
+
+async def test_a_drawing_that_takes_long_does_not_delay_the_reply_and_follows_it(
+    slow: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, "DRAW_S", 0.0)
+    scene = make_scene(slow, tmp_path)
+    async with done(scene, "@quadruped walk forward 0.8 m") as (forum, post_id):
+        (reply,) = (p for p in scene.world.posts.values() if p.reply_to == post_id)
+        first = await forum.post(reply.id)
+        assert len(first.images) == 1, "the path"
+        assert "a recording" not in first.raw
+        await animated(scene, post_id)
+        later = await forum.post(reply.id)
+    assert len(later.images) == 2
+    assert later.card == first.card
+
+
+class Stills(MemoryForum):
+    """A forum that knows no moving pictures."""
+
+    async def edit(self, post_id: str, body: str, **more: Any) -> Post:
+        if any(image.startswith(b"RIFF") for image in more.get("images", ())):
+            raise ForumError("415: a JPEG or PNG file")
+        return await super().edit(post_id, body, **more)
+
+
+async def test_a_forum_that_takes_no_moving_pictures_gets_the_stills(slow: Driver, tmp_path: Path) -> None:
+    scene = make_scene(slow, tmp_path)
+    forum = Stills(scene.world, "quadruped")
+    async with scene.agent(forum=forum):
+        reply = await scene.final(await scene.post("alice", "@quadruped walk back 0.8 m"))
+    assert reply.card is not None
+    assert reply.card.state == "done"
+    assert len(reply.images) == 1
 
 
 async def test_the_robot_s_own_camera_is_looked_through_only_where_its_owner_says_so(

@@ -130,11 +130,10 @@ class Recorder:
             return None
         try:
             await asyncio.to_thread(self._keep, report)
-            scene, pictures = _scene(report.results, film)
-            worth = scene.seconds >= SHORTEST_S and (pictures or len(scene.moments) > 1)
-            if not worth or hurry or self._settings.view == "none":
+            if seconds(report.results) < SHORTEST_S or hurry or self._settings.view == "none":
                 return None
-            self._drawing[post_id] = asyncio.create_task(self._draw(post_id, animation.write_scene(scene, pictures)))
+            if scene := await asyncio.to_thread(_written, report.results, film):
+                self._drawing[post_id] = asyncio.create_task(self._draw(post_id, scene))
         except Exception as e:
             _log.warning("recording lost", post=post_id, error=str(e) or type(e).__name__)
         return await self._ready(post_id, DRAW_S)
@@ -244,6 +243,12 @@ def _scene(results: Sequence[ActionResult], film: Film) -> tuple[animation.Scene
         frames=[(t_s, len(jpeg)) for t_s, jpeg in frames],
     )  # fmt: skip
     return scene, [jpeg for _, jpeg in frames]
+
+
+def _written(results: Sequence[ActionResult], film: Film) -> bytes:
+    """The scene for the drawing process; empty when there is nothing to show."""
+    scene, pictures = _scene(results, film)
+    return animation.write_scene(scene, pictures) if pictures or len(scene.moments) > 1 else b""
 
 
 def _asked_of(result: ActionResult) -> tuple[float, str]:
