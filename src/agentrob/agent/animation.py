@@ -129,7 +129,7 @@ class _Stage:
     def __init__(self, scene: Scene, fast: bool) -> None:
         self.scene = scene
         self.fast = f" ×{scene.seconds / PLAY_S:.2g}" if fast else ""
-        self.large = _font(21)
+        self.fonts = {False: _font(21), True: _font(18)}  # beside a map there is less room
         self._grounds: dict[int, Image.Image] = {}
         self.top_mps = max([0.2, *(max(m[5], m[7]) for m in scene.moments)])
         walked = (m[5] for m in scene.moments if scene.steps[m[1] - 1][1] == "m")
@@ -183,13 +183,13 @@ class _Stage:
         if with_map:
             image.paste(self.map((118, _STRIP), t_s), (0, top))
             left = 128
-        pen = ImageDraw.Draw(image)
+        pen, font = ImageDraw.Draw(image), self.fonts[with_map]
         done, speed = self._words(t_s)
-        pen.text((left, top + 25), done, fill=_TEXT, font=self.large, anchor="ls")
+        pen.text((left, top + 25), done, fill=_TEXT, font=font, anchor="ls")
         time = f"{t_s:.1f} s{self.fast}"
-        pen.text((_W - 10, top + 25), time, fill=_TEXT, font=self.large, anchor="rs")
-        middle = (left + pen.textlength(done, self.large) + _W - 10 - pen.textlength(time, self.large)) / 2
-        pen.text((middle, top + 25), speed, fill=_MEASURED, font=self.large, anchor="ms")
+        pen.text((_W - 10, top + 25), time, fill=_TEXT, font=font, anchor="rs")
+        middle = (left + pen.textlength(done, font) + _W - 10 - pen.textlength(time, font)) / 2
+        pen.text((middle, top + 25), speed, fill=_MEASURED, font=font, anchor="ms")
         box = (left, top + 34, _W - 10, _H - 8)
         image.paste(self._chart((box[2] - box[0], box[3] - box[1]), t_s), box[:2])
 
