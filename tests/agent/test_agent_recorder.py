@@ -24,7 +24,7 @@ from agentrob.agent import animation, recorder
 from agentrob.agent.recorder import MANY, Film, Recorder, prune
 from agentrob.agent.track import clips, lines, samples
 from agentrob.config import RecordingConfig, RobotConfig, parse
-from agentrob.errors import ConfigError, ForumError, RobotError
+from agentrob.errors import ConfigError, ForumError, RobotBusy, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.forums.memory import MemoryForum
 from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Plan, Post, Primitive, Report
@@ -327,6 +327,17 @@ async def test_a_camera_that_fails_loses_the_pictures_and_nothing_else(
     scene = make_scene(slow, tmp_path, recording={"view": "robot"})
     async with done(scene, "@quadruped walk forward 0.8 m") as (_, post_id):
         assert await animated(scene, post_id)
+
+
+async def test_law_11_a_look_needs_no_lease_moves_nothing_and_is_refused_when_too_often(slow: Driver) -> None:
+    async with slow.client() as looker, slow.client() as other, other.lease("somebody else") as lease:
+        step = asyncio.create_task(other.step(lease, MOVE, 20.0))
+        picture = await looker.look()
+        with pytest.raises(RobotBusy, match=r"every 0\.4 s"):
+            await looker.look()
+        assert picture.startswith(b"\xff\xd8")
+        assert await looker.holder() == "somebody else"
+        assert (await step).ok
 
 
 async def test_law_15_a_stop_is_as_fast_while_the_camera_is_looked_through_and_a_drawing_runs(
