@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, cast
 
+KEY = "sk-test-0123456789-secret"
+
 
 class FaultyServer(ThreadingHTTPServer):
     """Records what came. `script` gives the answers in order, the last one for ever: (status, headers, body)."""
