@@ -204,6 +204,7 @@ def board_link(config: Config, name: str) -> str:
 def make_agent(config: Config, name: str) -> RobotAgent:
     """The agent of one robot, wired to the configured forum, mind and driver."""
     from agentrob.agent.turn import RobotAgent
+    from agentrob.images.store import make_store
     from agentrob.robots.client import DriverClient
 
     settings = config.robot(name)
@@ -214,6 +215,7 @@ def make_agent(config: Config, name: str) -> RobotAgent:
         driver=DriverClient(name),
         mind=make_mind(settings.mind, config),
         data=config.data_dir,
+        store=make_store(config.images),
     )
 
 

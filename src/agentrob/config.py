@@ -23,10 +23,10 @@ import os
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
-from urllib.parse import urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from agentrob.config_images import ImagesConfig, plain_address
 from agentrob.errors import ConfigError
 
 DEFAULT_LISTEN = "127.0.0.1:8088"
@@ -91,6 +91,20 @@ class RatesConfig(_Section):
     waiting: Annotated[int, Field(ge=0)] = 5
 
 
+class RecordingConfig(_Section):
+    """What is recorded of each command that moves a robot: its path, its speeds, and a short animation in the reply.
+
+    `view` is what the animation shows. `room`: the camera of `room_camera`; `robot`: the robot's own; `path`: the way
+    on a map; `none`: no animation. `auto` shows the room where everybody who reads the thread may watch that camera
+    live anyway (a forum with pages for robots), else the way: other cameras are shown only where their owner says so.
+    Recordings are kept on disk for `keep_days` and up to `keep_mb` per robot, the newest longest; 0 keeps none.
+    """
+
+    view: Literal["auto", "room", "robot", "path", "none"] = "auto"
+    keep_days: Annotated[float, Field(ge=0, le=3650)] = 30.0
+    keep_mb: Annotated[float, Field(ge=0)] = 200.0
+
+
 class RobotConfig(_Section):
     """One robot: how its driver reaches it, what may command it where, and what its agent does.
 
@@ -122,6 +136,7 @@ class RobotConfig(_Section):
     fence: FenceConfig = FenceConfig()
     limits: LimitsConfig = LimitsConfig()
     rates: RatesConfig = RatesConfig()
+    recording: RecordingConfig = RecordingConfig()
     options: dict[str, Any] = {}
 
 
@@ -189,13 +204,7 @@ class MindConfig(_Section):
     @field_validator("base_url")
     @classmethod
     def _is_plain_address(cls, url: str) -> str:
-        try:
-            parts = urlsplit(url)
-            plain = parts.scheme in ("http", "https") and parts.hostname and not (parts.username or parts.query)
-            _ = parts.port
-        except ValueError:
-            plain = False
-        if url and not plain:
+        if url and not plain_address(url):
             raise ValueError("must be http(s)://host[:port][/path] without a user, key or query")
         return url.rstrip("/")
 
@@ -214,6 +223,7 @@ class Config(_Section):
     data: str = ""
     board: BoardConfig = BoardConfig()
     forum: ForumConfig = ForumConfig()
+    images: ImagesConfig = ImagesConfig()
     robots: dict[Name, RobotConfig] = {}
     minds: dict[Name, MindConfig] = {}
 
@@ -288,7 +298,7 @@ def parse(raw: dict[str, Any], source: str = "configuration") -> Config:
 
 
 #: Where a key may have been put by mistake: what was found there is not repeated.
-_UNSPOKEN = ("key_env", "token_env", "base_url")
+_UNSPOKEN = ("key_env", "secret_env", "token_env", "base_url", "endpoint")
 
 
 def _explain(error: Any) -> str:

@@ -22,7 +22,8 @@ from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, chain_refusal, judge, permission
-from agentrob.agent.plot import path_plot
+from agentrob.agent.pictures import illustrate, late_recording
+from agentrob.agent.recorder import Recorder
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
 from agentrob.agent.status import Shown, StatusLine, insist
@@ -30,6 +31,7 @@ from agentrob.agent.stops import Stops
 from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
+from agentrob.images.store import ImageStore
 from agentrob.judge.harm import harm_of
 from agentrob.language.help import help_text
 from agentrob.language.phrases import say as phrase
@@ -65,6 +67,8 @@ class Course:
     line: Line
     stops: Stops
     records: Records
+    recorder: Recorder
+    store: ImageStore | None
     pace: Pace
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
@@ -281,7 +285,7 @@ class Course:
             step_s=self.channel.step_s,
         )
         try:
-            with self.channel:
+            with self.channel, self.recorder.filming(job.command.post_id):
                 execution = await execute(self.driver, job.command, plan, reins)
         finally:
             job.moving = False
@@ -322,18 +326,19 @@ class Course:
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
         command = job.command
-        images = [r.image for r in report.results if r.image]
-        if words.has_path(report.results) and (plot := await asyncio.to_thread(path_plot, report.results)):
-            images.append(plot)
+        pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending())
+        images = [picture.data for picture in pictures if picture.attached]
         try:
-            self.records.write(report, stopped_by=job.stopped_by, mind=self.mind.name)
+            self.records.write(
+                report, stopped_by=job.stopped_by, mind=self.mind.name, recording=self.recorder.kept(command.post_id)
+            )
         except OSError as e:
             _log.error("record not written", post=command.post_id, error=str(e))
         at = len(report.plan.steps)
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         async def deed() -> str:
-            final = Shown(words.final(report), card)
+            final = Shown(words.final(report, pictures), card)
             await job.status.close(final, images, words.short(report))
             return report.status
 
@@ -345,6 +350,9 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+        if recording := await late_recording(command.post_id, self.recorder, self.store):
+            text = words.final(report, (*pictures, recording))
+            await job.status.add(Shown(text, card), [recording.data] if recording.attached else [])
 
 
 def _decisive(execution: Execution, verdict: Verdict) -> Verdict:

@@ -162,6 +162,16 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "pictures": ("Pictures: {pictures}.", "图片：{pictures}。"),
     "picture.step": ("photo of step {step}", "第 {step} 步的照片"),
     "picture.path": ("the path measured", "实测路径"),
+    "picture.recording": ("a recording", "录像"),
+    "picture.data": ("its data", "录制数据"),
+    "pictures.until": (
+        "Whoever has a link can open it until {until} UTC; then it is void.",
+        "链接在 {until}（UTC）前有效，持有者均可打开。",
+    ),
+    "slower": (
+        "Step {step} was commanded at most {commanded_mps:g} m/s, slower than the {asked_mps:g} m/s asked for.",
+        "第 {step} 步实际最高只下达了 {commanded_mps:g} 米/秒，低于要求的 {asked_mps:g} 米/秒。",
+    ),
     "timing.seen": ("seen after {seconds:.2f} s", "{seconds:.2f} 秒后看到"),
     "timing.first_motion": ("first motion after {seconds:.2f} s", "{seconds:.2f} 秒后开始动作"),
     "timing.done": ("done after {seconds:.1f} s", "{seconds:.1f} 秒后完成"),

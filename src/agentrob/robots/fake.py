@@ -100,6 +100,9 @@ class FakeRobot:
             return ActionResult(primitive, Outcome.DONE, {}, started_s=now_s, ended_s=now_s, image=self._picture())
         return self._gesture(primitive, attentive)
 
+    def look(self) -> bytes:
+        return self._picture()
+
     def stop(self) -> StopResult:
         asked_s = time.monotonic()
         self._stops += 1

@@ -110,6 +110,7 @@ class G1:
         asker, self._sport, self._moves, self._stopper, self._arm, self._releaser, self._video = made
         self._fsm = g1_fsm.FsmWatch(asker, lambda: self._age_s() < g1_fsm.OLD_S)
         self._stops = 0
+        self._looking = threading.Lock()
         self._let_go = threading.Event()
         self._gesture: Gesture | None = None
 
@@ -256,9 +257,17 @@ class G1:
         released = int(self._arm.ExecuteAction(RELEASE))
         return code or released
 
+    def look(self) -> bytes:
+        """See `agentrob.robots.robot.Sighted`; on the camera's own client, so no step waits for it."""
+        result = self._image(Primitive(Op.GET_FRONT_IMAGE))
+        if result.image is None:
+            raise RobotError(result.message or "the camera gave no picture")
+        return result.image
+
     def _image(self, primitive: Primitive) -> ActionResult:
         started_s = time.monotonic()
-        code, data = self._video.GetImageSample()
+        with self._looking:
+            code, data = self._video.GetImageSample()
         if code:
             return _failed(primitive, *_why(code, "No picture"), started_s)
         image = bytes(data or ())

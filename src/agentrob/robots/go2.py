@@ -6,6 +6,7 @@ Unverified on hardware: the order and origin of `range_obstacle`, the modes belo
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -88,6 +89,7 @@ class Go2:
         )
         self._actions, self._moves, self._stopper, self._video = unitree.clients(*makers)
         self._stops = 0
+        self._looking = threading.Lock()
         self._gesture: Gesture | None = None
         self._gestures: dict[Op, tuple[Callable[[], int], ...]] = {
             Op.HELLO: (self._actions.Hello,),
@@ -209,9 +211,17 @@ class Go2:
             primitive, Outcome.DONE, {}, "", f"{name}: done.", started_s, time.monotonic(), animated=animated
         )
 
+    def look(self) -> bytes:
+        """See `agentrob.robots.robot.Sighted`; on the camera's own client, so no step waits for it."""
+        result = self._image(Primitive(Op.GET_FRONT_IMAGE))
+        if result.image is None:
+            raise RobotError(result.message or "the camera gave no picture")
+        return result.image
+
     def _image(self, primitive: Primitive) -> ActionResult:
         started_s = time.monotonic()
-        code, data = self._video.GetImageSample()
+        with self._looking:
+            code, data = self._video.GetImageSample()
         if code:
             return _failed(primitive, *_why(code, "No picture"), started_s)
         image = bytes(data or ())

@@ -40,7 +40,7 @@ from agentrob.robots.mark import Mark
 from agentrob.robots.motion import known
 from agentrob.robots.odometry import DAMPING, WALKS, Hands, Odometry
 from agentrob.robots.ranges import STOPPING_S, Ranges
-from agentrob.robots.robot import Robot, Watch
+from agentrob.robots.robot import Robot, Sighted, Watch
 
 log = logging.getLogger(__name__)
 
@@ -102,6 +102,12 @@ class Guard:
         self._stops += 1
         self._hands.ours(time.monotonic())
         return self._robot.stop()
+
+    def look(self) -> bytes:
+        """A picture of the robot's own camera, also while it moves; touches nothing of a step. Raises `RobotError`."""
+        if not isinstance(self._robot, Sighted) or Op.GET_FRONT_IMAGE not in self.capabilities.ops:
+            raise RobotError("this robot has no camera that can be looked through while it moves")
+        return self._robot.look()
 
     def settle(self) -> None:
         """Stop the robot and wait for its rest (at most 3 s) when the guard before this one died within a step."""

@@ -11,6 +11,7 @@ from typing import Protocol
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.motion import (
     RATE_HZ,
+    REST,
     REST_WINDOW_S,
     STOPPED_WINDOW_S,
     Gait,
@@ -83,6 +84,7 @@ class _Track:
     """Odometry since the start of a step, with the angle unwrapped."""
 
     points: list[tuple[float, Pose, float]] = field(default_factory=list)  # (seconds, pose, radians turned)
+    sent: list[tuple[float, Velocity]] = field(default_factory=list)
 
     def add(self, t_s: float, pose: Pose) -> None:
         turned = self.points[-1][2] + wrap(pose.yaw_rad - self.points[-1][1].yaw_rad) if self.points else 0.0
@@ -114,6 +116,13 @@ class _Track:
         thin = self.points[:: 1 + len(self.points) // PATH_POINTS]
         return tuple((round(t - t0, 3), round(p.x_m, 4), round(p.y_m, 4), round(p.yaw_rad, 4)) for t, p, _ in thin)
 
+    def commanded(self) -> tuple[tuple[float, float, float, float], ...]:
+        """The velocities sent, on the same clock as the path."""
+        t0 = self.points[0][0]
+        thin = self.sent[:: 1 + len(self.sent) // PATH_POINTS]
+        rounded = ((round(t - t0, 3), *(round(v, 4) + 0.0 for v in velocity)) for t, velocity in thin)
+        return tuple((t, forward, left, turn) for t, forward, left, turn in rounded)
+
 
 def _rounded(**values: float) -> dict[str, float]:
     return {k: round(v, 4) + 0.0 for k, v in values.items()}
@@ -127,13 +136,16 @@ def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionRe
         reason = _drive(body, motion, track, watch)
     finally:
         body.rest()
+    track.sent.append((body.now_s(), REST))
     if reason and track.points:
         _come_to_rest(body, track)
     if not track.points:
         return not_begun(primitive, reason, started_s)
     measured = track.measured(primitive)
     outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
-    return ActionResult(primitive, outcome, measured, word, message, started_s, time.monotonic(), track.path())
+    ended_s = time.monotonic()
+    path, sent = track.path(), track.commanded()
+    return ActionResult(primitive, outcome, measured, word, message, started_s, ended_s, path, commanded=sent)
 
 
 def not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
@@ -157,6 +169,7 @@ def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
         if velocity is None:
             return ""
         body.command(velocity)
+        track.sent.append((now_s, velocity))
         n = max(n + 1, math.ceil((now_s - start_s) * RATE_HZ))  # after a hiccup go on from now, without a burst
         body.wait_until(start_s + n / RATE_HZ)
 
