@@ -12,7 +12,7 @@ from collections.abc import AsyncIterator, Callable, Iterator
 
 import pytest
 from sim_scene import Place, apart_m
-from test_robots_laws_sim import FAR, NEAR, REST_LIMIT_S, Walk, refused
+from test_robots_laws_sim import NEAR, REST_LIMIT_S, Walk, refused
 
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.client import DriverClient

@@ -33,8 +33,9 @@ from agentrob.sim.room import LENGTH_M, WIDTH_M
 if TYPE_CHECKING:
     from agentrob.sim.legged import Legged
 
-RANGES = ("good", "missing", "zero", "constant")
-CAMERAS = ("good", "dead", "black")
+_WORDS = {"ranges": ("good", "missing", "zero", "constant"), "camera": ("good", "dead", "black")}
+_SWITCHES, _PAIRS = ("silent", "lost", "unplugged", "tip"), ("jump_m", "push_mps", "box_m")
+_BOUNDS = {"drops": (0.0, 1.0), "battery_percent": (0.0, 100.0), "clock_s": (-1e6, 1e6)}
 KEYS = (
     "robot", "ranges", "silent", "jump_m", "lost", "drops", "unplugged", "camera", "battery_percent", "clock_s",
     "push_mps", "tip", "box_m",
@@ -72,25 +73,24 @@ def read(data: Any, robots: Collection[str]) -> Faults:
     robot = data.get("robot", min(robots))
     if robot not in robots:
         raise SimError(f"no robot {robot!r} in this world; there are: {', '.join(sorted(robots))}")
-    for key, valid in (("ranges", RANGES), ("camera", CAMERAS)):
-        if data.get(key, "good") not in valid:
-            raise SimError(f"{key} cannot be {data[key]!r}; valid: {', '.join(valid)}")
-    for key in ("silent", "lost", "unplugged", "tip"):
-        if not isinstance(data.get(key, False), bool):
-            raise SimError(f"{key!r} must be true or false")
-    given = {key: value for key, value in data.items() if value is not None}
-    for key in ("jump_m", "push_mps", "box_m"):
-        if key in given:
-            given[key] = _pair(given[key], key)
-    for key, least, most in (("drops", 0, 1), ("battery_percent", 0, 100), ("clock_s", -1e6, 1e6)):
-        if key in given:
-            given[key] = _number(given[key], key, least, most)
+    given = {key: _value(key, value) for key, value in data.items() if value is not None}
     faults = Faults(**{**given, "robot": robot})
     if faults.box_m is not None and not (abs(faults.box_m[0]) < LENGTH_M / 2 and abs(faults.box_m[1]) < WIDTH_M / 2):
         raise SimError(f"'box_m' must be in the room: x within {LENGTH_M / 2:g} m, y within {WIDTH_M / 2:g} m")
     if math.hypot(*faults.push_mps) > HARDEST_PUSH_MPS:
         raise SimError(f"'push_mps' must be at most {HARDEST_PUSH_MPS:g} m/s in all")
     return faults
+
+
+def _value(key: str, value: Any) -> Any:
+    """One fault, as it was meant."""
+    if (valid := _WORDS.get(key)) is not None and value not in valid:
+        raise SimError(f"{key} cannot be {value!r}; valid: {', '.join(valid)}")
+    if key in _SWITCHES and not isinstance(value, bool):
+        raise SimError(f"{key!r} must be true or false")
+    if key in _BOUNDS:
+        return _number(value, key, *_BOUNDS[key])
+    return _pair(value, key) if key in _PAIRS else value
 
 
 def _pair(value: Any, name: str) -> tuple[float, float]:
