@@ -120,8 +120,8 @@ async def _asked(name: str, settings: RobotConfig) -> list[Finding]:
     said.append(Finding("state", Status.OK, f"{1000 * state.age_s:.0f} ms old"))
     said += findings.of_state(state)
     if not state.homed:
-        advice = "Where it stands now may become its home: POST /home on its driver's socket (docs/real-robot.md)."
-        said.append(Finding("home", Status.WARNING, "not set, so nothing moves it", advice))
+        advice = "Until then nothing moves it. Where it stands becomes its home by POST /home on its driver's socket."
+        said.append(Finding("home", Status.WARNING, "not set yet", advice))
     return [*said, findings.of_battery(state.battery_percent, settings), *findings.of_settings(settings)]
 
 
@@ -181,5 +181,5 @@ def _show(name: str, settings: RobotConfig, found: list[Finding], ok: bool, move
     end = "It cannot be driven like this."
     if ok:
         minded = any(f.status is not Status.OK for f in found)
-        end = "It can be driven; mind what is said above." if minded else "Nothing is wrong."
+        end = "Nothing bad was found; mind what is said above." if minded else "Nothing is wrong."
     console.print(f"\n{end} {motion}", highlight=False)

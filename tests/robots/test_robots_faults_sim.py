@@ -6,9 +6,13 @@ The room makes the fault; what is asserted is what the step's result says, and w
 from __future__ import annotations
 
 import asyncio
+import json
+import os
 import subprocess
+import sys
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
+from pathlib import Path
 
 import pytest
 from sim_scene import Place, apart_m
@@ -50,6 +54,11 @@ async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s
 async def do(robot: DriverClient, primitive: Primitive) -> ActionResult:
     async with robot.lease("tester") as lease:
         return await robot.step(lease, primitive, 30)
+
+
+def world_on(domain: int) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", str(domain)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, env={**os.environ, "MUJOCO_GL": "off"})
 
 
 async def is_well(robot: DriverClient) -> None:
@@ -100,6 +109,8 @@ async def test_a_cable_that_is_pulled_ends_the_step_and_the_robot_stops_by_itsel
         at_s = place.faults(unplugged=True)
         result = await walk.result()
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state"), result.message
+    assert result.measured == {}, "it went on, and nobody saw how far"
+    assert "where it came to rest is not known" in result.message
     stopped = await robot.stop("tester")
     assert (stopped.confirmed, "did not confirm" in stopped.message) == (False, True)
     assert await place.truth.rest(at_s) < 1.0 + REST_LIMIT_S, "its own hold of a velocity ends after a second"
@@ -175,6 +186,7 @@ async def test_law_9_an_odometry_that_becomes_no_number_ends_the_step(place: Pla
         at_s = place.faults(lost=True)
         result = await walk.result()
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state"), result.message
+    assert "tells no position" in result.message
     assert await place.truth.rest(at_s) < REST_LIMIT_S
     await refused(place, robot, NEAR, "stale_state")
 
@@ -226,3 +238,40 @@ async def test_on_another_domain_there_is_no_robot_and_nothing_is_done(place: Pl
             assert "unknown" in result.message
     finally:
         driver.end()
+
+
+@pytest.mark.slow
+async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_driver(place: Place) -> None:
+    domain = place.domain + 20
+    driver, world = place.new_driver("late", domain=domain, home_on_start=True, fence={}), None
+    try:
+        await asyncio.to_thread(driver.warm)
+        await asyncio.to_thread(driver.ask, "")
+        async with DriverClient("late", place.folder / "late.sock") as robot:
+            assert (await do(robot, NEAR)).reason == "stale_state"
+            world = await asyncio.to_thread(world_on, domain)
+            await until(robot, lambda state: state.age_s < 0.2 and state.homed, 30)
+            await is_well(robot)
+    finally:
+        driver.end()
+        if world is not None:
+            world.terminate()
+            world.communicate(timeout=10)
+
+
+@pytest.mark.slow
+def test_a_cable_that_is_really_pulled_ends_the_step_and_plugged_in_again_the_robot_is_driven(tmp_path: Path) -> None:
+    """In network namespaces of their own, as `unshare -rn` makes them, with a pair of virtual interfaces (iproute2)."""
+    scene = [sys.executable, str(Path(__file__).with_name("cable_scene.py")), str(tmp_path)]
+    run = subprocess.run(["unshare", "-rn", *scene], capture_output=True, text=True, timeout=100, check=False)
+    assert run.returncode == 0, run.stderr
+    found = json.loads(run.stdout)
+    assert (found["pulled"]["outcome"], found["pulled"]["reason"]) == ("stopped", "stale_state"), found
+    assert found["ended_s"] < 5.0, "writing to a network that is down must not hold it up"
+    assert (found["confirmed"], found["stop_ms"] < 500) == (False, True), found
+    assert (found["unplugged"]["outcome"], found["unplugged"]["reason"]) == ("refused", "stale_state")
+    assert found["again"]["outcome"] == "done", found
+    noted = [json.loads(line) for line in (tmp_path / "ledger").read_text().splitlines()]
+    walk = [n for n in noted if n["event"] in ("move_begin", "move_end")][:2]
+    assert [n["event"] for n in walk] == ["move_begin", "move_end"], "it stopped by itself"
+    assert walk[1]["pose"]["x_m"] - walk[0]["pose"]["x_m"] < 1.6

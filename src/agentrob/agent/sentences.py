@@ -147,7 +147,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     ),
     "reason.odometry_jump": ("My odometry jumped; I must be homed again.", "里程计跳变，需要重新设置原点。"),
     "reason.ranges_unknown": ("I cannot tell what is around me.", "无法判断周围有什么。"),
-    "reason.fallen": ("I have fallen, and stay down until I am asked to stand up.", "我摔倒了，有人叫我站起来之前不会动。"),
+    "reason.fallen": (
+        "I have fallen, and stay down until I am asked to stand up.",
+        "我摔倒了，有人叫我站起来之前不会动。",
+    ),
     "reason.low_battery": ("My battery is too low for any motion; charge me.", "电量过低，不能动作，请给我充电。"),
     "reason.posture": (
         "I cannot do that from the posture I am in; somebody must make me stand first.",

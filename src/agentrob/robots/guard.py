@@ -67,6 +67,8 @@ OBSERVE_HZ = 20.0
 #: A first step waits so long for a state that comes steadily, for range readings and for the simulated home.
 PREPARE_S = 3.0
 
+_YOUNGER = f"it must be younger than {STATE_AGE_S} s"
+
 Refusal = tuple[str, str]  # (stable word, sentence)
 
 
@@ -135,9 +137,8 @@ class Guard:
         """The robot's place and heading now are its home: the fence lies around it. Raises `RobotError`."""
         state = sound(self._robot.state())
         if state.pose is None or not state.age_s < STATE_AGE_S:
-            raise RobotError(
-                f"cannot set home: the robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s"
-            )
+            why = _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
+            raise RobotError(f"cannot set home: {why}")
         if self._running is not None or not self._odometry.still(time.monotonic()):
             raise RobotError("cannot set home while the robot moves; let it stand still for a moment")
         self._fence = Fence(self._settings.fence, state.pose)
@@ -192,6 +193,9 @@ class Guard:
     def _after(self, result: ActionResult) -> ActionResult:
         """What the robot says of itself now belongs to the result: lying it has done nothing well."""
         state = sound(self._robot.state())
+        if result.measured and not state.age_s < STATE_AGE_S:  # law 18: it went on, and nobody saw how far
+            unseen = "That is where it was last seen; where it came to rest is not known."
+            return replace(result, measured={}, message=f"{result.message} {unseen}")
         if result.ok and state.upright is False:
             message = f"{result.message} But now the robot lies: it fell, or did not get up."
             return replace(result, outcome=Outcome.FAILED, reason="fallen", message=message.strip())
@@ -212,7 +216,7 @@ class Guard:
         if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
             return "consent", "A flip needs the owner's consent (allow_flip)."
         if state.age_s >= STATE_AGE_S or state.pose is None:
-            return "stale_state", f"The robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s."
+            return "stale_state", _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
         if fallen := _fallen(state, primitive):
             return fallen
         if low := _low_battery(state, self._settings):
@@ -281,7 +285,7 @@ class Guard:
         if self._halt.why is not None:
             return "halted", self._halt.why
         if state.age_s >= STATE_AGE_S or state.pose is None:
-            return "stale_state", f"The robot's state was {_age(state)}."
+            return "stale_state", _unseen(state) or f"The robot's state was {_age(state)}."
         if fallen := _fallen(state, primitive):
             return fallen
         if self._fence is None:
@@ -353,6 +357,12 @@ def _low_battery(state: RobotState, settings: RobotConfig) -> str:
 
 def _age(state: RobotState) -> str:
     return "unknown" if math.isinf(state.age_s) else f"{state.age_s:.1f} s old"
+
+
+def _unseen(state: RobotState) -> str:
+    """What is wrong with a state that is young enough; empty when it is just too old."""
+    young = state.age_s < STATE_AGE_S and state.pose is None
+    return "The robot tells no position: its odometry is missing or not a number." if young else ""
 
 
 def _refused(primitive: Primitive, word: str, sentence: str) -> ActionResult:
