@@ -238,13 +238,11 @@ def field(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
 
 
 @pytest.mark.sim
-def test_a_go2_that_is_well_is_said_so_and_a_wrong_domain_or_kind_is_found(field: Field) -> None:
+def test_a_go2_that_is_well_is_said_so_and_on_a_wrong_domain_it_is_found(field: Field) -> None:
     before = field.place_m("go2")
     runs = {
         "well": field.doctor("go2", "--domain", str(field.go2), "--read-only"),
-        "kind": field.doctor("go2", "--domain", str(field.g1)),
         "domain": field.doctor("go2", "--domain", str(DOMAINS.stop)),
-        "interface": field.doctor("go2", "--interface", "nosuch0"),
     }
     said = {name: told(run) for name, run in runs.items()}
     well = said["well"]
@@ -253,12 +251,40 @@ def test_a_go2_that_is_well_is_said_so_and_a_wrong_domain_or_kind_is_found(field
     assert "'mcf'" in well.of("motion service")["found"]
     assert well.of("battery")["status"] == "ok"
     assert well.of("camera")["found"].startswith("a picture of ")
-    assert (said["kind"].code, said["kind"].bad) == (1, {"domain"})
-    assert "a g1 is heard" in said["kind"].of("domain")["found"]
     assert (said["domain"].code, said["domain"].bad) == (1, {"domain"})
     assert f"a go2 on domain {field.go2}" in said["domain"].of("domain")["found"]
-    assert (said["interface"].code, said["interface"].bad) == (1, {"interface"})
     assert math.dist(before, field.place_m("go2")) < 0.03
+
+
+#: Another program that can command the robot: the vendor's own client. Waits until its input ends.
+ANOTHER = """
+import os, sys
+from agentrob.robots import unitree
+unitree.connect(int(sys.argv[1]), "lo")
+from unitree_sdk2py.go2.sport.sport_client import SportClient
+unitree.clients((SportClient, 1.0))
+print("there", flush=True)
+sys.stdin.read()
+os._exit(0)
+"""
+
+
+@pytest.mark.sim
+@pytest.mark.slow
+def test_another_kind_an_absent_interface_and_others_who_command_the_robot_are_told(field: Field) -> None:
+    command = [sys.executable, "-c", ANOTHER, str(field.go2)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as another:
+        assert another.stdout is not None
+        assert another.stdout.readline().strip() == "there"
+        kind = told(field.doctor("go2", "--domain", str(field.g1)))
+        assert (kind.code, kind.bad) == (1, {"domain"})
+        assert "a g1 is heard" in kind.of("domain")["found"]
+        absent = told(field.doctor("go2", "--interface", "nosuch0"))
+        assert (absent.code, absent.bad) == (1, {"interface"})
+        busy = told(field.doctor("go2", "--domain", str(field.go2)))
+        assert (busy.code, busy.of("commanders")["status"]) == (0, "warning")
+        assert busy.of("commanders")["found"].startswith("1 other program can command it")
+        another.kill()
 
 
 @pytest.mark.sim
@@ -274,7 +300,7 @@ def test_a_g1_that_is_well_is_said_so_and_what_it_lacks_is_told(field: Field) ->
 @pytest.mark.sim
 @pytest.mark.slow
 def test_what_is_wrong_with_a_robot_is_found_and_it_is_not_moved(field: Field) -> None:
-    faults = {"robot": "go2", "battery_percent": 9, "ranges": "zero", "camera": "black", "lost": True, "drops": 1.0}
+    faults = {"battery_percent": 9, "ranges": "zero", "camera": "black", "lost": True, "drops": 1.0}
     assert field.room.post("/faults", json=faults).status_code == 200
     try:
         before = field.place_m("go2")

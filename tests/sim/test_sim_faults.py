@@ -14,7 +14,8 @@ from agentrob.sim.faults import Faults, Trouble, read
 
 
 def test_faults_are_read_and_what_is_left_out_is_well() -> None:
-    assert read({}, ["go2"]) == Faults("go2")
+    assert read({}, ["g1", "go2"]) == Faults("go2")
+    assert read({}, ["g1"]) == Faults("g1")
     asked = {"robot": "go2", "ranges": "zero", "silent": True, "jump_m": [1, -0.5], "box_m": [0.5, 0]}
     assert read(asked, ["go2"]) == Faults("go2", "zero", True, (1.0, -0.5), (0.5, 0.0))
     assert read({"box_m": None}, ["go2"]).box_m is None

@@ -72,7 +72,8 @@ def examine(settings: RobotConfig) -> list[Finding]:
         return [interface, _nobody(settings, heard)]
     found = [interface, Finding("domain", Status.OK, f"a {heard.kind} is heard on domain {settings.domain}")]
     if heard.commanders:
-        what = f"{heard.commanders} other programs can command it (the app and the robot's own count too)"
+        many = "program" if heard.commanders == 1 else "programs"
+        what = f"{heard.commanders} other {many} can command it (its app and its own programs count too)"
         advice = "Two who command one robot disturb each other: close the others before an agent has it."
         found.append(Finding("commanders", Status.WARNING, what, advice))
     return [*found, *_services(settings), *_body(settings), *findings.of_settings(settings)]

@@ -2,7 +2,8 @@
 
     {"robot": "go2", "ranges": "missing", "silent": true, "jump_m": [1.0, 0.0], "box_m": [0.5, -0.2]}
 
-All keys may be left out, and what is left out is well again: `{}` heals everything.
+All keys may be left out, and what is left out is well again with this robot (the Go2 when none is named); `{}` heals
+all robots.
 
 - `ranges`: `good`, `missing` (not a number), `zero`, or `constant` (they stay what they are now).
 - `silent`: the robot does all it is told, but sends no state.
@@ -70,7 +71,7 @@ def read(data: Any, robots: Collection[str]) -> Faults:
         raise SimError(f"faults are a JSON object; valid keys: {', '.join(KEYS)}")
     if unknown := sorted(set(data) - set(KEYS)):
         raise SimError(f"{unknown[0]!r} is no fault; valid: {', '.join(KEYS)}")
-    robot = data.get("robot", min(robots))
+    robot = data.get("robot", "go2" if "go2" in robots else min(robots))
     if robot not in robots:
         raise SimError(f"no robot {robot!r} in this world; there are: {', '.join(sorted(robots))}")
     given = {key: _value(key, value) for key, value in data.items() if value is not None}
