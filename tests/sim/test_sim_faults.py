@@ -96,6 +96,7 @@ def test_an_empty_battery_is_exchanged_in_a_world_that_runs_for_days() -> None:
     battery, seen = sensors.Battery(), []
     for _ in range(24 * 60):
         battery.drain(0.0, 60.0)
+        battery.exchange()
         seen.append(battery.percent)
     assert min(seen) >= 25
 

@@ -123,6 +123,7 @@ class Go2Services:
         torque = np.asarray(self._body.data.qfrc_applied[self._body.v])
         speeds = self._body.joint_speeds_rps
         self._battery.drain(float(np.abs(torque * speeds).sum()), PERIOD_S)
+        self._battery.exchange()
         self._warmth += (AMBIENT_C + WARMING_C_PER_NM * np.abs(torque) - self._warmth) * (PERIOD_S / WARMING_S)
         self._fill_state()
         if not self._trouble.mute:

@@ -144,7 +144,7 @@ class Inertia:
 
 
 class Battery:
-    """Charge that drains with time and with mechanical work. Nobody charges it: a drained one is exchanged."""
+    """Charge that drains with time and with mechanical work. Nobody charges it: `exchange` a drained one."""
 
     CAPACITY_WH, FULL_V, EMPTY_V = 236.0, 32.0, 26.0
     IDLE_W, EFFICIENCY = 70.0, 0.35  # electronics and holding; mechanical work per electrical work
@@ -156,9 +156,11 @@ class Battery:
 
     def drain(self, mechanical_w: float, seconds: float) -> None:
         self.power_w = self.IDLE_W + mechanical_w / self.EFFICIENCY
-        before = self.percent
-        self.percent = max(0.0, before - 100 * self.power_w * seconds / 3600 / self.CAPACITY_WH)
-        if self.percent < self.EXCHANGED_PERCENT <= before:
+        self.percent = max(0.0, self.percent - 100 * self.power_w * seconds / 3600 / self.CAPACITY_WH)
+
+    def exchange(self) -> None:
+        """Put in a fresh one when it is nearly drained."""
+        if self.percent < self.EXCHANGED_PERCENT:
             self.percent = self.FRESH_PERCENT
 
     @property
