@@ -36,6 +36,13 @@ async def told(scene: Scene, text: str) -> Post:
     return await scene.final(await scene.post("alice", text))
 
 
+async def until(scene: Scene, true: Callable[[float], bool]) -> None:
+    """Until the robot's speed is so."""
+    async with asyncio.timeout(10), scene.driver.client() as robot:
+        while not true(((await robot.state()).velocity_mps or (0.0, 0.0))[0]):  # noqa: ASYNC110 (another process)
+            await asyncio.sleep(0.02)
+
+
 async def test_a_fall_on_the_way_is_told_in_both_languages_and_nothing_moves_until_it_is_asked_to_stand(
     ill: Ill,
 ) -> None:
@@ -101,10 +108,11 @@ async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_
     async with scene.agent():
         running = await scene.post("alice", "@quadruped walk forward 5 metres")
         await scene.state(running, "running")
+        await until(scene, lambda mps: mps > 0.1)
         world.reachable = False
         topic = world.topics[running.topic_id]
         early = world.add_post(topic, "alice", "@quadruped turn left 90 degrees", "early", ())
-        await asyncio.sleep(2.5)  # beyond what a robot that moves may be left alone
+        await until(scene, lambda mps: mps == 0.0)  # it was stopped, since nobody else could have
         world.clock_offset_s += 600
         late = world.add_post(topic, "alice", "@quadruped turn right 45 degrees", "late", ())
         world.reachable = True

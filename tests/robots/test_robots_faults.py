@@ -5,12 +5,14 @@ from __future__ import annotations
 import io
 import itertools
 import time
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from guard_scene import Make, fake_of, move, turn, until
 from PIL import Image
 
+from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Op, Outcome, Primitive
 from agentrob.robots.picture import blank
 from agentrob.robots.robot import Watch
@@ -62,11 +64,17 @@ def test_a_robot_without_an_attitude_is_not_stood_up(make: Make, monkeypatch: py
     guard = make()
     assert guard.step(move(0.1), go_on).ok
     seen = fake_of(guard)._seen
-    from dataclasses import replace
-
     monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), upright=None))
     result = guard.step(STAND, go_on)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "fallen")
+
+
+def test_law_9_a_robot_that_lies_is_given_no_home(make: Make) -> None:
+    guard = make(home_on_start=False)
+    fake_of(guard).faults.fallen = True
+    until(lambda: guard.state().mode == "fallen")
+    with pytest.raises(RobotError, match="upright"):
+        guard.home("owner")
 
 
 # ------------------------------------------------------------------ battery

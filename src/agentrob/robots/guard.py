@@ -139,6 +139,8 @@ class Guard:
         if state.pose is None or not state.age_s < STATE_AGE_S:
             why = _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
             raise RobotError(f"cannot set home: {why}")
+        if not state.upright:
+            raise RobotError("cannot set home: the robot is not known to stand upright")
         if self._running is not None or not self._odometry.still(time.monotonic()):
             raise RobotError("cannot set home while the robot moves; let it stand still for a moment")
         self._fence = Fence(self._settings.fence, state.pose)
