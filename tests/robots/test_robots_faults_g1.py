@@ -21,7 +21,7 @@ from agentrob.robots.client import DriverClient
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
-DOMAINS = range(211, 221)
+DOMAINS = range(221, 230)
 METRE, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (1.0, 0.3))
 CLAP, PHOTO = Primitive(Op.CLAP), Primitive(Op.GET_FRONT_IMAGE)
 

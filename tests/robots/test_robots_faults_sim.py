@@ -228,7 +228,7 @@ async def test_an_interface_that_is_not_there_is_one_clear_line(place: Place) ->
 
 
 async def test_on_another_domain_there_is_no_robot_and_nothing_is_done(place: Place) -> None:
-    driver = place.new_driver("elsewhere", domain=place.domain + 20)
+    driver = place.new_driver("elsewhere", domain=place.domain - 90)
     try:
         await asyncio.to_thread(driver.warm)
         await asyncio.to_thread(driver.ask, "")
@@ -242,7 +242,7 @@ async def test_on_another_domain_there_is_no_robot_and_nothing_is_done(place: Pl
 
 @pytest.mark.slow
 async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_driver(place: Place) -> None:
-    domain = place.domain + 20
+    domain = place.domain - 90
     driver, world = place.new_driver("late", domain=domain, home_on_start=True, fence={}), None
     try:
         await asyncio.to_thread(driver.warm)
