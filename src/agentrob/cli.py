@@ -132,6 +132,24 @@ def drive(
 
 
 @cli.command()
+def doctor(
+    robot: Annotated[str | None, typer.Argument(help="A robot of the configuration, or a kind: go2, g1.")] = None,
+    config: ConfigFile = None,
+    interface: Annotated[str | None, typer.Option(help="Network interface, instead of the configured one.")] = None,
+    domain: Annotated[int | None, typer.Option(help="DDS domain, instead of the configured one.")] = None,
+    read_only: Annotated[bool, typer.Option("--read-only", help="Move nothing; so it is without --move too.")] = False,
+    move: Annotated[bool, typer.Option("--move", help="Let it walk 10 cm forward when nothing bad was found.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Say what keeps a robot from being driven, and what to do about it. Exit code 1 when something does."""
+    from agentrob import doctor as examination
+
+    if read_only and move:
+        raise typer.BadParameter("--read-only moves nothing; leave one of the two out")
+    raise typer.Exit(examination.run(robot, app.load(config), interface, domain, move, as_json))
+
+
+@cli.command()
 def stop(
     robot: Annotated[str | None, typer.Argument(help="The robot's name; without it all are stopped.")] = None,
     everyone: Annotated[bool, typer.Option("--all", help="Every robot that a driver on this machine holds.")] = False,
