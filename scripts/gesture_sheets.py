@@ -26,7 +26,8 @@ from agentrob.sim.g1_gestures import GESTURES, RELEASE
 from agentrob.sim.go2 import Go2
 from agentrob.sim.ledger import Ledger
 from agentrob.sim.legged import Array
-from agentrob.sim.room import OVERVIEW_AT_M, OVERVIEW_TO_M, ROOM_GROUP, Start
+from agentrob.sim.room import ROOM_GROUP
+from agentrob.sim.scene import OPEN_FLOOR, Start, load
 from agentrob.sim.world import PERIOD_S, ROBOT_GROUP, World
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
@@ -68,11 +69,11 @@ class Stage:
 def stage(robot: str) -> Stage:
     if robot == "go2":
         go2 = Go2(start=FACING)
-        world = World([go2], ())
+        world = World([go2], OPEN_FLOOR)
         service = sport.Sport(go2, lambda: world.time_s, Ledger())
         return Stage(world, go2, service, lambda n: [lambda answer: service.call(GO2[n], {}, answer)], 1.35, 0.22)
     g1 = G1(start=FACING)
-    world = World([g1], ())
+    world = World([g1], OPEN_FLOOR)
     arm = g1_sport.G1Sport(g1, lambda: world.time_s, Ledger())
 
     def calls(name: str) -> list[Callable[[Callable[..., None]], None]]:
@@ -86,7 +87,9 @@ def near(stage: Stage) -> View:
     """From the direction of the room's overview camera, a little lower."""
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-    dx, dy, _ = np.array(OVERVIEW_TO_M) - np.array(OVERVIEW_AT_M)
+    overview = load("room").camera
+    assert overview is not None
+    dx, dy, _ = np.array(overview.to_m) - np.array(overview.at_m)
     camera.azimuth, camera.elevation = float(np.degrees(np.arctan2(dy, dx))), -15.0
     camera.lookat[:] = [FACING.x_m, FACING.y_m, stage.height_m]
     camera.distance = stage.distance_m

@@ -181,7 +181,7 @@ class Demo:
             "room_reset": f"{room_url}/reset" if room_url else "",
         }
         robots = {
-            name: app.simulated_robot(model, domain).model_copy(update=own)
+            name: app.simulated_robot(model, domain, self.settings.world).model_copy(update=own)
             for (name, model), domain in zip(ROBOTS.items(), domains, strict=True)
         }
         config = Config(

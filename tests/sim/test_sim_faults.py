@@ -12,12 +12,14 @@ from agentrob.errors import SimError
 from agentrob.sim import sensors
 from agentrob.sim.faults import Faults, read
 
+ROOM_M = (8.0, 6.0)
+
 
 def test_faults_are_read_and_what_is_left_out_is_well() -> None:
-    assert read({}, ["go2"]) == Faults("go2")
+    assert read({}, ["go2"], ROOM_M) == Faults("go2")
     asked = {"robot": "go2", "ranges": "zero", "silent": True, "jump_m": [1, -0.5], "box_m": [0.5, 0]}
-    assert read(asked, ["go2"]) == Faults("go2", "zero", True, (1.0, -0.5), (0.5, 0.0))
-    assert read({"box_m": None}, ["go2"]).box_m is None
+    assert read(asked, ["go2"], ROOM_M) == Faults("go2", "zero", True, (1.0, -0.5), (0.5, 0.0))
+    assert read({"box_m": None}, ["go2"], ROOM_M).box_m is None
 
 
 @pytest.mark.parametrize(
@@ -36,7 +38,7 @@ def test_faults_are_read_and_what_is_left_out_is_well() -> None:
 )
 def test_what_cannot_be_is_refused_with_what_would_be_valid(asked, said) -> None:
     with pytest.raises(SimError, match=said):
-        read(asked, ["go2"])
+        read(asked, ["go2"], ROOM_M)
 
 
 def test_an_odometry_jumps_along_the_robots_own_axes(room_bench) -> None:

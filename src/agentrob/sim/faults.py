@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from agentrob.errors import SimError
-from agentrob.sim.room import LENGTH_M, WIDTH_M
 
 RANGES = ("good", "missing", "zero", "constant")
 KEYS = ("robot", "ranges", "silent", "jump_m", "box_m")
@@ -33,8 +32,8 @@ class Faults:
     box_m: tuple[float, float] | None = None
 
 
-def read(data: Any, robots: Collection[str]) -> Faults:
-    """What was asked for. Raises `SimError` that says what would be valid."""
+def read(data: Any, robots: Collection[str], size_m: tuple[float, float]) -> Faults:
+    """What was asked for in a room of this length and width. Raises `SimError` that says what would be valid."""
     if not isinstance(data, Mapping):
         raise SimError(f"faults are a JSON object; valid keys: {', '.join(KEYS)}")
     if unknown := sorted(set(data) - set(KEYS)):
@@ -47,8 +46,9 @@ def read(data: Any, robots: Collection[str]) -> Faults:
     if not isinstance(silent, bool):
         raise SimError("'silent' must be true or false")
     box_m = _pair(data["box_m"], "box_m") if data.get("box_m") is not None else None
-    if box_m is not None and not (abs(box_m[0]) < LENGTH_M / 2 and abs(box_m[1]) < WIDTH_M / 2):
-        raise SimError(f"'box_m' must be in the room: x within {LENGTH_M / 2:g} m, y within {WIDTH_M / 2:g} m")
+    x_m, y_m = (edge / 2 for edge in size_m)
+    if box_m is not None and not (abs(box_m[0]) < x_m and abs(box_m[1]) < y_m):
+        raise SimError(f"'box_m' must be in the room: x within {x_m:g} m, y within {y_m:g} m")
     return Faults(robot, ranges, silent, _pair(data.get("jump_m", (0.0, 0.0)), "jump_m"), box_m)
 
 

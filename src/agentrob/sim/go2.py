@@ -10,7 +10,7 @@ import numpy as np
 from agentrob.sim import assets, meshes, policy
 from agentrob.sim.legged import Array, Build, Drive, Legged
 from agentrob.sim.policy import COMMAND_SLEW, PERIOD_S, STAND_RAD
-from agentrob.sim.room import GO2_START, Start
+from agentrob.sim.scene import Start
 
 #: What the policy follows well: forward, sideways (m/s) and turning (rad/s). The real robot takes up to 3.8, 1 and 4.
 VELOCITY_BOUND: Array = np.array([1.0, 0.5, 1.5])
@@ -47,7 +47,7 @@ class Go2(Legged):
 
     build = BUILD
 
-    def __init__(self, name: str = "go2", start: Start = GO2_START) -> None:
+    def __init__(self, name: str = "go2", start: Start | None = None) -> None:
         super().__init__(name, start)
         self._policy = policy.WalkingPolicy(assets.go2_policy())
         self._trim = policy.VelocityTrim()

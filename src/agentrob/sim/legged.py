@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agentrob.sim.room import Start
+from agentrob.sim.scene import Start
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,8 @@ class Legged:
 
     build: Build
 
-    def __init__(self, name: str, start: Start) -> None:
+    def __init__(self, name: str, start: Start | None) -> None:
+        """Without a start it begins where the world has its place for this name."""
         self.name = name
         self.start = start
 
@@ -63,6 +64,7 @@ class Legged:
     def place(self) -> None:
         """Stand at the start, at rest."""
         start, data = self.start, self.data
+        assert start is not None
         half = start.yaw_rad / 2
         root = [start.x_m, start.y_m, self.build.height_m, math.cos(half), 0.0, 0.0, math.sin(half)]
         data.qpos[self.root_q : self.root_q + 7] = root
