@@ -40,6 +40,8 @@ class Legged:
     """One robot's body in the model. Subclasses say in `drive()` what its joints shall do each period."""
 
     build: Build
+    #: Where the body is led without physics, now: root pose (7,: x, y, z, quaternion) and joints (n,). None: physics.
+    led: tuple[Array, Array] | None = None
 
     def __init__(self, name: str, start: Start | None) -> None:
         """Without a start it begins where the world has its place for this name."""
@@ -81,6 +83,16 @@ class Legged:
         """Once per control period, before the physics."""
         raise NotImplementedError
 
+    def follow(self) -> None:
+        """Be where one is led, at rest."""
+        if self.led is None:
+            return
+        root, joints = self.led
+        data = self.data
+        data.qpos[self.root_q : self.root_q + 7], data.qpos[self.q] = root, joints
+        data.qvel[self.root_v : self.root_v + 6] = 0.0
+        data.qvel[self.v] = 0.0
+
     # ------------------------------------------------------------------ true state
     @property
     def xy_m(self) -> Array:
@@ -98,6 +110,8 @@ class Legged:
     @property
     def yaw_rad(self) -> float:
         r = self.rotation
+        if self.led is not None:  # perhaps over its back: its left side keeps its direction
+            return math.atan2(-r[0, 1], r[1, 1])
         return math.atan2(r[1, 0], r[0, 0])
 
     @property

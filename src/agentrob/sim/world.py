@@ -85,6 +85,8 @@ class World:
             torque = kp * (target - data.qpos[self._q]) - kd * data.qvel[self._v]
             data.qfrc_applied[self._v] = np.clip(torque, -self._bound, self._bound)
             mujoco.mj_step(self.model, data)
+            for robot in self.robots:
+                robot.follow()
         self.ticks += 1
         self._copy_pose()
 
