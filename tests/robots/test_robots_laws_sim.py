@@ -174,7 +174,7 @@ async def test_law_9_an_odometry_that_jumps_ends_the_step_and_nothing_moves_unti
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "odometry_jump"), result.message
     assert await place.truth.rest(at_s) < REST_LIMIT_S
     await refused(place, robot, NEAR, "not_homed")
-    await robot.home("owner")
+    await place.home(robot)
     async with Walk(place, robot, NEAR) as again:
         assert (await again.result()).ok
 

@@ -68,6 +68,7 @@ class World:
         if at_m is not None and any(np.hypot(*(r.xy_m - at_m)) < BOX_FREE_M for r in self.robots):
             return False
         self.data.mocap_pos[0] = room.BOX_AWAY_M if at_m is None else (*at_m, room.BOX_SIZE_M[2])
+        mujoco.mj_kinematics(self.model, self.data)  # so that it is seen at once
         return True
 
     def _copy_pose(self) -> None:
