@@ -77,10 +77,10 @@ def test_a_slower_walk_takes_longer() -> None:
 @pytest.mark.parametrize(
     ("step", "measured_s"),
     [
-        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.25), 6.3),
-        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), 15.2),
-        (Primitive(Op.TURN, Direction.LEFT, degrees=15.0), 7.4),
-        (Primitive(Op.TURN, Direction.LEFT, degrees=360.0), 18.2),
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.25), 9.3),
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), 14.1),
+        (Primitive(Op.TURN, Direction.LEFT, degrees=15.0), 8.4),
+        (Primitive(Op.TURN, Direction.LEFT, degrees=360.0), 18.4),
     ],
 )
 def test_a_step_of_the_g1_is_not_thought_to_take_much_less_than_it_does(step: Primitive, measured_s: float) -> None:

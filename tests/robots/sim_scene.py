@@ -264,8 +264,8 @@ class Place:
         while True:
             try:
                 return await robot.home("owner")
-            except RobotError as e:
-                assert time.monotonic() < end_s, e
+            except RobotError:
+                assert time.monotonic() < end_s, "it never stood still enough"
                 await asyncio.sleep(0.03)
 
     def close(self) -> None:

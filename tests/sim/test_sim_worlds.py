@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -83,6 +84,15 @@ def test_a_world_of_ones_own_is_a_file(tmp_path: Path) -> None:
     assert world.data.geom("hot_stove").xmat[0] == pytest.approx(np.cos(np.pi / 4))
     with pytest.raises(SimError, match="no start for g1; it has one for: go2"):
         World([G1()], shed)
+
+
+def test_the_world_that_the_documentation_shows_is_one() -> None:
+    text = (Path(__file__).parents[2] / "docs/worlds.md").read_text(encoding="utf-8")
+    kitchen = parse(tomllib.loads(text.split("```toml")[1].split("```")[0]), "docs/worlds.md")
+    assert kitchen.description()["things"] == [{"name": "stove", "note": "hot"}]
+    world = World([Go2()], kitchen)
+    world.run(0.5)
+    assert world.robots[0].upright > 0.98
 
 
 FAULTY = [

@@ -7,7 +7,7 @@ from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
 #: Starting, settling, correcting and measuring at rest, in seconds, for each walk and turn. The G1 sways long and
 #: corrects by whole strides (`docs/figures.md` has its times).
 SETTLING_S = 2.0
-SETTLING_OF_MODEL_S = {"g1": 7.0}
+SETTLING_OF_MODEL_S = {"g1": 8.0}
 #: Four-legged robots walk sideways more slowly than ahead.
 SIDEWAYS_MPS = 0.3
 #: Whole gestures, in seconds, the longer one where two robots do it (`docs/gestures.md` has the simulated ones).
