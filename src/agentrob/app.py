@@ -346,18 +346,20 @@ def in_world(model: str) -> bool:
     return model in ROBOTS
 
 
-def simulated_robot(model: str, domain: int) -> RobotConfig:
-    """Settings of a robot in the simulated room, at home where it starts.
+def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig:
+    """Settings of a robot in a simulated world, at home where it starts.
 
     The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
-    nothing stands.
+    the world says that nothing stands. Raises `SimError` when there is no such world, or no place in it.
     """
     settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
     if model != "g1":
         return settings
-    from agentrob.sim.room import G1_FREE
+    from agentrob.sim.scene import load
 
-    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": G1_FREE})
+    free = load(world).place(model).free
+    assert free is not None  # a world in which a G1 starts says so
+    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": free.fence})
 
 
 # ---------------------------------------------------------------------- understanding
@@ -412,11 +414,14 @@ def describe_plan(facts: dict[str, Any]) -> str:
 
 
 # ---------------------------------------------------------------------- world
-def serve_world(domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None) -> None:
-    """Run a simulated world until SIGTERM or Ctrl-C. `domains` are ROBOT=DOMAIN."""
-    from agentrob.sim.serve import WorldSettings, parse_domains, serve
+def serve_world(
+    robots: list[str], domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None
+) -> None:
+    """Run a simulated world until SIGTERM or Ctrl-C. `domains` are ROBOT=DOMAIN, for robots that shall not have their
+    usual one; without both there is a Go2."""
+    from agentrob.sim.serve import WorldSettings, choose_domains, serve
 
     settings = WorldSettings(
-        domains=parse_domains(domains), interface=interface, http_port=http_port, world=world, ledger=ledger
+        domains=choose_domains(robots, domains), interface=interface, http_port=http_port, world=world, ledger=ledger
     )
     serve(settings)

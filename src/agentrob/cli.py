@@ -53,7 +53,7 @@ def demo(
     data: Annotated[Path | None, typer.Option(help="Folder that keeps everything.")] = None,
     post: Annotated[str | None, typer.Option(help="Post this text, wait for the answer, print it and end.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="With --post: the last line is one JSON object.")] = False,
-    world: Annotated[str, typer.Option(help="The simulated world.")] = "room",
+    world: Annotated[str, typer.Option(help="room, obstacles, corridor, or the path of a world's file.")] = "room",
     robot: Annotated[
         list[str] | None, typer.Option(help="Another kind of robot that is installed, beside the two; also several.")
     ] = None,
@@ -170,14 +170,15 @@ def driver(robot: RobotName = None, config: ConfigFile = None) -> None:
 
 @cli.command()
 def sim(
-    domain: Annotated[list[str], typer.Option(help="ROBOT=DDS-DOMAIN, for example go2=1.")] = ["go2=1"],  # noqa: B006
-    world: Annotated[str, typer.Option(help="The world.")] = "room",
+    world: Annotated[str, typer.Option(help="room, obstacles, corridor, or the path of a world's file.")] = "room",
+    robot: Annotated[list[str] | None, typer.Option(help="go2 or g1; both with two --robot. [default: go2]")] = None,
+    domain: Annotated[list[str] | None, typer.Option(help="ROBOT=DDS-DOMAIN. [default: go2=1, g1=2]")] = None,
     interface: Annotated[str, typer.Option(help="Network interface for DDS.")] = "lo",
     http_port: Annotated[int, typer.Option(help="Port of the room's camera; 0 for any free one.")] = 0,
     ledger: Annotated[Path | None, typer.Option(help="Write what really happened to this file, line by line.")] = None,
 ) -> None:
     """Run a simulated world with walking robots that speak the real robots' DDS."""
-    app.serve_world(domain, world, interface, http_port, ledger)
+    app.serve_world(robot or [], domain or [], world, interface, http_port, ledger)
 
 
 # ---------------------------------------------------------------------- agent

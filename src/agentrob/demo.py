@@ -197,7 +197,7 @@ class Demo:
         own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0)}
         room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
         robots = {
-            name: app.simulated_robot(model, domains[name]).model_copy(
+            name: app.simulated_robot(model, domains[name], self.settings.world).model_copy(
                 update=own | room if app.in_world(model) else own  # the room's camera sees who stands in the room
             )
             for name, model in self.robots.items()

@@ -12,15 +12,17 @@ from agentrob.errors import SimError
 from agentrob.sim import sensors
 from agentrob.sim.faults import Faults, Trouble, read
 
+ROOM_M = (8.0, 6.0)
+
 
 def test_faults_are_read_and_what_is_left_out_is_well() -> None:
-    assert read({}, ["g1", "go2"]) == Faults("go2")
-    assert read({}, ["g1"]) == Faults("g1")
+    assert read({}, ["g1", "go2"], ROOM_M) == Faults("go2")
+    assert read({}, ["g1"], ROOM_M) == Faults("g1")
     asked = {"robot": "go2", "ranges": "zero", "silent": True, "jump_m": [1, -0.5], "box_m": [0.5, 0]}
-    assert read(asked, ["go2"]) == Faults("go2", "zero", True, (1.0, -0.5), (0.5, 0.0))
-    assert read({"box_m": None}, ["go2"]).box_m is None
+    assert read(asked, ["go2"], ROOM_M) == Faults("go2", "zero", True, (1.0, -0.5), (0.5, 0.0))
+    assert read({"box_m": None}, ["go2"], ROOM_M).box_m is None
     more = {"lost": True, "drops": 1, "unplugged": True, "camera": "black", "battery_percent": 9, "clock_s": -60}
-    found = read({**more, "push_mps": [0, 1], "tip": True}, ["go2"])
+    found = read({**more, "push_mps": [0, 1], "tip": True}, ["go2"], ROOM_M)
     assert (found.lost, found.drops, found.unplugged, found.tip) == (True, 1.0, True, True)
     assert (found.camera, found.battery_percent, found.clock_s, found.push_mps) == ("black", 9.0, -60.0, (0.0, 1.0))
 
@@ -47,7 +49,7 @@ def test_faults_are_read_and_what_is_left_out_is_well() -> None:
 )
 def test_what_cannot_be_is_refused_with_what_would_be_valid(asked, said) -> None:
     with pytest.raises(SimError, match=said):
-        read(asked, ["go2"])
+        read(asked, ["go2"], ROOM_M)
 
 
 def test_an_odometry_jumps_along_the_robots_own_axes(room_bench) -> None:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from agentrob.config import RobotConfig
 from agentrob.errors import RobotUnreachable
 from agentrob.model import Op, RobotState
-from agentrob.robots import findings, g1, g1_fsm, go2, network, unitree
+from agentrob.robots import findings, g1, g1_fsm, go2, network, unitree, unitree_robot
 from agentrob.robots.findings import Finding, Status
 from agentrob.robots.picture import blank
 from agentrob.robots.ranges import Ranges
@@ -232,5 +232,5 @@ def _listened(name: str, kind: Any, model: str) -> tuple[list[float], list[Robot
         time.sleep(0.02)
     time.sleep(LISTEN_S)
     subscriber.Close()
-    read = go2.read if model == "go2" else g1.read
+    read = go2.read if model == "go2" else unitree_robot.read
     return [at_s for at_s, _ in came], [read(message) for _, message in came]

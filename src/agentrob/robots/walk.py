@@ -24,7 +24,8 @@ from agentrob.robots.motion import (
 )
 from agentrob.robots.robot import BODY_RADIUS_M, Watch
 
-#: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %).
+#: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %). What shall
+#: not change, the place of a turn and the heading of a move, has no such share of its own: degrees are no metres.
 TOLERANCE_M, TOLERANCE_DEG, TOLERANCE_SHARE = 0.05, 4.0, 0.005
 #: After a stop, rest is awaited no longer than this.
 REST_LIMIT_S = 3.0
@@ -204,7 +205,8 @@ def judge(primitive: Primitive, measured: Mapping[str, float], how: str, *, stop
     allowed = (TOLERANCE_DEG if turn else TOLERANCE_M) + TOLERANCE_SHARE * asked
     aside_m = measured["drift_m"] if turn else abs(measured["sideways_m"])
     turned_deg = 0.0 if turn else abs(measured["heading_deg"])
-    if abs(got - asked) <= allowed and aside_m <= TOLERANCE_M + TOLERANCE_SHARE * asked and turned_deg <= TOLERANCE_DEG:
+    aside_allowed_m = TOLERANCE_M if turn else allowed
+    if abs(got - asked) <= allowed and aside_m <= aside_allowed_m and turned_deg <= TOLERANCE_DEG:
         return Outcome.DONE, "", f"{pair}."
     if turn:
         pair += f", {100 * aside_m:.0f} cm off its place"

@@ -29,7 +29,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from agentrob.errors import SimError
-from agentrob.sim.room import LENGTH_M, WIDTH_M
 
 if TYPE_CHECKING:
     from agentrob.sim.legged import Legged
@@ -65,8 +64,8 @@ class Faults:
     tip: bool = False
 
 
-def read(data: Any, robots: Collection[str]) -> Faults:
-    """What was asked for. Raises `SimError` that says what would be valid."""
+def read(data: Any, robots: Collection[str], size_m: tuple[float, float]) -> Faults:
+    """What was asked for in a room of this length and width. Raises `SimError` that says what would be valid."""
     if not isinstance(data, Mapping):
         raise SimError(f"faults are a JSON object; valid keys: {', '.join(KEYS)}")
     if unknown := sorted(set(data) - set(KEYS)):
@@ -76,8 +75,9 @@ def read(data: Any, robots: Collection[str]) -> Faults:
         raise SimError(f"no robot {robot!r} in this world; there are: {', '.join(sorted(robots))}")
     given = {key: _value(key, value) for key, value in data.items() if value is not None}
     faults = Faults(**{**given, "robot": robot})
-    if faults.box_m is not None and not (abs(faults.box_m[0]) < LENGTH_M / 2 and abs(faults.box_m[1]) < WIDTH_M / 2):
-        raise SimError(f"'box_m' must be in the room: x within {LENGTH_M / 2:g} m, y within {WIDTH_M / 2:g} m")
+    x_m, y_m = (edge / 2 for edge in size_m)
+    if faults.box_m is not None and not (abs(faults.box_m[0]) < x_m and abs(faults.box_m[1]) < y_m):
+        raise SimError(f"'box_m' must be in the room: x within {x_m:g} m, y within {y_m:g} m")
     if math.hypot(*faults.push_mps) > HARDEST_PUSH_MPS:
         raise SimError(f"'push_mps' must be at most {HARDEST_PUSH_MPS:g} m/s in all")
     return faults
