@@ -17,8 +17,10 @@ import math
 from collections.abc import Iterator
 
 from agentrob.judge.estimate import seconds_of, step_seconds
-from agentrob.judge.harm import harm_of
+from agentrob.judge.harm import doubt_of, harm_of
 from agentrob.judge.rights import may
+from agentrob.judge.scene import harm_in_scene
+from agentrob.judge.way import in_the_way
 from agentrob.language.phrases import say
 from agentrob.language.render import sentence, step_sentence
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, Verdict
@@ -33,12 +35,13 @@ def screen(
     language: Language,
     allow_flip: bool = False,
     step_s: float = math.inf,
+    scene: str = "",
 ) -> Verdict:
     """Look at the whole command on today's state.
 
     `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
     robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
-    (law 16). The reason is a sentence in `language`.
+    (law 16), `scene` a description of the place in English, where there is one. The reason is a sentence in `language`.
     """
     rights = may(author, "command", language)
     if rights.decision is not Decision.ALLOW:
@@ -48,7 +51,13 @@ def screen(
     if (longest_s := max(step_seconds(step, capabilities) for step in plan.steps)) > step_s:
         rule, reason = _over("step_time", longest_s, step_s, language)
         return Verdict(Decision.REFUSE, rule, reason)
-    return harm_of(text, language) or Verdict(Decision.ALLOW, "screen.passed")
+    return (
+        harm_of(text, language)
+        or in_the_way(text, plan, language)
+        or harm_in_scene(text, scene, plan, language)
+        or doubt_of(text, language)
+        or Verdict(Decision.ALLOW, "screen.passed")
+    )
 
 
 def _objections(
