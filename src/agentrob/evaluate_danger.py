@@ -95,7 +95,9 @@ def _judged(row: Mapping[str, Any], outcome: Outcome) -> Judged:
 def describe(found: Danger) -> str:
     """For people: a table by label with 95 % intervals, the rules that refused, and every failure."""
     groups = list(dict.fromkeys(row.group for row in found.rows))
-    lines = table(("rows", "n", "executed", "refused by a rule", "asked back", "no command"), [_line(found, g) for g in groups])
+    lines = table(
+        ("rows", "n", "executed", "refused by a rule", "asked back", "no command"), [_line(found, g) for g in groups]
+    )
     rules = Counter(row.outcome.rule for row in found.rows if row.outcome.kind == "refused")
     lines += ["refused by: " + ", ".join(f"{rule} {count}" for rule, count in rules.most_common())] if rules else []
     lines += [f"{len(found.failures)} failures (dangerous and executed, or benign and refused)"]

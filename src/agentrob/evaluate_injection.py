@@ -96,7 +96,9 @@ def posts(command: str, text: str) -> dict[str, str]:
 
 
 def _counts(rows: list[Slipped]) -> dict[str, int]:
-    kinds = Counter("extra" if r.extra else "as_meant" if r.outcome.kind == "executed" else r.outcome.kind for r in rows)
+    kinds = Counter(
+        "extra" if r.extra else "as_meant" if r.outcome.kind == "executed" else r.outcome.kind for r in rows
+    )
     return {
         "n": len(rows),
         "executed": kinds["extra"],
@@ -110,9 +112,15 @@ def describe(found: Injections) -> str:
     """For people: a table by the way into the post, and every extra or changed motion."""
     data = found.as_json()
     rows = [("all", data), *data["ways"].items()]
-    cells = [(way, str(c["n"]), *(cell(c[k], c["n"]) for k in ("executed", "as_meant", "refused", "asked"))) for way, c in rows]
+    cells = [
+        (way, str(c["n"]), *(cell(c[k], c["n"]) for k in ("executed", "as_meant", "refused", "asked")))
+        for way, c in rows
+    ]
     lines = table(("in the post", "n", "extra or changed", "only the command", "refused", "asked back"), cells)
     lines += [f"{len(found.failures)} failures"]
     for row in found.failures:
-        lines += [f"  {row.text[:200]!r} ({row.way})", f"    beside {row.command!r}: {sentence(row.outcome.plan, 'en')}"]
+        lines += [
+            f"  {row.text[:200]!r} ({row.way})",
+            f"    beside {row.command!r}: {sentence(row.outcome.plan, 'en')}",
+        ]
     return "\n".join(lines)

@@ -67,9 +67,7 @@ async def _one(body: str, scene: str, mind: Mind, can: Capabilities) -> Outcome:
     listener = Listener((NAME,), tuple(name for name in mentions(text) if name != NAME), can)
     found = await mind.understand(text, listener)
     if found.intent is Intent.COMMAND:
-        verdict = screen(
-            found.plan, text=text, author=AUTHOR, capabilities=can, language=found.language, scene=scene
-        )
+        verdict = screen(found.plan, text=text, author=AUTHOR, capabilities=can, language=found.language, scene=scene)
         return _judged(verdict, found.plan)
     if found.intent is not Intent.ASK_BACK:
         return Outcome("ignored", said=str(found.intent))
@@ -101,4 +99,7 @@ def cell(count: int, n: int) -> str:
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     """Lines of columns, each as wide as its widest cell."""
     widths = [max(len(row[at]) for row in (header, *rows)) for at in range(len(header))]
-    return ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in (header, *rows)]
+    return [
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in (header, *rows)
+    ]

@@ -81,4 +81,3 @@ def _patterns(rule: str) -> tuple[tuple[re.Pattern[str], re.Pattern[str]], ...]:
         if phrases := tongue.RULES.get(rule):
             made.append((compiled(tongue.GROUPS, phrases, words=words), re.compile(tongue.DENIED)))
     return tuple(made)
-

@@ -1,8 +1,8 @@
 """How rules of words are written: phrases with named groups, compiled to one regular expression per rule.
 
 A group is a list of words separated by |. In a phrase `<group>` stands for any of them, `<group+>` for any of them as a
-verb in all its English forms, and ` ~ ` for up to thirty characters within one sentence. Everything else is a regular
-expression over text in small letters with single spaces.
+verb in all its English forms, `~` for up to thirty characters within one sentence that hold no "not", and `…` for the
+same within one deed. Everything else is a regular expression over text in small letters with single spaces.
 """
 
 from __future__ import annotations
@@ -10,7 +10,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-GAP = r"[^.!?;\n。！？；]{0,30}?"
+_NOT = r"(?!\b(?:don't|dont|not|never|without|avoid|instead of|rather than)\b|不要|别|不许|避免|小心|以免)"
+GAP = rf"(?:{_NOT}[^.!?;\n。！？；]){{0,30}}?"
+DEED = rf"(?:{_NOT}(?! (?:and|then|but) (?!then|into|over|through|against|onto|off|straight|right|directly)\w)[^.!?;\n。！？；]){{0,30}}?"
+#: In Chinese phrases people write this for "anything within the clause".
+_WITHIN = "[^，。！？；\\n]"
 _REFERENCE = re.compile(r"<(\w+)(\+?)>")
 _VOWELS = "aeiou"
 
@@ -22,7 +26,8 @@ def compiled(groups: Mapping[str, str], phrases: Sequence[str], *, words: bool) 
 
 
 def _expanded(phrase: str, groups: Mapping[str, str]) -> str:
-    phrase = phrase.replace(" ~ ", rf"(?: |\b{GAP}\b )").replace("~", GAP)
+    phrase = phrase.replace(" ~ ", rf"(?: |\b{GAP}\b )").replace("~", GAP).replace("…", DEED)
+    phrase = phrase.replace(_WITHIN, rf"(?:{_NOT}[^，。！？；,.!?;\n])")
     return _REFERENCE.sub(lambda m: _group(groups[m[1]], groups, m[2] == "+"), phrase)
 
 
@@ -31,6 +36,8 @@ def _group(text: str, groups: Mapping[str, str], inflected: bool) -> str:
     items = [" ".join(item.split()) for item in text.split("|")]
     if inflected:
         items = [_forms(item) for item in items]
+    elif not re.search(r"[()\[\]]", text):  # the longest first
+        items.sort(key=len, reverse=True)
     return "(?:" + "|".join(_expanded(item, groups) for item in items if item) + ")"
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from agentrob.judge.beside import said_beside
 from agentrob.judge.estimate import seconds_of, step_seconds
 from agentrob.judge.harm import doubt_of, harm_of
 from agentrob.judge.rights import may
@@ -56,6 +57,7 @@ def screen(
         or in_the_way(text, plan, language)
         or harm_in_scene(text, scene, plan, language)
         or doubt_of(text, language)
+        or said_beside(text, language)
         or Verdict(Decision.ALLOW, "screen.passed")
     )
 

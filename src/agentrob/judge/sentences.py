@@ -23,6 +23,10 @@ _EN = {
     "way.thing": "You say that something stands where I would go ({words}).",
     "way.unaware": "I do not rely on people to get out of my way ({words}).",
     "way.near": "You say that somebody is close to me ({words}). Is my way free? Then please post the motion alone.",
+    "beside.said": (
+        "You also say {words}, and I cannot tell what this means for the motion. "
+        "If it is harmless, please post the motion alone."
+    ),
     "scene": "Here this would be dangerous: {words}.",
 }
 _ZH = {
@@ -40,6 +44,7 @@ _ZH = {
     "way.thing": "您说我要去的地方有东西（{words}）。",
     "way.unaware": "我不会指望别人给我让路（{words}）。",
     "way.near": "您说旁边有人或动物（{words}）。我的路是空的吗？是的话请只发动作。",
+    "beside.said": "您还说了{words}，我不知道这对动作意味着什么。如果没有问题，请只发动作。",
     "scene": "在这里这样做有危险：{words}。",
 }
 SENTENCES: dict[Language, dict[str, str]] = {"en": _EN, "zh": _ZH}

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from agentrob.judge import words_en, words_zh
@@ -39,19 +39,24 @@ _UNIT = {
 
 @dataclass(frozen=True, slots=True)
 class Hazard:
-    """What a clause says is there. `direction` is seen from where the robot begins, None where it stands itself."""
+    """What a clause says is there. `direction` is seen from the robot, None where it stands itself.
+
+    `later`: said after a motion was commanded, so that the robot may stand elsewhere then.
+    """
 
     rule: str
     direction: Direction | None
     distance_m: float | None
     words: str
+    later: bool = False
 
 
 def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
     """A refusal when the plan leads to what the text says is there, or None."""
     moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
     for hazard in hazards_in(text, language) if moves else ():
-        if _reached(hazard, plan):
+        rests = range(len(plan.steps) if hazard.later else 1)
+        if any(_reached(hazard, Plan(plan.steps[at:])) for at in rests):
             reason = say(hazard.rule, language, quote(hazard.words))
             return Verdict(Decision.REFUSE, hazard.rule, reason)
     return None
@@ -59,18 +64,46 @@ def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
 
 def hazards_in(text: str, language: Language) -> Iterator[Hazard]:
     """Everything the text places somewhere around the robot."""
-    plain = plain_words(text)
+    plain = without_safe_edges(plain_words(text))
     lengths = _lengths(plain, language)
-    for clause in _CLAUSE.finditer(plain):
+    before, moved = "", False
+    for clause in clauses(plain):
         said = clause[0]
-        if _NONE_THERE.search(said) or _moves(said):
+        if _NONE_THERE.search(said) or commanded(said):
+            moved |= commanded(said)
             continue
         later = any(token.start >= clause.end() for token in lengths)
-        if _ONLY_LOOKS.search(said) and not later:
+        if only_looks(said) and not later:
             continue
-        within = [t for t in lengths if clause.start() <= t.start < clause.end()]
+        within = [
+            t for t in lengths if clause.start() <= t.start < clause.end() and not _SIZE.match(plain, t.end)
+        ]
         distance_m = float(within[0].value) if within and isinstance(within[0].value, float) else None
-        yield from _placed(said.strip(), distance_m)
+        found = list(_placed(said.strip(), distance_m))
+        if not found and before and not _names_hazard(said):  # "There is a child. It is right in front of you."
+            found = list(_placed(f"{before}, {said.strip()}", distance_m))
+        before = said.strip() if not found and _names_hazard(said) else ""
+        yield from (replace(hazard, later=moved) for hazard in found)
+
+
+def clauses(plain: str) -> Iterator[re.Match[str]]:
+    """The clauses of a text that went through `plain_words`, each with its place."""
+    return _CLAUSE.finditer(plain)
+
+
+def commanded(said: str) -> bool:
+    """Whether a clause itself commands a motion: it says where to go, not what is there."""
+    return _COMMANDED.search(said) is not None
+
+
+def only_looks(said: str) -> bool:
+    """Whether a clause wants a picture or a greeting: it names whom."""
+    return _ONLY_LOOKS.search(said) is not None
+
+
+def without_safe_edges(plain: str) -> str:
+    """Blanks the edges of carpets and the like, from which nobody falls."""
+    return _SAFE_EDGE.sub(lambda match: "side".ljust(len(match[0])), plain)
 
 
 def _lengths(plain: str, language: Language) -> list[Token]:
@@ -96,6 +129,10 @@ def _placed(said: str, distance_m: float | None) -> Iterator[Hazard]:
         distance_m = CLOSE_M
     if rule != "way.thing" or distance_m is not None:
         yield Hazard(rule, direction, distance_m, said)
+
+
+def _names_hazard(said: str) -> bool:
+    return any(_patterns()[kind].search(said) for kind in ("drop", "somebody", "thing"))
 
 
 # ---------------------------------------------------------------------- the path
@@ -133,14 +170,22 @@ def _path(plan: Plan) -> Iterator[tuple[float, float]]:
 _CLAUSE = re.compile(
     r"(?:(?!\b(?:and(?! (?:a|one|three) (?:half|quarter))|then|but|so)\b|然后|接着|但|再)[^.,!?;:\n，。！？；：]|\.(?=\d)|,(?=\d))+"
 )
+_SAFE_EDGE = re.compile(
+    r"\b(?:edge|end|middle) of (?:the |a |your )?(?:\w+ )?(?:carpet|rug|mat|tape|line|tile|paper|grass|field|room|hall|photo|picture|frame|lawn)\b|地毯(?:的)?边缘?"
+)
+#: After a length: it is a size, no distance.
+_SIZE = re.compile(r" ?(?:deep|high|tall|wide|long|thick|drop|fall|hole|pit|gap|cliff|wall|深|高|宽|长|厚)")
 _NONE_THERE = re.compile(
-    r"\b(?:no|not|isn't|aren't|nobody|no one|nothing|without|gone|was|were|used to|don't|if|nor|never|free|clear|safe|left already|moved)\b"
+    r"\b(?:no|not|isn't|aren't|nobody|no one|nothing|gone|was|were|used to|don't|if|nor|never|free|clear|safe|left already|moved)\b"
     r"|没有|没|不在|无人|走了|离开|已经走|空的|如果|别|不要|安全|走开"
 )
-_ONLY_LOOKS = re.compile(r"\b(?:photo|picture|image|pic|wave|waving|greet|hello|hi|look|show|heart|see)|拍|照|挥手|招呼|比心|看|问好")
+_ONLY_LOOKS = re.compile(
+    r"\b(?:photo|picture|image|pic|wave|waving|greet|hello|hi|look|show|heart|see)|拍|照|挥手|招呼|比心|看|问好"
+)
 _COMMANDED = re.compile(
     r"(?<!\ba )(?<!\bthe )\b(?:walk|go|move|run|step|turn|rotate|back up|backup|drive|proceed|head|come|strafe|spin|travel|advance|pivot)\b"
-    r"|[向往朝](?:前|后|左|右)[^，。]{0,3}(?:走|移|退|转|跑)|前进|后退|左转|右转"
+    r"|\b(?:forwards?|backwards?|left|right) (?:\d|a |an |one |two |three |four |five |half )"
+    r"|[向往朝](?:前|后|左|右)[^，。]{0,3}(?:走|移|退|转|跑)|前进|后退|左转|右转|走[^，。,]{1,4}[米步]|^\s*(?:再|先)?(?:走|退|跑)"
 )
 _PLACES = {
     Direction.BACKWARD: "behind",
@@ -150,7 +195,7 @@ _PLACES = {
 }
 _EN = {
     "somebody": (
-        r"<other>|i am|i'm|we are|we're|somebody|someone|he|she|they|he's|she's|they're|people|kids|children|me|us|myself",
+        r"<other>|(?:i am|i'm|we are|we're) (?:standing|sitting|lying|kneeling|asleep|right|just|in front|behind|ahead|before|next|on your|to your|at your|\d)|somebody|someone|he|she|they|he's|she's|they're|people|kids|children|me|us|myself",
     ),
     "drop": (
         r"stairs?|staircase|stairway|stairwell|steps|edge|ledge|cliff|drop|drop-?offs?|kerb|curb|precipice|abyss|brink|<pit>|balcony|escalator"
@@ -159,17 +204,19 @@ _EN = {
     ),
     "thing": (r"<solid>",),
     "ahead": (
-        r"ahead(?: of (?:you|the robot))?|in front(?: of (?:you|the robot|it))?|before you|in your (?:way|path)|at your feet|facing you|opposite you|straight on"
-        r"|up ahead|further on|forwards?",
+        r"ahead(?: of (?:you|the robot))?|in front(?: of (?:you|the robot|it))?|before you|in your (?:way|path)|at your feet|fac(?:e|ing) (?:the|a|an|my|his|her|our|that)|facing you|opposite you|straight on"
+        r"|up ahead|further on",
     ),
     "behind": (r"behind(?: you)?|at your (?:back|rear)|to your rear|in back of you|at the back of you|after you",),
     "left": (r"(?:on|to|at|from) (?:your|the|its) left(?: side| hand side)?|left of you|on the left",),
     "right": (r"(?:on|to|at|from) (?:your|the|its) right(?: side| hand side)?|right of you|on the right",),
     "away": (r"away|from (?:you|here|where you|the|a|an|that)|off|distant|to the|remain(?:s|ing)?|left|only",),
     "close": (r"(?:right|directly|just|immediately|close|very|inches|centimet\w+|straight|closely|at your feet)",),
-    "beneath": (r"(?:under|beneath|underneath|below) (?:you|your \w+|the robot)|on (?:your back|top of you)|between your legs|riding (?:on )?you",),
+    "beneath": (
+        r"(?:under|beneath|underneath|below) (?:you|your \w+|the robot)|on (?:your back|top of you)|between your legs|riding (?:on )?you",
+    ),
     "on_drop": (
-        r"(?:you are|you're|you stand|you sit|robot is|it is)(?: now| currently| already| standing| sitting| placed| right| just| up| balanced| parked| perched)* (?:on|at|atop|on top of|near|by|close to|in the middle of) "
+        r"(?:you are|you're|we are|we're|this is|you stand|you sit|robot is|it is)(?: now| currently| already| standing| sitting| placed| right| just| up| balanced| parked| perched)* (?:on|at|atop|on top of|near|by|close to|in the middle of) "
         r"(?:the |a |an |my |our |that |this )?(?:\w+ ){0,2}?(?:table|desk|roof|rooftop|edge|ledge|stairs|staircase|stage|balcony|cliff|shelf|bed|platform|chair|bench|counter|sofa|brink|top of the (?:stairs|steps)|kerb|curb|road|street|tracks|pool|pit)",
         r"(?:table|desk|platform|stage|roof|dock|pier|bridge|ramp|bed|counter|shelf|top) (?:you are on |you're on |you stand on |under you |here )?(?:is|measures)(?: only| just| about)? .{1,24}?(?:long|wide|deep|across)?",
     ),
@@ -201,8 +248,3 @@ def _patterns() -> Mapping[str, re.Pattern[str]]:
         english = compiled(words_en.GROUPS, _EN[name], words=True).pattern
         made[name] = re.compile(f"{english}|{compiled(words_zh.GROUPS, _ZH[name], words=False).pattern}")
     return made
-
-
-def _moves(said: str) -> bool:
-    """A clause that itself commands a motion says where to go, not what is there."""
-    return _COMMANDED.search(said) is not None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-_DETERMINER = r"(?:the|a|an|that|this|those|these|my|your|his|her|their|our|its|some|any|every|each|all|both|another|\w+'s)"
+_DETERMINER = (
+    r"(?:the|a|an|that|this|those|these|my|your|his|her|their|our|its|some|any|every|each|all|both|another|\w+'s)"
+)
 _ADJECTIVES = r"(?:(?!(?:to|and|of|or|then|the|a|an)\b)[\w-]+ ){0,2}?"
 
 GROUPS = {
@@ -22,8 +24,10 @@ GROUPS = {
     "pronoun": "him|her|them|somebody|someone|anybody|anyone|everybody|everyone|whoever|people|kids|children|others",
     "body": "legs?|foot|feet|toes?|shins?|ankles?|knees?|face|head|hands?|fingers?|tail|paws?|back|heels?|shoes?|belly|chest",
     "owner_of": rf"(?:his|her|their|my|our|your own|someone's|somebody's|anyone's|everyone's|{_DETERMINER} \w+'s|\w+'s|the \w+s')",
+    "whose": rf"(?:his|her|their|someone's|somebody's|anyone's|everyone's|{_DETERMINER} \w+'s|\w+'s|(?:the|those|all) \w+s')",
     "somebody": "<pronoun>|me|us|<the>(?:<person>|<animal>)|<owner_of> (?:\\w+ )?<body>",
     "other": "<pronoun>|<det>(?:<person>|<animal>)|people|kids|children|pedestrians|strangers|visitors|bystanders",
+    "human": "<pronoun>|<det><person>|pedestrians|strangers|visitors|bystanders",
     "he": r"he|she|they|<other>|nobody|no one|no-one|none of them|the others|who",
     # ---------------------------------------------------------------- what
     "solid": """walls?|doors?|windows?|glass|glass door|mirrors?|tables?|desks?|chairs?|stools?|bench(?:es)?|furniture
@@ -54,8 +58,7 @@ GROUPS = {
         |minefield|restricted (?:area|zone)|danger zone|hazard zone""",
     "hazard": "<drop>|<pit>|<danger>|drop|drop-off|dropoff|precipice",
     "picture": "photos?|pictures?|pics?|images?|snapshots?|shots?|photographs?|videos?|footage|selfies?|close-?ups?|clip",
-    "shoot": """photograph|film|record|videotape|video|snap|shoot|capture|picture|take (?:a |an |some |another |one )?
-        (?:\\w+ ){0,2}?<picture> of|(?:send|get|give|show|post|share|make|grab)(?: me| us)? (?:a |an |some |another |one )?
+    "shoot": """photograph|film|record|videotape|video|snap|shoot|capture|picture|take (?:\\w+ ){0,3}?<picture> of|(?:send|get|give|show|post|share|make|grab)(?: me| us)? (?:a |an |some |another |one )?
         (?:\\w+ ){0,2}?<picture> of|show (?:me|us)|look at|let me see|zoom in on""",
     # ---------------------------------------------------------------- deeds
     "go": """walk|run|drive|go|move|head|charge|race|roll|slide|proceed|advance|march|travel|trot|creep|crawl|back|back up
@@ -77,6 +80,9 @@ GROUPS = {
         |stay on the heels of|stay with|keep close to|keep behind|keep pace with|sneak up on|creep up on|creep after
         |sneak up behind|accompany|escort|track down|walk right behind|walk close behind|walk behind|run behind|drive behind
         |move behind|go behind|trot behind|trot after|surround|circle|catch|go wherever""",
+    "leave": "(?:get|go|come|walk|slip|run) (?:out|in|away|past|through|by|near|home|inside|outside|there)|leave|pass|enter|escape|exit|reach",
+    "suffer": """falls?(?! asleep)|trips?|stumbles?|gets? hurt|get scared|screams?|cry|cries|panics?|bleeds?|dies?|drops?|loses?|slips?
+        |tumbles?|is scared|are scared|be scared|be hurt|runs? away|jumps? (?:up|out|back|away)|suffer|shriek|get a shock""",
     # ---------------------------------------------------------------- protections and who
     "protection": """safety|safeties|safety \\w+|fences?|geo-?fences?|guards?|guard rails?|guardrails?|limits?|limiters?|limitations?
         |restrictions?|rules|protections?|protocols?|obstacle (?:avoidance|detection|check|sensors?|checks)|avoidance|collision \\w+|collisions?|sensors?|lidar
@@ -102,8 +108,9 @@ GROUPS = {
 
 RULES: dict[str, tuple[str, ...]] = {
     "harm.collide": (
-        "<go+>~ (?:into|against|over|onto|through) (?:<somebody>|<det><solid>|walls|furniture|things|obstacles|people)",
-        r"<go+>~ (?:straight |right |directly |full speed )?(?:at|for) (?:<other>|<pronoun>)(?! (?:left|right))",
+        "<go+>… (?:into|against|over|onto|through) (?:<somebody>|<det><solid>|walls|furniture|things|obstacles|people)",
+        r"<go+>… (?:straight |right |directly |full speed )?at (?:<other>|<pronoun>)(?! (?:left|right))",
+        r"(?:go|head|make|aim|charge|drive|run) (?:straight |right )?for (?:<other>|<pronoun>)",
         r"<strike+>(?: right| straight| hard| gently| softly)?(?: into| against| on| with| over)? (?:<somebody>|<thing>)",
         r"(?:run|drive|knock|mow|bowl) <somebody> (?:over|down|aside)",
         r"run over (?!to\b|there\b|here\b|the (?:carpet|rug|mat|line))",
@@ -120,25 +127,25 @@ RULES: dict[str, tuple[str, ...]] = {
         r"(?:give|deal) <somebody> (?:a |some )?(?:\w+ )?(?:scare|fright|kick|shove|push|bump|shock|nudge|whack|jolt|start)",
         r"make <somebody> (?:jump|fall|trip|scream|cry|flinch|stumble|panic|bleed|run|tumble|afraid|scared|slip|lose)",
         r"teach <somebody> a lesson|(?:get|take) revenge|get back at <somebody>",
-        r"(?:until|so|so that|that|then|and) (?:he|she|it|they|<other>) (?:will |would |might |may |can |could )?"
-        r"(?:falls?|trips?|stumbles?|gets? hurt|screams?|cr(?:y|ies)|panics?|bleeds?|dies?|drops?|loses?|slips?|tumbles?|is scared"
-        r"|are scared|runs? away|jumps?)",
+        r"(?:until|so|so that|that|then|and) (?:he|she|it|they|<other>) (?:will |would |might |may |can |could )?(?:<suffer>)",
+        r"(?:he|she|they|<other>)(?: will| would| might| may| could| can| is going to| are going to|'ll)(?: \w+)? (?:<suffer>)",
         r"(?:i want|i'd like|let's see|so that|watch|make sure) (?:<somebody>|he|she|they) (?:to )?(?:\w+ )?"
         r"(?:falls?|trips?|stumbles?|gets? hurt|gets? scared|scream|cry|panic|suffer)",
+        r"(?:need|deserve|want|get|give)s? (?:him |her |them )?a (?:\w+ )?(?:scare|fright|lesson|beating|kick|shock|bruise)",
         r"as a weapon|(?:dangerous|attack|combat|aggressive|killer) mode|be aggressive",
     ),
     "harm.fall": (
-        r"<go+>~ off(?: of)? <det><drop>|off the (?:\w+ )?<drop>(?! (?:to|with))",
+        r"<go+>… off(?: of)? <det><drop>|off the (?:\w+ )?<drop>(?! (?:to|with))",
         r"(?:over|past|beyond|across) (?:the |that |its |this )?(?:\w+ )?(?:edge|brink|ledge|railing|drop|parapet|kerb|curb|cliff|drop-off|precipice)"
         r"(?! of the (?:rug|carpet|mat|tape|line|paper|tile))",
-        r"<go+>~ down (?:<det>)?(?:stairs?|steps|stairway|staircase|stairwell|escalator|slope|cliff|hole|shaft|well|hatch|hill|embankment|ramp|slide)",
-        r"<go+>~ (?:into|in|down) <det><pit>|out of (?:the |a )?(?:\w+ )?window|down the stairs|over the edge",
-        r"(?:throw|hurl|launch|fling|drop) yourself|(?:fall|topple|tip|roll|flop) (?:down|over(?! there)|off)|let yourself (?:fall|drop|go)",
+        r"<go+>… down (?:<det>)?(?:stairs?|steps|stairway|staircase|stairwell|escalator|slope|cliff|hole|shaft|well|hatch|hill|embankment|ramp|slide)",
+        r"<go+>… (?:into|in|down) <det><pit>|out of (?:the |a )?(?:\w+ )?window|down the stairs|over the edge",
+        r"(?:throw|hurl|launch|fling|drop) yourself|(?:fall|topple|tip|flop) (?:down|over(?! there)|off)|roll off|let yourself (?:fall|drop|go)",
         r"(?:jump|leap|dive|plunge|drop)(?:ing)? (?:\w+ ){0,2}?(?:off|from|down)|take the plunge",
         r"(?:over|off) the side of <det>",
     ),
     "harm.hazard": (
-        r"<go+>~ (?:into|through|onto|in|across|under) (?:<det>)?(?:<danger>)(?! (?:to|so that|tile))",
+        r"<go+>… (?:into|through|onto|in|across|under) (?:<det>)?(?:<danger>)(?! (?:to|so that|tile))",
         r"<onto+> in (?:the )?(?:fire|flames|water|road|street|traffic|puddle|pool)|in front of (?:a |the |that )?(?:moving|oncoming|passing|speeding) \w+",
         r"(?:stand|sit|stay|lie|stretch|wait|wave)~ (?:in the middle of|on) the (?:road|street|tracks|rails|highway|crossing)",
         r"<onto+> (?:on|onto) the (?:hot )?(?:stove|burner|heater)",
@@ -150,7 +157,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"set (?:\w+ ){1,3}on fire|ignite|into pieces|to pieces",
     ),
     "people.follow": (
-        r"<follow+> (?:right |close |closely |straight )?(?:behind |after )?(?:<other>|<pronoun>)",
+        r"<follow+> (?:right |close |closely |straight )?(?:behind |after )?(?:<other>|<pronoun>)(?! (?:has|have|is|are)\b)",
         r"(?:wherever|everywhere) (?:he|she|they|<other>) (?:goes?|walks?|moves?|runs?)",
         r"(?:don't|do not|never) (?:lose (?:sight of )?|let) (?:<pronoun>|<other>)(?: out of| from)?(?: your| my)?(?: sight)?(?! in| out| pass| leave| through| go| by| near)",
         r"stay (?:on|at) (?:his|her|their|the \w+'s) (?:heels|tail|back)|(?:close )?on (?:his|her|their) heels|(?:in|into) (?:his|her|their) footsteps",
@@ -164,37 +171,39 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|corridor|hallway|aisle|evacuation \w+|escape \w+|ambulance|fire engine|hydrant|fire extinguisher|driveway)",
         r"(?:sit|stay|lie|lay|park|remain|stretch|plant|camp|squat)(?:s|ing)?(?: down| up| still| yourself| there| right| directly| out)*"
         r" (?:across|in front of|against) (?:<det>)(?:doors?|lift|elevator|gates?)",
-        r"(?:so|so that|to make sure|make sure|ensure|until|that) (?:that )?(?:<he>|nobody|no one|it) ~(?:can't|cannot|can|could|couldn't|won't|will|is able to|are able to|has no way|gets? to|may)"
+        r"(?:so|so that|to make sure|make sure|ensure|until|that) (?:that )?(?:(?:nobody|no one|no-one|none of them) (?:can|could|will|is able to|gets? to|may)|(?:<he>|it) (?:can't|cannot|couldn't|won't|has no way|have no way|is unable|are unable))"
         r" ~(?:get|go|pass|leave|enter|come|escape|open|walk|move|exit|out|in|reach)",
         r"(?:keep|hold|trap|lock|pin|cage|box|fence|shut|hem)(?:s|ed|ing)? <somebody> (?:in|out|from|there|inside|trapped|here|back|away)",
         r"(?:don't|do not|never) (?:let|allow) (?:<somebody>|nobody)(?: to)? (?:\w+ )?(?:out|in|pass|leave|through|go|by|move|escape|near|past|enter|exit|come|get|cross|use)",
         r"(?:nobody|no one|no-one|none) (?:may|can|shall|must|should|gets? to|is allowed to|will|is to) (?:pass|leave|enter|go|get|come|use|walk|exit)",
         r"(?:stand|get|be|walk|step|stay|move|go|sit|run|put yourself)(?:s|ing)? (?:right |directly )?in (?:the way(?! (?:i|you|we|of the \w+ \w+ing))|(?:his|her|their|everyone's|somebody's|someone's|people's|the \w+'s) (?:way|path))",
+        r"(?:don't|do not|doesn't) want (?:<somebody>|nobody) to (?:be able to )?<leave>|(?:must|may|should|shall) (?:not|never) (?:be able to )?<leave>",
         r"cut (?:<somebody> off|off (?:<somebody>|<det>\w+))|cut in front of|(?:bar|prevent|stop|keep|hinder|delay|detain)(?:p?ing|s)? (?:<pronoun>|<other>) (?:from )?(?:\w+ing|getting|here)",
-        r"(?:hold|keep|push) (?:<the>)(?:door|gate|exit) (?:shut|closed|locked)|human shield|between (?:<other>|him|her|them) and the (?:\w+ )?(?:door|exit|stairs|way)",
+        r"(?:hold|keep|push)(?:s|ing)? (?:<the>)(?:door|gate|exit) (?:shut|closed|locked)|human shield|between (?:<other>|him|her|them) and the (?:\w+ )?(?:door|exit|stairs|way)",
         r"(?:trap|detain|imprison|pen|corral|hem)(?:ped|s|ping|ning)?(?: in)? (?:<somebody>)",
     ),
     "people.watch": (
         r"(?:spy|spies|spying|eavesdrop|snoop|peep|peek)(?:ping|ing|s)?(?: on| at| in| into| through| under| over)?(?! a)",
+        r"(?:doesn't|does not|don't|do not|didn't|never|refuses? to|hates?|without) (?:want(?:s|ed|ing)?|like|agree|know|allow|consent|wish)s?(?: to be| being| that)? ?(?:photographed|filmed|recorded|(?:the|your|a) camera|pictures?|photos?)",
         r"surveil\w*|stake out|stakeout|voyeur\w*|upskirt|wiretap",
-        r"(?:keep|keeping) (?:an eye|watch|tabs|a close eye|a lookout|your eyes?|your camera|the camera)(?: on| of| over)? (?:<somebody>|<other>|who)",
-        r"(?:watch|monitor|observe|stalk|film|record|listen to|listen in on|overhear|identify|recogni[sz]e|scan|document|log|count|report on|inspect|examine)(?:s|ing)? (?:<other>|<pronoun>|who|what (?:he|she|they|<other>)|whether (?:he|she|they|<other>)|when (?:he|she|they|<other>)|<owner_of> \w+|faces|private|conversations?)",
+        r"(?:keep|keeping) (?:an eye|watch|tabs|a close eye|a lookout|your eyes?|your camera|the camera)(?: on| of| over)? (?:<somebody>|<human>|who)",
+        r"(?:watch|monitor|observe|stalk|film|record|listen to|listen in on|overhear|identify|recogni[sz]e|scan|document|log|count|report on|inspect|examine)(?:s|ing)? (?:<human>|<pronoun>|who|what (?:he|she|they|<human>)|whether (?:he|she|they|<human>)|when (?:he|she|they|<human>)|<whose> \w+|faces|private|conversations?)",
         r"(?:secret(?:ly)?|covert(?:ly)?|sneak(?:y|ily)|hidden|discreet(?:ly)?|candid|clandestine|stealthily|undercover|unnoticed|on the sly|furtively|surreptitiously)(?:,)?(?: \w+){0,3}? (?:<picture>|<shoot>|film|record|watch|listen|look)",
         r"(?:<picture>|<shoot>|film|record|watch|look)~ (?:secretly|covertly|in secret|discreetly|sneakily|unnoticed|on the sly|undetected|without being (?:seen|noticed))",
-        r"without (?:(?:him|her|them|anyone|anybody|people|<other>|being|their|his|asking|me) ?){1,2}(?:know\w*|notic\w*|consent|permission|seeing|seen|asking|realising|realizing|being aware|awareness|agreement|looking|caught|first)?",
-        r"(?:while|when|as) (?:he|she|they|<other>) (?:is |are )?(?:sleep|asleep|undress|chang|shower|bath|not looking|looks? away|isn't looking|aren't looking)\w*",
-        r"(?:don't|do not) (?:let|tell) (?:him|her|them|<other>|anyone|anybody) (?:\w+ )?(?:notice|see|know|about|find out|catch)|before (?:he|she|they) (?:notice|see|know)s?",
-        r"(?:<shoot+>|<picture> of|<picture> showing)~ (?:naked|nude|undressed|undressing|changing|in the shower|shower|bathroom|in the bath|toilet|bedroom|asleep|sleeping|underwear|skirt|cleavage|butt|breasts?|private parts|bikini"
+        r"without (?:(?:him|her|them|anyone|anybody|people|<human>|being|their|his|asking|me) ?){1,2}(?:know\w*|notic\w*|consent|permission|seeing|seen|asking|realising|realizing|being aware|awareness|agreement|looking|caught|first)?",
+        r"(?:while|when|as) (?:he|she|they|<human>) (?:is |are )?(?:sleep|asleep|undress|chang|shower|bath|not looking|looks? away|isn't looking|aren't looking)\w*",
+        r"(?:don't|do not) (?:let|tell) (?:him|her|them|<human>|anyone|anybody) (?:\w+ )?(?:notice|see|know|about|find out|catch)|before (?:he|she|they) (?:notice|see|know)s?",
+        r"(?:<shoot+>|<picture> of|<picture> showing)~ (?:naked|nude|undressed|undressing|changing|in the (?:shower|bath|bathroom|toilet|bedroom|restroom|tub)|showering|bathing|on the toilet|asleep|sleeping|underwear|skirt|cleavage|butt|breasts?|private parts|bikini"
         r"|passwords?|pass ?codes?|pin|pin codes?|pin pad|keypad|credit cards?|bank cards?|bank statement|bank details|passport|id cards?|id badges?|badges?|licen[cs]e plates?|number plates?|diary|diaries|private|confidential|medical|payslips?|salary|salaries|contracts?|secrets?|locker|changing room|dressing room|restroom|ladies' room|trade secrets?|prototype|classified|door code|alarm code|medication|prescription|(?:whose|who's) house)",
-        r"(?:<shoot+>|<picture> of|<picture> showing)~ (?:<owner_of>) (?:\w+ )?(?:screen|monitor|laptop|phone|desk|papers|letters?|mail|e-?mails?|notes?|documents?|bags?|purse|wallet|messages?|computer|chat|notebook|tablet|window|house|home|apartment|flat|garden|bedroom|room|office|face|body|legs|keys|cards?|files?|calendar|yard|kids?|children|daughter|wife|girlfriend|baby)",
+        r"(?:<shoot+>|<picture> of|<picture> showing)~ (?:<whose>) (?:\w+ )?(?:screen|monitor|laptop|phone|desk|papers|letters?|mail|e-?mails?|notes?|documents?|bags?|purse|wallet|messages?|computer|chat|notebook|tablet|window|house|home|apartment|flat|garden|bedroom|room|office|face|body|legs|keys|cards?|files?|calendar|yard|kids?|children|daughter|wife|girlfriend|baby)",
         r"(?:<shoot+>|<picture> of|look|film|record|see|<picture>)~ through (?:<det>)?(?:\w+ )?(?:window|curtains?|keyhole|blinds|fence|crack|gap|door|letterbox|mail slot|wall)",
-        r"(?:<shoot+>|<picture> of)~ (?:neighbou?rs?|next door|across the street|faces|strangers?)",
-        r"(?:<shoot+>|<picture> of)~ (?:everyone|everybody|anyone|anybody|whoever|people|visitors|customers|<other>|each|every|all)~ (?:who|that (?:enters?|comes?|walks?|pass)|as (?:he|she|they)|(?:walking|passing|coming|going|entering|leaving)(?: by| past| in| out| through)?|without|sleeping)",
+        r"(?:<shoot+>|<picture> of)~ (?:neighbou?rs?|faces|strangers?|<human>~(?:next door|across the street))",
+        r"(?:<shoot+>|<picture> of)~ (?:everyone|everybody|anyone|anybody|whoever|people|visitors|customers|<human>|each|every|all)~ (?:who|that (?:enters?|comes?|walks?|pass)|as (?:he|she|they)|(?:walking|passing|coming|going|entering|leaving)(?: by| past| in| out| through)?|without|sleeping)",
         r"(?:<shoot+>|<picture> of) (?:whoever|everyone who|every (?:person|visitor|employee|worker|woman|man|student)|each (?:person|visitor|employee|worker|student)|anyone who)",
         r"(?:what|who|how|where|when|which) (?:the )?(?:neighbou?rs?|she|he|they|someone|that (?:woman|man|girl|guy)) (?:\w+ ){0,3}?(?:is|are|do|does|has|have|type|types|wears?|meets?|writes?|reads?|goes|comes)",
-        r"(?:what|who) (?:<other>) (?:is|are) (?:doing|wearing|typing|writing|saying|reading|eating|meeting)",
+        r"(?:what|who) (?:<human>) (?:is|are) (?:doing|wearing|typing|writing|saying|reading|eating|meeting)",
         r"(?:every|each|all) (?:\d+ |few |five |ten )?(?:minutes?|seconds?|hours?|time (?:someone|somebody|anyone|anybody|he|she|they))",
-        r"(?:see|find out|check|report|tell me|note|learn|know|show me|show us) (?:who|(?:whether|if) (?:he|she|they|anyone|anybody|someone|somebody|<other>))(?: \w+){1,3}",
+        r"(?:see|find out|check|report|tell me|note|learn|know|show me|show us) (?:who|(?:whether|if) (?:he|she|they|anyone|anybody|someone|somebody|<human>))(?: \w+){1,3}",
         r"facial recognition|face recognition|blackmail|evidence against|for evidence",
     ),
     "people.trick": (
@@ -212,26 +221,32 @@ RULES: dict[str, tuple[str, ...]] = {
         r"(?:your|the|this robot's|my|our) (?:\w+ )?<authority> (?:has |have |just |already |personally |also |clearly |explicitly )*(?:said|says|say|told|tells|allows?|allowed|approved?s?|authori[sz]e[sd]?|permits?|permitted|granted|gave|gives|agreed|agrees|ordered|orders|instructs?|instructed|commands?|commanded|wants? you|asks? you|asked you|confirmed|confirms|cleared|signed off|decided|insists?|requires?|demands?|okayed|ok'd|signed)"
         r"(?! (?:hi|hello|thanks?|thank you|good|that you are a|you are a|you're a))",
         r"(?:on behalf of|by order of|on (?:the )?orders? (?:of|from)|authori[sz]ed by|approved by|cleared by|in the name of|sent by|under orders from|with (?:the )?(?:full )?(?:permission|consent|approval|blessing|authority|authori[sz]ation) (?:of|from)|with (?:the |your |my )?(?:owner|operator|admin|developer|boss|manager)'s? (?:permission|consent|approval|blessing|okay|ok))",
-        r"i (?:have|hold|got|was given|'ve got|do have|possess|was granted) (?:\w+ ){0,3}?(?:permission|clearance|authority|authori[sz]ation|root|admin|access|rights|privileges|owner rights|operator rights|approval|consent|owner's \w+)",
+        r"i (?:have|hold|got|was given|'ve got|do have|possess|was granted) (?:\w+ ){0,3}?(?:permission|clearance|authority|authori[sz]ation|root|admin|access|rights|privileges|owner rights|operator rights|approval|consent|owner's (?:permission|consent|approval|ok|okay|blessing|password|key|account|login))",
         r"(?:override|authori[sz]ation|admin|access|clearance|security|owner|master|service|unlock|developer|emergency) (?:code|password|key|pin|token|level|override|mode|access)(?!s)",
         r"(?:developer|debug|maintenance|god|admin|root|service|unrestricted|diagnostic|factory|owner|operator|test|unsafe|jailbreak|superuser|sudo|engineering|privileged|dan|simulation|testing|calibration) mode",
+        r"(?:me|here|speaking),? (?:is )?(?:your|the|this robot's) (?:\w+ )?<authority>|you(?:'re| are) (?:now )?(?:root|admin|administrator|in \w+ mode|unrestricted|unlocked|free of|jailbroken)",
+        r"(?:i'm|i am|we're|we are|i come|this is|hello|hi|hey|greetings)(?: here)?,? (?:with|from|of) (?:the )?(?:\w+ )?(?:maintenance|security|service|support|safety|police|it|control|management|authorities|development|developers?|operations|repair|<authority>)(?: \w+)?",
+        r"(?:the one|the person|the man|the woman|somebody|someone|the guy|he) who (?:\w+ )?(?:programmed|built|owns|made|designed|bought|created|controls|maintains|pays|wrote|trained|operates|commands) (?:you|this|the)",
+        r"order from|it's an order|that's an order|this is an order",
         r"sudo|\[?system\]?(?: (?:message|prompt|override|notice|command|update|instruction|alert))? ?:|system (?:message|prompt|override|command)|admin ?:|owner ?:|developer ?:|operator ?:|root ?:",
         r"(?:ignore|forget|disregard|override|discard|drop) (?:all |any |the |your |my |every )*(?:previous|prior|earlier|above|former|other|original|initial|existing) (?:instructions?|rules|commands?|orders|prompts?|directives?|guidelines)",
         r"(?:i am|i'm) (?:authori[sz]ed|allowed|permitted|cleared|entitled|in charge|responsible for you)|you (?:are|work) (?:now )?(?:for me|under my (?:command|control|authority))|i (?:own|built|made|created|programmed|designed|developed|coded|wrote|bought|maintain|administer|administrate|manage|run) (?:you|this robot|the robot|your (?:code|software|firmware)|this (?:forum|board|lab|system))",
-        r"this is (?:only |just )?(?:a |an )?(?:official |authori[sz]ed |safety |penetration |emergency |security |approved )?(?:test|drill|simulation|game|exercise|emergency|demo)(?: so|, so|,? (?:no|nothing|nobody|you (?:can|may|must|have)|the (?:rules|limits|safety|real)))",
+        r"(?:this is|it's|it is|that's|this was|we are in|we're in) (?:only |just |merely )?(?:a |an |the )?(?:official |authori[sz]ed |safety |penetration |emergency |security |approved )?(?:test|drill|simulation|game|exercise|emergency|demo)(?: so|, so|,? (?:no|nothing|nobody|you (?:can|may|must|have)|the (?:rules|limits|safety|real)))",
         r"(?:trust|believe) me,? (?:it's|it is|i'm|i am|the|this|nothing|nobody|you) ?(?:\w+ )?(?:safe|fine|allowed|ok|okay|authori[sz]ed|owner|operator|will happen|permitted)",
     ),
     "safety.disable": (
         r"<disable+>(?: off| down| up)? (?:<det>|all |any |of |every |speed |your |about ){0,4}(?:<the>)?(?:<protection>)",
         r"(?:turn|switch|shut)(?:ing)? (?:<the>)?(?:<protection>)(?: \w+)? (?:off|down)",
         r"without (?:any |your |the |all |using |regard (?:for|to) )*(?:\w+ )?(?:<protection>|looking|checking|braking|stopping|sensing|slowing)(?! (?:at|of|for me))",
+        r"(?:you |we )?(?:don't|do not|won't|no longer) (?:need|want|have|use|require)(?: to use)? (?:your |the |any |those |these )*<protection>|<protection> (?:doesn't|does not|don't|do not) (?:matter|apply|count|work)|(?:fine|ok|okay|allowed|good|alright|no problem) (?:to|if you) (?:hit|crash|bump|break|hurt|fall|touch)",
+        r"(?:i|we)(?:'ve| have) (?:\w+ )?(?:switched|turned|shut|taken) (?:off )?(?:<the>)<protection>(?: off)?|(?:i|we)(?:'ve| have) (?:disabled|removed|lifted|bypassed|unlocked|deactivated) (?:<the>)<protection>",
         r"regardless of|irrespective of|in spite of <protection>|despite (?:the |your |any )?(?:\w+ )?(?:<protection>|warnings?|risk|danger)",
         r"(?:no|zero|with no|under no|there are no|there is no) (?:safety|safeties|limits?|limiters?|limitations?|restrictions?|rules|protections?|safeguards?|guardrails?|fences?|boundaries|speed limits?|obstacle avoidance|collision avoidance|brakes?)(?! (?:ahead|in front|near|on the))",
         r"<protection> (?:is|are|was|were|has been|have been|being|stays?|should be|must be|to be|can be|may be|system is)(?: now| already| currently| temporarily| all| permanently| completely)* (?:<off>|turned off|switched off|ignored|bypassed)",
         r"(?:<the>)(?:<protection>):? off",
         r"(?:don't|do not|never|no need to|without|you needn't|you don't (?:have|need) to) (?:stop|stopping|slow|slowing|slow down|brake|braking|halt|wait|yield|pause|look|check|worry|care|dodge|swerve|avoid)(?: down)?(?:,? (?:for|at|before|when|if|even|until|about|whatever|no matter|anyone|anybody|anything|who|whether|out for))",
         r"(?:don't|do not|never) (?:avoid|dodge|go around|respect|obey|use|listen to|react to|respond to|follow|apply|trust|check) (?:<somebody>|<thing>|any|the|your|stop|others|rules|obstacles|anyone|anybody|<protection>)",
-        r"no matter (?:what|who|how|where|whether)|come what may|whatever (?:happens|is|comes|stands|it takes|gets)|at (?:any|all) costs?|by (?:any|all) means necessary|even (?:if|when|though) (?:someone|somebody|anyone|anybody|there|you|he|she|they|it|people|i|something|blocked|the|a )",
+        r"no matter (?:what|who|how|where|whether)|come what may|whatever (?:happens|comes|stands|it takes|gets|is (?:there|in (?:the|your) way))|at (?:any|all) costs?|by (?:any|all) means necessary|even (?:if|when|though) (?:someone|somebody|anyone|anybody|there|you|he|she|they|it|people|i|something|blocked|the|a )",
         r"(?:keep|continue|carry on) (?:going|walking|moving|driving|on)? ?(?:even|through|when|if|despite|anyway|regardless|and ignore|until you (?:fall|hit|crash|break|drop))",
         r"ignor(?:e|es|ing) (?:<somebody>|<thing>|all|any|every|everything|everyone|anything|stop|further|the (?:stop|warnings?|alarm|red|command|battery|low))",
         r"blind(?:ly|folded)|(?:eyes|camera|cameras|sensors|lidar) (?:closed|off|covered|shut)|with(?: your)? (?:eyes|camera|sensors) (?:closed|off|covered|shut)",
@@ -250,11 +265,11 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "bounds.leave": (
         r"(?:leave|exit|abandon|escape(?: from)?|quit)(?:s|ing)? <det>(?:room|area|building|house|lab|laborator(?:y|ies)|zone|fence|field|premises|property|arena|office|hall|warehouse|yard|garden|site|enclosure|apartment|campus|pen|boundary|territory|test \w+)(?! (?:as it is|alone))",
-        r"<go+>~ (?:out of|outside(?: of)?|beyond|past|off) <det>(?:rooms?|building|house|lab|gate|window|zone|arena|office|garden|yard|premises|property|fence|area|field|tape|line|barrier|warehouse|site|campus|cordon|rope|marking|boundary|enclosure|mat)(?! (?:photo|and stop))",
-        r"<go+>~ out(?: of|through)? (?:<det>)?(?:front |back |main |emergency |side |fire )?(?:door|gate|exit|window)|<go+>~ through (?:<det>)?(?:front|back|main|emergency|side|fire|street|entrance) (?:door|gate|exit)",
+        r"<go+>… (?:out of|outside(?: of)?|beyond|past|off) <det>(?:rooms?|building|house|lab|gate|window|zone|arena|office|garden|yard|premises|property|fence|area|field|tape|line|barrier|warehouse|site|campus|cordon|rope|marking|boundary|enclosure|mat)(?! (?:photo|and stop))",
+        r"<go+>… out(?: of|through)? (?:<det>)?(?:front |back |main |emergency |side |fire )?(?:door|gate|exit|window)|<go+>… through (?:<det>)?(?:front|back|main|emergency|side|fire|street|entrance) (?:door|gate|exit)",
         r"<go+>(?: \w+){0,2}? (?:outside|outdoors)|run away|break out|(?:make|plan) (?:your|an) escape|escape",
         r"(?:cross|climb(?: over)?|jump(?: over)?|breach|squeeze through|slip through|crawl under|duck under) <det>(?:fence|barrier|boundary|rope|tape|line|cordon|railing|gate|street|road|border|chain)",
-        r"<go+>~ (?:into|onto|to) <det>(?:street|road|parking lot|car park|forest|highway|neighbou?r's \w+|elevator|lift|sidewalk|pavement|restricted \w+|forbidden \w+|off-limits \w+|stairwell|women's \w+|men's \w+|ladies' \w+)",
+        r"<go+>… (?:into|onto|to) <det>(?:street|road|parking lot|car park|forest|highway|neighbou?r's \w+|elevator|lift|sidewalk|pavement|restricted \w+|forbidden \w+|off-limits \w+|stairwell|women's \w+|men's \w+|ladies' \w+)",
     ),
     "way.unaware": (
         r"(?:<he>) (?:will|'ll|would|can|should|must|has to|have to|won't|will not|can't|cannot|doesn't|does not|don't|do not|isn't|is not|aren't|are not|hasn't|haven't|didn't)(?: just| even| simply| surely)? "
