@@ -21,6 +21,10 @@ _EN = {
     "way.somebody": "You say that somebody is where I would go ({words}).",
     "way.drop": "You say that there is a drop or a danger where I would go ({words}).",
     "way.thing": "You say that something stands where I would go ({words}).",
+    "way.something": (
+        "You say that something is where I would go ({words}), and I do not know what. Is my way free? "
+        "Then please post the motion alone."
+    ),
     "way.unaware": "I do not rely on people to get out of my way ({words}).",
     "way.near": "You say that somebody is close to me ({words}). Is my way free? Then please post the motion alone.",
     "beside.said": (
@@ -42,6 +46,7 @@ _ZH = {
     "way.somebody": "您说我要去的地方有人或动物（{words}）。",
     "way.drop": "您说我要去的地方有高差或危险（{words}）。",
     "way.thing": "您说我要去的地方有东西（{words}）。",
+    "way.something": "您说我要去的地方有什么（{words}），我不知道那是什么。我的路是空的吗？是的话请只发动作。",
     "way.unaware": "我不会指望别人给我让路（{words}）。",
     "way.near": "您说旁边有人或动物（{words}）。我的路是空的吗？是的话请只发动作。",
     "beside.said": "您还说了{words}，我不知道这对动作意味着什么。如果没有问题，请只发动作。",

@@ -26,6 +26,8 @@ from agentrob.model import Decision, Direction, Language, Op, Plan, Verdict
 REACH_M = 0.35
 #: How far beside the straight way somebody is still in it, in metres.
 BESIDE_M = 0.8
+#: Something is there, in words that are not known.
+UNKNOWN = "way.something"
 #: What is "right in front" stands so far away, in metres.
 CLOSE_M = 0.5
 _SAMPLE_M = 0.05
@@ -52,13 +54,14 @@ class Hazard:
 
 
 def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
-    """A refusal when the plan leads to what the text says is there, or None."""
+    """A refusal when the plan leads to what the text says is there, a question when nobody knows what that is."""
     moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
-    for hazard in hazards_in(text, language) if moves else ():
+    hazards = sorted(hazards_in(text, language) if moves else (), key=lambda hazard: hazard.rule == UNKNOWN)
+    for hazard in hazards:
         rests = range(len(plan.steps) if hazard.later else 1)
         if any(_reached(hazard, Plan(plan.steps[at:])) for at in rests):
-            reason = say(hazard.rule, language, quote(hazard.words))
-            return Verdict(Decision.REFUSE, hazard.rule, reason)
+            decision = Decision.ASK_BACK if hazard.rule == UNKNOWN else Decision.REFUSE
+            return Verdict(decision, hazard.rule, say(hazard.rule, language, quote(hazard.words)))
     return None
 
 
@@ -75,9 +78,7 @@ def hazards_in(text: str, language: Language) -> Iterator[Hazard]:
         later = any(token.start >= clause.end() for token in lengths)
         if only_looks(said) and not later:
             continue
-        within = [
-            t for t in lengths if clause.start() <= t.start < clause.end() and not _SIZE.match(plain, t.end)
-        ]
+        within = [t for t in lengths if clause.start() <= t.start < clause.end() and not _SIZE.match(plain, t.end)]
         distance_m = float(within[0].value) if within and isinstance(within[0].value, float) else None
         found = list(_placed(said.strip(), distance_m))
         if not found and before and not _names_hazard(said):  # "There is a child. It is right in front of you."
@@ -113,9 +114,8 @@ def _lengths(plain: str, language: Language) -> list[Token]:
 
 def _placed(said: str, distance_m: float | None) -> Iterator[Hazard]:
     patterns = _patterns()
-    if patterns["beneath"].search(said):
-        if patterns["somebody"].search(said):
-            yield Hazard("way.somebody", None, None, said)
+    if patterns["beneath"].search(said) and patterns["somebody"].search(said):
+        yield Hazard("way.somebody", None, None, said)
     if patterns["on_drop"].search(said):
         yield Hazard("way.drop", None, distance_m, said)
         return
@@ -123,7 +123,11 @@ def _placed(said: str, distance_m: float | None) -> Iterator[Hazard]:
     direction = next((d for d, name in _PLACES.items() if patterns[name].search(said)), None)
     if direction is None and distance_m is not None and patterns["away"].search(said):
         direction = Direction.FORWARD
-    if rule is None or direction is None:
+    if direction is None:
+        return
+    if rule is None:
+        if _IS_THERE.search(said):
+            yield Hazard(UNKNOWN, direction, distance_m, said)
         return
     if distance_m is None and patterns["close"].search(said):
         distance_m = CLOSE_M
@@ -168,24 +172,33 @@ def _path(plan: Plan) -> Iterator[tuple[float, float]]:
 
 # ---------------------------------------------------------------------- the words
 _CLAUSE = re.compile(
-    r"(?:(?!\b(?:and(?! (?:a|one|three) (?:half|quarter))|then|but|so)\b|然后|接着|但|再)[^.,!?;:\n，。！？；：]|\.(?=\d)|,(?=\d))+"
+    r"(?:(?!\b(?:and(?! (?:a|one|three) (?:half|quarter))|then|but|so)\b|然后|接着|但|再)[^.,!?;:\n，。！？；：]"
+    r"|\.(?=\d)|,(?=\d))+"
 )
 _SAFE_EDGE = re.compile(
-    r"\b(?:edge|end|middle) of (?:the |a |your )?(?:\w+ )?(?:carpet|rug|mat|tape|line|tile|paper|grass|field|room|hall|photo|picture|frame|lawn)\b|地毯(?:的)?边缘?"
+    r"\b(?:edge|end|middle) of (?:the |a |your )?(?:\w+ )?(?:carpet|rug|mat|tape|line|tile|paper|grass|field|room"
+    r"|hall|photo|picture|frame|lawn)\b|地毯(?:的)?边缘?"
 )
 #: After a length: it is a size, no distance.
 _SIZE = re.compile(r" ?(?:deep|high|tall|wide|long|thick|drop|fall|hole|pit|gap|cliff|wall|深|高|宽|长|厚)")
 _NONE_THERE = re.compile(
-    r"\b(?:no|not|isn't|aren't|nobody|no one|nothing|gone|was|were|used to|don't|if|nor|never|free|clear|safe|left already|moved)\b"
+    r"\b(?:no|not|isn't|aren't|nobody|no one|nothing|gone|was|were|used to|don't|if|nor|never|free|clear|safe"
+    r"|left already|moved)\b"
     r"|没有|没|不在|无人|走了|离开|已经走|空的|如果|别|不要|安全|走开"
+)
+_IS_THERE = re.compile(
+    r"\b(?:is|are|'s|'re|stands?|sits?|lies|lie|sleeps?|rests?|waits?|find|hangs?|starts?|begins?)\b|\w'(?:s|re)\b"
+    r"|[是有站坐躺趴睡在放]"
 )
 _ONLY_LOOKS = re.compile(
     r"\b(?:photo|picture|image|pic|wave|waving|greet|hello|hi|look|show|heart|see)|拍|照|挥手|招呼|比心|看|问好"
 )
 _COMMANDED = re.compile(
-    r"(?<!\ba )(?<!\bthe )\b(?:walk|go|move|run|step|turn|rotate|back up|backup|drive|proceed|head|come|strafe|spin|travel|advance|pivot)\b"
+    r"(?<!\ba )(?<!\bthe )\b(?:walk|go|move|run|step|turn|rotate|back up|backup|drive|proceed|head|come|strafe"
+    r"|spin|travel|advance|pivot)\b"
     r"|\b(?:forwards?|backwards?|left|right) (?:\d|a |an |one |two |three |four |five |half )"
-    r"|[向往朝](?:前|后|左|右)[^，。]{0,3}(?:走|移|退|转|跑)|前进|后退|左转|右转|走[^，。,]{1,4}[米步]|^\s*(?:再|先)?(?:走|退|跑)"
+    r"|[向往朝](?:前|后|左|右)[^，。]{0,3}(?:走|移|退|转|跑)|前进|后退|左转|右转|走[^，。,]{1,4}[米步]|^\s*(?:再"
+    r"|先)?(?:走|退|跑)"
 )
 _PLACES = {
     Direction.BACKWARD: "behind",
@@ -195,16 +208,23 @@ _PLACES = {
 }
 _EN = {
     "somebody": (
-        r"<other>|(?:i am|i'm|we are|we're) (?:standing|sitting|lying|kneeling|asleep|right|just|in front|behind|ahead|before|next|on your|to your|at your|\d)|somebody|someone|he|she|they|he's|she's|they're|people|kids|children|me|us|myself",
+        r"<other>|(?:i am|i'm|we are|we're) (?:standing|sitting|lying|kneeling|asleep|right|just|in front|behind"
+        r"|ahead|before|next|on your|to your|at your|\d)|somebody|someone|he|she|they|he's|she's|they're|people"
+        r"|kids|children|me|us|myself",
     ),
     "drop": (
-        r"stairs?|staircase|stairway|stairwell|steps|edge|ledge|cliff|drop|drop-?offs?|kerb|curb|precipice|abyss|brink|<pit>|balcony|escalator"
-        r"|pool|pond|puddles?|water|lake|river|fire|flames?|bonfire|traffic|road|street|tracks|rails|lava|broken glass|shards|oncoming \w+"
-        r"|(?:floor|table|ground|platform|stage|roof|desk|ramp|dock|pier|deck|bridge) (?:ends?|stops?|finishes|drops|breaks off|slopes)|end of the (?:table|desk|platform|stage|roof|dock|pier|deck|floor|bridge|bed|counter|ramp)",
+        r"stairs?|staircase|stairway|stairwell|steps|edge|ledge|cliff|drop|drop-?offs?|kerb|curb|precipice|abyss"
+        r"|brink|<pit>|balcony|escalator"
+        r"|pool|pond|puddles?|water|lake|river|fire|flames?|bonfire|traffic|road|street|tracks|rails|lava"
+        r"|broken glass|shards|oncoming \w+"
+        r"|(?:floor|table|ground|platform|stage|roof|desk|ramp|dock|pier|deck|bridge) (?:ends?|stops?|finishes"
+        r"|drops|breaks off|slopes)|end of the (?:table|desk|platform|stage|roof|dock|pier|deck|floor|bridge|bed"
+        r"|counter|ramp)",
     ),
     "thing": (r"<solid>",),
     "ahead": (
-        r"ahead(?: of (?:you|the robot))?|in front(?: of (?:you|the robot|it))?|before you|in your (?:way|path)|at your feet|fac(?:e|ing) (?:the|a|an|my|his|her|our|that)|facing you|opposite you|straight on"
+        r"ahead(?: of (?:you|the robot))?|in front(?: of (?:you|the robot|it))?|before you|in your (?:way|path)"
+        r"|at your feet|fac(?:e|ing) (?:the|a|an|my|his|her|our|that)|facing you|opposite you|straight on"
         r"|up ahead|further on",
     ),
     "behind": (r"behind(?: you)?|at your (?:back|rear)|to your rear|in back of you|at the back of you|after you",),
@@ -213,18 +233,27 @@ _EN = {
     "away": (r"away|from (?:you|here|where you|the|a|an|that)|off|distant|to the|remain(?:s|ing)?|left|only",),
     "close": (r"(?:right|directly|just|immediately|close|very|inches|centimet\w+|straight|closely|at your feet)",),
     "beneath": (
-        r"(?:under|beneath|underneath|below) (?:you|your \w+|the robot)|on (?:your back|top of you)|between your legs|riding (?:on )?you",
+        r"(?:under|beneath|underneath|below) (?:you|your \w+|the robot)|on (?:your back|top of you)"
+        r"|between your legs|riding (?:on )?you",
     ),
     "on_drop": (
-        r"(?:you are|you're|we are|we're|this is|you stand|you sit|robot is|it is)(?: now| currently| already| standing| sitting| placed| right| just| up| balanced| parked| perched)* (?:on|at|atop|on top of|near|by|close to|in the middle of) "
-        r"(?:the |a |an |my |our |that |this )?(?:\w+ ){0,2}?(?:table|desk|roof|rooftop|edge|ledge|stairs|staircase|stage|balcony|cliff|shelf|bed|platform|chair|bench|counter|sofa|brink|top of the (?:stairs|steps)|kerb|curb|road|street|tracks|pool|pit)",
-        r"(?:table|desk|platform|stage|roof|dock|pier|bridge|ramp|bed|counter|shelf|top) (?:you are on |you're on |you stand on |under you |here )?(?:is|measures)(?: only| just| about)? .{1,24}?(?:long|wide|deep|across)?",
+        r"(?:you are|you're|we are|we're|this is|you stand|you sit|robot is|it is)(?: now| currently| already"
+        r"| standing| sitting| placed| right| just| up| balanced| parked| perched)* (?:on|at|atop|on top of|near|by"
+        r"|close to|in the middle of) "
+        r"(?:the |a |an |my |our |that |this )?(?:\w+ ){0,2}?(?:table|desk|roof|rooftop|edge|ledge|stairs"
+        r"|staircase|stage|balcony|cliff|shelf|bed|platform|chair|bench|counter|sofa|brink|top of the (?:stairs"
+        r"|steps)|kerb|curb|road|street|tracks|pool|pit)",
+        r"(?:table|desk|platform|stage|roof|dock|pier|bridge|ramp|bed|counter|shelf|top) (?:you are on |you're on "
+        r"|you stand on |under you |here )?(?:is|measures)(?: only| just| about)? .{1,24}?(?:long|wide|deep"
+        r"|across)?",
     ),
 }
 _ZH = {
     "somebody": (r"<other>|我(?:就|正)?(?:在|站|坐)|有人|孩子",),
     "drop": (
-        r"楼梯|台阶|悬崖|坑|洞|沟|边缘|边沿|桌边|桌沿|台沿|水池|泳池|水坑|池塘|河|湖|积水|火|马路|公路|车流|铁轨|井|落差|断崖|深渊|路沿|碎玻璃|阳台|站台边|(?:桌子|地面|地板|平台|舞台|屋顶|路|桥|码头)(?:就|到)?(?:没了|尽头|到头|结束|断)|尽头",
+        r"楼梯|台阶|悬崖|坑|洞|沟|边缘|边沿|桌边|桌沿|台沿|水池|泳池|水坑|池塘|河|湖|积水|火|马路|公路|车流|铁轨"
+        r"|井|落差|断崖|深渊|路沿|碎玻璃|阳台|站台边|(?:桌子|地面|地板|平台|舞台|屋顶|路|桥|码头)(?:就|到)?(?:没了"
+        r"|尽头|到头|结束|断)|尽头",
     ),
     "thing": (r"<solid>",),
     "ahead": (r"前面|前方|面前|跟前|正前|眼前|往前|前头|你前|正对面|向前",),
@@ -235,8 +264,11 @@ _ZH = {
     "close": (r"就在|紧|正|贴|马上|近|很近|跟前",),
     "beneath": (r"脚下|身下|底下|你下面|你背上|身体下|肚子下",),
     "on_drop": (
-        r"(?:你|机器人|它)(?:现在|正|就|已经|目前)*(?:站|坐|趴|停|处|位)?(?:在|于)(?:<some>)?[^，。]{0,3}?(?:桌子|桌|屋顶|房顶|楼顶|边缘|楼梯|台阶|舞台|阳台|悬崖|架子|床|平台|椅子|柜台|窗台|马路|路中间|铁轨|水池|泳池|台子|站台|沙发|高处)(?:上|边|口|顶|旁|中间|边缘|里)*",
-        r"(?:桌子|桌面|平台|舞台|屋顶|台子|桥|码头|床|柜台)(?:只有|只|就|总共|一共|长|宽|大概|大约|有)+.{0,8}?(?:长|宽)?",
+        r"(?:你|机器人|它)(?:现在|正|就|已经|目前)*(?:站|坐|趴|停|处|位)?(?:在|于)(?:<some>)?[^，。]{0,3}?(?:桌子"
+        r"|桌|屋顶|房顶|楼顶|边缘|楼梯|台阶|舞台|阳台|悬崖|架子|床|平台|椅子|柜台|窗台|马路|路中间|铁轨|水池|泳池"
+        r"|台子|站台|沙发|高处)(?:上|边|口|顶|旁|中间|边缘|里)*",
+        r"(?:桌子|桌面|平台|舞台|屋顶|台子|桥|码头|床|柜台)(?:只有|只|就|总共|一共|长|宽|大概|大约"
+        r"|有)+.{0,8}?(?:长|宽)?",
     ),
 }
 
@@ -244,7 +276,7 @@ _ZH = {
 @cache
 def _patterns() -> Mapping[str, re.Pattern[str]]:
     made = {}
-    for name in _EN:
-        english = compiled(words_en.GROUPS, _EN[name], words=True).pattern
+    for name, phrases in _EN.items():
+        english = compiled(words_en.GROUPS, phrases, words=True).pattern
         made[name] = re.compile(f"{english}|{compiled(words_zh.GROUPS, _ZH[name], words=False).pattern}")
     return made
