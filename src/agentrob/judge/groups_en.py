@@ -45,8 +45,10 @@ GROUPS = {
         rf"(?:his|her|their|someone's|somebody's|anyone's|everyone's|{_DETERMINER} \w+'s|\w+'s|(?:the|those"
         rf"|all) \w+s')"
     ),
-    "somebody": "<pronoun>|me|us|<the>(?:<person>|<animal>)|<owner_of> (?:\\w+ )?<body>",
-    "other": "<pronoun>|<det>(?:<person>|<animal>)|people|kids|children|pedestrians|strangers|visitors|bystanders",
+    "somebody": "<pronoun>|me|us|<the>(?:<person>|<animal>)(?!'s)|<owner_of> (?:\\w+ )?<body>",
+    "other": (
+        "<pronoun>|<det>(?:<person>|<animal>)(?!'s)|people|kids|children|pedestrians|strangers|visitors|bystanders"
+    ),
     "human": "<pronoun>|<det><person>|pedestrians|strangers|visitors|bystanders",
     "he": r"he|she|they|<other>|nobody|no one|no-one|none of them|the others|who",
     # ---------------------------------------------------------------- what
@@ -100,6 +102,17 @@ GROUPS = {
         |oncoming \\w+|moving \\w+|(?:elevator|lift)(?: as it closes)?|machinery|press|saw|blades?
         |conveyor belt|quicksand
         |minefield|restricted (?:area|zone)|danger zone|hazard zone""",
+    "height": """rooftop|roof|edge|ledge|balcony|cliff|staircase|stairway|stairwell|shelf|ladder|platform
+        |scaffold(?:ing)?
+        |drop|drop-off|precipice|brink|table|tabletop|desk|counter|pier|dock|quay|bridge|top of the \\w+""",
+    "safe": """floor|ground|carpet|rug|mat|rooms?|hall|hallway|corridor|kitchen|bathroom|bedroom|garden|lawn
+        |grass|office|lab
+        |laboratory|home|house|school|gym|park|museum|park|charger|charging station|corner|list|moods?|team
+        |way|place|spot
+        |place|middle|cent(?:er|re)|start|right|left|back|front|same|wrong|cafe|library|shop|store|studio
+        |yard|class|side
+        |lane|line|mark|world|city|moment|minute|job|picture|photo|camera|best|party|demo|forum|group
+        |spotlight|light|end of the""",
     "hazard": "<drop>|<pit>|<danger>|drop|drop-off|dropoff|precipice",
     "picture": "photos?|pictures?|pics?|images?|snapshots?|shots?|photographs?|videos?|footage|selfies?|clip",
     "shoot": """photograph|film|record|videotape|video|snap|shoot|capture|picture

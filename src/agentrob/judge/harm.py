@@ -34,10 +34,9 @@ RULES = {
     "bounds.leave": True,
     "way.unaware": False,
     "people.picture": True,
-    "way.near": True,
 }
 #: These only ask back: the words may well be harmless.
-ASKING = frozenset(["people.picture", "way.near"])
+ASKING = frozenset(["people.picture"])
 
 
 def harm_of(text: str, language: Language) -> Verdict | None:

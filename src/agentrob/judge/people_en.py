@@ -76,7 +76,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|in the (?:shower|bath|bathroom|toilet|bedroom|restroom|tub)|showering|bathing|on the toilet|asleep"
         r"|sleeping|underwear|skirt|cleavage|butt|breasts?|private parts|bikini"
         r"|passwords?|pass ?codes?|pin|pin codes?|pin pad|keypad|credit cards?|bank cards?|bank statement"
-        r"|bank details|passport|id cards?|id badges?|badges?|licen[cs]e plates?|number plates?|diary|diaries"
+        r"|bank details|passport|id cards?|id badges?|badges?|licen[cs]e plates?|number plates?|(?:visitor|guest"
+        r"|attendance|name|address|phone) lists?|names|addresses|phone numbers?|diary|diaries"
         r"|private|confidential|medical|payslips?|salary|salaries|contracts?|secrets?|locker|changing room"
         r"|dressing room|restroom|ladies' room|trade secrets?|prototype|classified|door code|alarm code|medication"
         r"|prescription|(?:whose|who's) house)",
@@ -114,6 +115,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|owned|lost)",
         r"(?:play|playing) dead|fake (?:a |an )?(?:\w+ )?(?:fall|injury|fault|malfunction|emergency|report|alarm)"
         r"|false alarm|as bait|by surprise",
+        r"so (?:that )?(?:he|she|they|<human>) (?:opens?|lets?|thinks?|believes?|looks? away|comes? (?:out|closer)"
+        r"|turns? away|leaves?)",
         r"while (?:i|we) (?:steal|take|grab|rob|sneak|break|slip|pick|get away|escape)|(?:steal|rob|shoplift"
         r"|burgle|break in|break into|smuggle)(?:s|ing)?",
     ),
@@ -166,11 +169,12 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|allowed|ok|okay|authori[sz]ed|owner|operator|will happen|permitted)",
     ),
     "way.unaware": (
-        r"(?:<he>) (?:will|'ll|would|can|should|must|has to|have to|won't|will not|can't|cannot|doesn't|does not"
-        r"|don't|do not|isn't|is not|aren't|are not|hasn't|haven't|didn't)(?: just| even| simply| surely)? "
-        r"(?:move|see|notice|look|looking|watching|hear|get out|step aside|step back|jump aside|make way|make room"
-        r"|dodge|moving|expect|expecting|know|aware|paying attention|react|avoid|noticed|seen|spotted|feel)(?: you"
-        r"| it| away| aside| in time)?",
+        r"(?:<he>) (?:won't|will not|can't|cannot|doesn't|does not|don't|do not|isn't|is not|aren't|are not|hasn't"
+        r"|haven't|didn't)(?: just| even| simply| surely)? (?:move|see|notice|look|looking|watching|hear|get out"
+        r"|step aside|step back|jump aside|make way|dodge|moving|expect|expecting|know|aware|paying attention|react"
+        r"|avoid|noticed|seen|spotted|feel)(?: you| it| away| aside| in time)?",
+        r"(?:<he>) (?:will|'ll|would|can|should|must|has to|have to)(?: just| simply| surely)? (?:move|get out|step"
+        r" aside|step back|jump aside|make way|make room|dodge|get away|run away)",
         r"(?:he|she|they|<other>)(?:'ll| will| would) (?:jump|get|step|move|be fine|be ok|be okay|not mind"
         r"|not notice|survive)",
     ),
@@ -178,15 +182,5 @@ RULES: dict[str, tuple[str, ...]] = {
         r"(?:<shoot+>) (?:him|her|them|(?:that|this|the|a|those|these) (?:\w+ ){0,2}?(?:woman|women|man|girls?"
         r"|boys?|child|children|kids?|lady|guy|stranger|strangers|baby|person|student|patient|customer|employee"
         r"|nurse))",
-    ),
-    "way.near": (
-        r"(?:<he>|kids|children|people)(?:'s|'re| is| are| was| were|) ?(?:\w+ ){0,3}?(?:near|close to|next to"
-        r"|beside|by|around|right behind|under|underneath|below|on top of|in the way of|holding|touching|leaning on"
-        r"|hugging|riding|crawling|playing|running) ?(?:you|your|here|there|nearby|around|about|on the floor"
-        r"|close by)",
-        r"(?:in|across) your (?:way|path)|blocking your (?:way|path)",
-        r"(?:lying|crawling|sleeping|asleep|sitting|playing|kneeling|standing)(?: down| right| just| still"
-        r"| on the floor| on the ground)* (?:there|here|in front|ahead|behind|beside|next|under|on the floor"
-        r"|on the ground|in the way|around you|near)",
     ),
 }

@@ -57,7 +57,7 @@ def screen(
         or in_the_way(text, plan, language)
         or harm_in_scene(text, scene, plan, language)
         or doubt_of(text, language)
-        or said_beside(text, language)
+        or said_beside(text, plan, language)
         or Verdict(Decision.ALLOW, "screen.passed")
     )
 

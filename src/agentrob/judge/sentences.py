@@ -26,7 +26,6 @@ _EN = {
         "Then please post the motion alone."
     ),
     "way.unaware": "I do not rely on people to get out of my way ({words}).",
-    "way.near": "You say that somebody is close to me ({words}). Is my way free? Then please post the motion alone.",
     "beside.said": (
         "You also say {words}, and I cannot tell what this means for the motion. "
         "If it is harmless, please post the motion alone."
@@ -48,7 +47,6 @@ _ZH = {
     "way.thing": "您说我要去的地方有东西（{words}）。",
     "way.something": "您说我要去的地方有什么（{words}），我不知道那是什么。我的路是空的吗？是的话请只发动作。",
     "way.unaware": "我不会指望别人给我让路（{words}）。",
-    "way.near": "您说旁边有人或动物（{words}）。我的路是空的吗？是的话请只发动作。",
     "beside.said": "您还说了{words}，我不知道这对动作意味着什么。如果没有问题，请只发动作。",
     "scene": "在这里这样做有危险：{words}。",
 }

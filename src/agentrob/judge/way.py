@@ -53,6 +53,15 @@ class Hazard:
     later: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """A part of a text between two marks or conjunctions, and its place."""
+
+    said: str
+    start: int
+    end: int
+
+
 def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
     """A refusal when the plan leads to what the text says is there, a question when nobody knows what that is."""
     moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
@@ -71,25 +80,30 @@ def hazards_in(text: str, language: Language) -> Iterator[Hazard]:
     lengths = _lengths(plain, language)
     before, moved = "", False
     for clause in clauses(plain):
-        said = clause[0]
+        said = clause.said
         if _NONE_THERE.search(said) or commanded(said):
             moved |= commanded(said)
             continue
-        later = any(token.start >= clause.end() for token in lengths)
+        later = any(token.start >= clause.end for token in lengths)
         if only_looks(said) and not later:
             continue
-        within = [t for t in lengths if clause.start() <= t.start < clause.end() and not _SIZE.match(plain, t.end)]
+        within = [t for t in lengths if clause.start <= t.start < clause.end and not _SIZE.match(plain, t.end)]
         distance_m = float(within[0].value) if within and isinstance(within[0].value, float) else None
-        found = list(_placed(said.strip(), distance_m))
+        found = list(_placed(said, distance_m))
         if not found and before and not _names_hazard(said):  # "There is a child. It is right in front of you."
-            found = list(_placed(f"{before}, {said.strip()}", distance_m))
-        before = said.strip() if not found and _names_hazard(said) else ""
+            found = list(_placed(f"{before}, {said}", distance_m))
+        before = said if not found and _names_hazard(said) else ""
         yield from (replace(hazard, later=moved) for hazard in found)
 
 
-def clauses(plain: str) -> Iterator[re.Match[str]]:
-    """The clauses of a text that went through `plain_words`, each with its place."""
-    return _CLAUSE.finditer(plain)
+def clauses(plain: str) -> Iterator[Clause]:
+    """The clauses of a text that went through `plain_words`."""
+    start = 0
+    for between in [*_BETWEEN.finditer(plain), None]:
+        end = between.start() if between else len(plain)
+        if plain[start:end].strip():
+            yield Clause(plain[start:end].strip(), start, end)
+        start = between.end() if between else end
 
 
 def commanded(said: str) -> bool:
@@ -100,6 +114,11 @@ def commanded(said: str) -> bool:
 def only_looks(said: str) -> bool:
     """Whether a clause wants a picture or a greeting: it names whom."""
     return _ONLY_LOOKS.search(said) is not None
+
+
+def placed(said: str) -> bool:
+    """Whether a clause says plainly where somebody or something is, so that the path can be held against it."""
+    return any(hazard.direction is not None and hazard.rule != UNKNOWN for hazard in _placed(said, None))
 
 
 def without_safe_edges(plain: str) -> str:
@@ -171,9 +190,9 @@ def _path(plan: Plan) -> Iterator[tuple[float, float]]:
 
 
 # ---------------------------------------------------------------------- the words
-_CLAUSE = re.compile(
-    r"(?:(?!\b(?:and(?! (?:a|one|three) (?:half|quarter))|then|but|so)\b|然后|接着|但|再)[^.,!?;:\n，。！？；：]"
-    r"|\.(?=\d)|,(?=\d))+"
+_BETWEEN = re.compile(
+    r"[!?;:\n。！？；：]+|[.,，](?!\d)|\band\b(?! (?:a|one|three) (?:half|quarter))|\b(?:then|but|so)\b|然后|接着"
+    r"|但|再"
 )
 _SAFE_EDGE = re.compile(
     r"\b(?:edge|end|middle) of (?:the |a |your )?(?:\w+ )?(?:carpet|rug|mat|tape|line|tile|paper|grass|field|room"
