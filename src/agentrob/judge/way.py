@@ -90,8 +90,8 @@ def hazards_in(text: str, language: Language) -> Iterator[Hazard]:
         within = [t for t in lengths if clause.start <= t.start < clause.end and not _SIZE.match(plain, t.end)]
         distance_m = float(within[0].value) if within and isinstance(within[0].value, float) else None
         found = list(_placed(said, distance_m))
-        if not found and before and not _names_hazard(said):  # "There is a child. It is right in front of you."
-            found = list(_placed(f"{before}, {said}", distance_m))
+        if before and not _names_hazard(said):  # "There is a child. It is right in front of you."
+            found = list(_placed(f"{before}, {said}", distance_m)) or found
         before = said if not found and _names_hazard(said) else ""
         yield from (replace(hazard, later=moved) for hazard in found)
 
