@@ -99,3 +99,6 @@ def _patterns() -> tuple[re.Pattern[str], re.Pattern[str], re.Pattern[str]]:
     topics = compiled(words_en.GROUPS, _EN, words=True).pattern, compiled(words_zh.GROUPS, _ZH, words=False).pattern
     myself = compiled({**words_zh.GROUPS, **words_en.GROUPS}, [_MYSELF], words=False)
     return _KIND, myself, re.compile("|".join(topics))
+
+
+_patterns()  # compiled when a process begins

@@ -8,8 +8,7 @@ stand by language in `words_en` and `words_zh`; all languages are looked for in 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from functools import cache
+from collections.abc import Iterator
 
 from agentrob.judge import words_en, words_zh
 from agentrob.judge.patterns import compiled
@@ -17,6 +16,8 @@ from agentrob.judge.sentences import say
 from agentrob.language.phrases import quote
 from agentrob.model import Decision, Language, Verdict
 
+#: A phrase that begins so only makes the robot ask back: the words may well be harmless.
+DOUBT = "?"
 #: In the order in which they are asked: the first that objects names the refusal. True: "don't hit it" is no harm.
 RULES = {
     "safety.disable": False,
@@ -35,48 +36,63 @@ RULES = {
     "way.unaware": False,
     "people.picture": True,
 }
-#: These only ask back: the words may well be harmless.
-ASKING = frozenset(["people.picture"])
+#: A handle, with the word before it where something is done to whom it names.
+_MENTION = re.compile(
+    r"(?:\b(at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against"
+    r"|撞|跟着|跟踪|踢|推|追|堵|挡|拍|吓|咬|打)\s*)?@[a-z][\w-]*"
+)
 
 
 def harm_of(text: str, language: Language) -> Verdict | None:
     """A refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
-    return _verdict(text, language, [rule for rule in RULES if rule not in ASKING], Decision.REFUSE)
+    for rule, words in _broken(text, doubts=False):
+        return Verdict(Decision.REFUSE, rule, say(rule, language, quote(words)))
+    return None
 
 
 def doubt_of(text: str, language: Language) -> Verdict | None:
     """What must be asked back before anything moves, since the words may mean harm, or None."""
-    return _verdict(text, language, [rule for rule in RULES if rule in ASKING], Decision.ASK_BACK)
-
-
-def _verdict(text: str, language: Language, rules: Sequence[str], decision: Decision) -> Verdict | None:
-    plain = plain_words(text)
-    for rule in rules:
-        for found, denied in _found(rule, plain):
-            if not (RULES[rule] and denied):
-                return Verdict(decision, rule, say(rule, language, quote(found)))
+    for rule, words in _broken(text, doubts=True):
+        key = rule if rule == "people.picture" else "beside.said"
+        return Verdict(Decision.ASK_BACK, rule, say(key, language, quote(words)))
     return None
 
 
+def _broken(text: str, *, doubts: bool) -> Iterator[tuple[str, str]]:
+    """(rule, words) of everything that is not denied, in the order of the rules."""
+    plain = plain_words(text)
+    for rule, deniable in RULES.items():
+        for found, denied in _found(rule, plain, doubts):
+            if not (deniable and denied):
+                yield rule, found
+
+
 def plain_words(text: str) -> str:
-    """Small letters, straight quotes, simplified characters, single spaces; lines stay apart."""
+    """Small letters, straight quotes, simplified characters, single spaces; lines stay apart.
+
+    A mention is a name, whatever it spells ("@cat, sit"): somebody where something is done to them, else nothing.
+    """
     straight = text.casefold().translate(words_zh.TWINS).replace("’", "'").replace("‘", "'")
-    return re.sub(r"[^\S\n]+", " ", straight)
+    unnamed = _MENTION.sub(lambda match: f"{match[1]} somebody" if match[1] else " ", straight)
+    return re.sub(r"[^\S\n]+", " ", unnamed)
 
 
-def _found(rule: str, plain: str) -> Iterator[tuple[str, bool]]:
+def _found(rule: str, plain: str, doubts: bool) -> Iterator[tuple[str, bool]]:
     """The words that break a rule, and whether a "not" stands before them."""
-    for pattern, denial in _patterns(rule):
+    for pattern, denial in _PATTERNS[rule, doubts]:
         for match in pattern.finditer(plain):
             before = plain[max(0, match.start() - 60) : match.start()]
             yield match[0], denial.search(before) is not None
 
 
-@cache
-def _patterns(rule: str) -> tuple[tuple[re.Pattern[str], re.Pattern[str]], ...]:
-    """Compiled when first needed: they are many."""
+def _compiled(rule: str, doubts: bool) -> tuple[tuple[re.Pattern[str], re.Pattern[str]], ...]:
     made = []
     for tongue, words in ((words_en, True), (words_zh, False)):
-        if phrases := tongue.RULES.get(rule):
+        phrases = [phrase.removeprefix(DOUBT) for phrase in tongue.RULES[rule] if phrase.startswith(DOUBT) is doubts]
+        if phrases:
             made.append((compiled(tongue.GROUPS, phrases, words=words), re.compile(tongue.DENIED)))
     return tuple(made)
+
+
+#: Compiled when a process begins (about 0.4 s): not while it serves, since stops must not wait for it.
+_PATTERNS = {(rule, doubts): _compiled(rule, doubts) for rule in RULES for doubts in (False, True)}

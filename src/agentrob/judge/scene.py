@@ -163,3 +163,6 @@ def _patterns() -> tuple[tuple[str, str, re.Pattern[str], tuple[re.Pattern[str],
         (rule, why, compiled(_GROUPS, [deed], words=True), tuple(compiled(_GROUPS, [t], words=True) for t in things))
         for rule, why, deed, things in _RULES
     )
+
+
+_patterns()  # compiled when a process begins

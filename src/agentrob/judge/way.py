@@ -140,7 +140,7 @@ def _placed(said: str, distance_m: float | None) -> Iterator[Hazard]:
         return
     rule = next((f"way.{kind}" for kind in ("drop", "somebody", "thing") if patterns[kind].search(said)), None)
     direction = next((d for d, name in _PLACES.items() if patterns[name].search(said)), None)
-    if direction is None and distance_m is not None and patterns["away"].search(said):
+    if direction is None and rule is not None and distance_m is not None and patterns["away"].search(said):
         direction = Direction.FORWARD
     if direction is None:
         return
@@ -299,3 +299,6 @@ def _patterns() -> Mapping[str, re.Pattern[str]]:
         english = compiled(words_en.GROUPS, phrases, words=True).pattern
         made[name] = re.compile(f"{english}|{compiled(words_zh.GROUPS, _ZH[name], words=False).pattern}")
     return made
+
+
+_patterns()  # compiled when a process begins

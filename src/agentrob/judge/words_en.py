@@ -15,11 +15,11 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|<thing>)",
         r"(?:run|drive|knock|mow|bowl) <somebody> (?:over|down|aside)",
         r"run over (?!to\b|there\b|here\b|the (?:carpet|rug|mat|line))",
-        r"until (?:you|it) (?:\w+ )?(?:hit|touch|bump|crash|collide|feel|meet|make contact|reach the other side"
+        r"?until (?:you|it) (?:\w+ )?(?:hit|touch|bump|crash|collide|feel|meet|make contact|reach the other side"
         r"|cannot|can't)(?!\w)",
         r"make contact with (?:<somebody>|<thing>)|(?:as a |a )battering ram|collision course|head-?on",
         r"push (?:through|past|aside) (?:<somebody>|<thing>)",
-        r"(?:press|push|lean)(?:ing)?(?: yourself| up)? against (?:<somebody>|<thing>)",
+        r"?(?:press|push|lean)(?:ing)?(?: yourself| up)? against (?:<somebody>|<thing>)",
     ),
     "harm.attack": (
         r"<hurt+>(?: on| at| down| over| into| away| with)? <somebody>",
@@ -39,7 +39,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"(?:falls?|trips?|stumbles?|gets? hurt|gets? scared|scream|cry|panic|suffer)",
         r"(?:need|deserve|want|get|give)s? (?:him |her |them )?a (?:\w+ )?(?:scare|fright|lesson|beating|kick"
         r"|shock|bruise)",
-        r"as a weapon|(?:dangerous|attack|combat|aggressive|killer) mode|be aggressive",
+        r"?as a weapon|(?:dangerous|attack|combat|aggressive|killer) mode|be aggressive",
     ),
     "harm.fall": (
         r"<go+>… off(?: of)? <det><drop>",
@@ -74,7 +74,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"<disable+>(?: off| down| up)? (?:<det>|all |any |of |every |speed |your "
         r"|about ){0,4}(?:<the>)?(?:<protection>)",
         r"(?:turn|switch|shut)(?:ing)? (?:<the>)?(?:<protection>)(?: \w+)? (?:off|down)",
-        r"without (?:any |your |the |all |using |regard (?:for|to) )*(?:\w+ )?(?:<protection>|looking|checking"
+        r"?without (?:any |your |the |all |using |regard (?:for|to) )*(?:\w+ )?(?:<protection>|looking|checking"
         r"|braking|stopping|sensing|slowing)(?! (?:at|of|for me))",
         r"(?:you |we )?(?:don't|do not|won't|no longer) (?:need|want|have|use|require)(?: to use)? (?:your |the "
         r"|any |those |these )*<protection>|<protection> (?:doesn't|does not|don't|do not) (?:matter|apply|count"
@@ -98,23 +98,23 @@ RULES: dict[str, tuple[str, ...]] = {
         r"(?:don't|do not|never) (?:avoid|dodge|go around|respect|obey|use|listen to|react to|respond to|follow"
         r"|apply|trust|check) (?:<somebody>|<thing>|any|the|your|stop|others|rules|obstacles|anyone|anybody"
         r"|<protection>)",
-        r"no matter (?:what|who|how|where|whether)|come what may|whatever (?:happens|comes|stands|it takes|gets"
+        r"?no matter (?:what|who|how|where|whether)|come what may|whatever (?:happens|comes|stands|it takes|gets"
         r"|is (?:there|in (?:the|your) way))|at (?:any|all) costs?|by (?:any|all) means necessary|even (?:if|when"
         r"|though) (?:someone|somebody|anyone|anybody|there|you|he|she|they|it|people|i|something|blocked|the|a )",
-        r"(?:keep|continue|carry on) (?:going|walking|moving|driving|on)? ?(?:even|through|when|if|despite|anyway"
+        r"?(?:keep|continue|carry on) (?:going|walking|moving|driving|on)? ?(?:even|through|when|if|despite|anyway"
         r"|regardless|and ignore|until you (?:fall|hit|crash|break|drop))",
         r"ignor(?:e|es|ing) (?:<somebody>|<thing>|all|any|every|everything|everyone|anything|stop|further"
         r"|the (?:stop|warnings?|alarm|red|command|battery|low))",
-        r"blind(?:ly|folded)|(?:eyes|camera|cameras|sensors|lidar) (?:closed|off|covered|shut)"
+        r"?blind(?:ly|folded)|(?:eyes|camera|cameras|sensors|lidar) (?:closed|off|covered|shut)"
         r"|with(?: your)? (?:eyes|camera|sensors) (?:closed|off|covered|shut)",
-        r"(?:faster|further|farther|more|longer) than (?:you are |you're |is |what is |the |your )*(?:allowed"
+        r"?(?:faster|further|farther|more|longer) than (?:you are |you're |is |what is |the |your )*(?:allowed"
         r"|permitted|limit|limits|safe|maximum|speed limit)",
         r"(?:beyond|past|outside(?: of)?|outside|exceed(?:ing)?|leave|over|cross|above) (?:the |your |that |this "
         r"|any |all )*(?:\w+ )?(?:limits?|fence|boundar(?:y|ies)|geo-?fence|safe (?:area|zone)|safety \w+"
         r"|speed limit|perimeter|cordon|barrier tape|allowed \w+|permitted \w+)",
-        r"(?:until|till) (?:your |the )?(?:battery|motors?|legs?) (?:is|are|dies?|fails?|overheats?|burns?|breaks?"
+        r"?(?:until|till) (?:your |the )?(?:battery|motors?|legs?) (?:is|are|dies?|fails?|overheats?|burns?|breaks?"
         r"|runs? out|empty)|overheat|overload",
-        r"(?:pretend|assume|imagine|act as if|act like|suppose|behave as if|as if) (?:that )?(?:there (?:is|are"
+        r"?(?:pretend|assume|imagine|act as if|act like|suppose|behave as if|as if) (?:that )?(?:there (?:is|are"
         r"|was|were) |you (?:have|had|are|were|don't have|can't see|didn't see) |the (?:\w+ )?(?:isn't|is not"
         r"|are not|wall|door|fence|stairs|limit) ?|nobody|nothing|no )",
         r"(?:stop|pause)(?:ping)? (?:commands?|posts?|button)(?: \w+)* (?:don't|do not|no longer|is|are|won't"
@@ -134,7 +134,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|confidential|off the record|hidden)|off the record|leave no trace|cover your tracks|nobody (?:must|may"
         r"|should|will|needs to|has to) (?:know|notice|see|find)|no one (?:must|may|should|will|needs to"
         r"|has to) (?:know|notice|see|find)",
-        r"(?:when|while|once|since|as) (?:nobody|no one|no-one) (?:is |'s )?(?:looking|watching|around|there)"
+        r"?(?:when|while|once|since|as) (?:nobody|no one|no-one) (?:is |'s )?(?:looking|watching|around|there)"
         r"|(?:nobody|no one|no-one)(?: is|'s) (?:looking|watching)|lie (?:about|to|in)",
     ),
     "bounds.leave": (
@@ -148,7 +148,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|window)|<go+>… through (?:<det>)?(?:front|back|main|emergency|side|fire|street|entrance) (?:door|gate"
         r"|exit)",
         r"<go+>(?: \w+){0,2}? (?:outside|outdoors)|run away|break out|(?:make|plan) (?:your|an) escape|escape",
-        r"(?:cross|climb(?: over)?|jump(?: over)?|breach|squeeze through|slip through|crawl under"
+        r"?(?:cross|climb(?: over)?|jump(?: over)?|breach|squeeze through|slip through|crawl under"
         r"|duck under) <det>(?:fence|barrier|boundary|rope|tape|line|cordon|railing|gate|street|road|border|chain)",
         r"<go+>… (?:into|onto|to) <det>(?:street|road|parking lot|car park|forest|highway|neighbou?r's \w+"
         r"|elevator|lift|sidewalk|pavement|restricted \w+|forbidden \w+|off-limits \w+|stairwell|women's \w+"
