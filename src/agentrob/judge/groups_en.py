@@ -105,6 +105,10 @@ GROUPS = {
     "height": """rooftop|roof|edge|ledge|balcony|cliff|staircase|stairway|stairwell|shelf|ladder|platform
         |scaffold(?:ing)?
         |drop|drop-off|precipice|brink|table|tabletop|desk|counter|pier|dock|quay|bridge|top of the \\w+""",
+    "end": (
+        r"(?! (?!(?:and|while|when|through|from|on|with|without|at|in|as|before|after|to|so|for|then|or|please"
+        r"|now)\b)[a-z])"
+    ),
     "safe": """floor|ground|carpet|rug|mat|rooms?|hall|hallway|corridor|kitchen|bathroom|bedroom|garden|lawn
         |grass|office|lab
         |laboratory|home|house|school|gym|park|museum|park|charger|charging station|corner|list|moods?|team

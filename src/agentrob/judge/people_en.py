@@ -84,7 +84,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"(?:<shoot+>|<picture> of|<picture> showing)~ (?:<whose>) (?:\w+ )?(?:screen|monitor|laptop|phone|desk"
         r"|papers|letters?|mail|e-?mails?|notes?|documents?|bags?|purse|wallet|messages?|computer|chat|notebook"
         r"|tablet|window|house|home|apartment|flat|garden|bedroom|room|office|face|body|legs|keys|cards?|files?"
-        r"|calendar|yard|kids?|children|daughter|wife|girlfriend|baby)",
+        r"|calendar|yard|kids?|children|daughter|wife|girlfriend|baby)<end>",
         r"?(?:<shoot+>|<picture> of|look|film|record|see|<picture>)~ through (?:<det>)?(?:\w+ )?(?:window|curtains?"
         r"|keyhole|blinds|fence|crack|gap|door|letterbox|mail slot|wall)",
         r"(?:<shoot+>|<picture> of)~ (?:neighbou?rs?|faces|strangers?|<human>~(?:next door|across the street))",

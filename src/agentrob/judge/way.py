@@ -69,9 +69,16 @@ def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
     for hazard in hazards:
         rests = range(len(plan.steps) if hazard.later else 1)
         if any(_reached(hazard, Plan(plan.steps[at:])) for at in rests):
-            decision = Decision.ASK_BACK if hazard.rule == UNKNOWN else Decision.REFUSE
-            return Verdict(decision, hazard.rule, say(hazard.rule, language, quote(hazard.words)))
+            rule = UNKNOWN if _taken_for_motion(hazard, plan) else hazard.rule
+            decision = Decision.ASK_BACK if rule == UNKNOWN else Decision.REFUSE
+            return Verdict(decision, rule, say(rule, language, quote(hazard.words)))
     return None
+
+
+def _taken_for_motion(hazard: Hazard, plan: Plan) -> bool:
+    """Whether the grammar may have read the statement itself as a command: 前面五米是墙 as five metres ahead."""
+    said = (hazard.direction, hazard.distance_m)
+    return hazard.distance_m is not None and any(said == (step.direction, step.distance_m) for step in plan.steps)
 
 
 def hazards_in(text: str, language: Language) -> Iterator[Hazard]:

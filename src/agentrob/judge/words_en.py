@@ -43,7 +43,8 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "harm.fall": (
         r"<go+>… off(?: of)? <det><drop>",
-        r"(?:over|past|beyond|across) (?:the |that |its |this )?(?:\w+ )?(?:edge|brink|ledge|railing|drop|parapet"
+        r"(?:<go+>…|then|and|(?:metres?|meters?|m|feet|cm)) (?:over|past|beyond|across) (?:the "
+        r"|that |its |this )?(?:\w+ )?(?:edge|brink|ledge|railing|drop|parapet"
         r"|kerb|curb|cliff|drop-off|precipice)"
         r"(?! of the (?:rug|carpet|mat|tape|line|paper|tile))",
         r"<go+>… down (?:<det>)?(?:stairs?|steps|stairway|staircase|stairwell|escalator|slope|cliff|hole|shaft"
