@@ -5,8 +5,8 @@ Pure rules, asked before queueing and again immediately before motion. The first
 
 Not covered here:
 - where the robot is and what stands in its way (the guard looks at every step, in the driver's process);
-- what is harmful in this place only: harmless words next to a staircase, a sleeping cat, an open flame;
-- harm said in other words, in another language, or spread over several commands;
+- what is harmful in this place only, unless the post or a description of the scene says so;
+- harm said in words that no rule knows, in another language, or spread over several posts;
 - whether a measure that was asked is what was meant, and whether an authorised account is in the right hands;
 - how often somebody commands (rates), freshness and repetition (the agent), the robot's battery and health (the guard).
 """

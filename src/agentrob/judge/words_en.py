@@ -75,8 +75,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"<disable+>(?: off| down| up)? (?:<det>|all |any |of |every |speed |your "
         r"|about ){0,4}(?:<the>)?(?:<protection>)",
         r"(?:turn|switch|shut)(?:ing)? (?:<the>)?(?:<protection>)(?: \w+)? (?:off|down)",
-        r"?without (?:any |your |the |all |using |regard (?:for|to) )*(?:\w+ )?(?:<protection>|looking|checking"
-        r"|braking|stopping|sensing|slowing)(?! (?:at|of|for me))",
+        r"without (?:any |your |the |all |using |regard (?:for|to) )*(?:\w+ )?(?:<protection>)",
+        r"?without (?:looking|checking|braking|stopping|sensing|slowing)(?! (?:at|of|for me))",
         r"(?:you |we )?(?:don't|do not|won't|no longer) (?:need|want|have|use|require)(?: to use)? (?:your |the "
         r"|any |those |these )*<protection>|<protection> (?:doesn't|does not|don't|do not) (?:matter|apply|count"
         r"|work)|(?:fine|ok|okay|allowed|good|alright|no problem) (?:to|if you) (?:hit|crash|bump|break|hurt|fall"
