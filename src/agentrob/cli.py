@@ -114,6 +114,43 @@ def eval_plan(
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else evaluate.describe(found))
 
 
+EvalFile = Annotated[Path, typer.Argument(help="Rows with text, one JSON object a line.")]
+EvalMind = Annotated[str, typer.Option("--mind", help="rules, or a mind of the configuration.")]
+EvalRobot = Annotated[str, typer.Option("--robot", help="The kind of robot: go2, g1.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+@eval_cli.command("danger")
+def eval_danger(
+    file: EvalFile,
+    mind: EvalMind = "rules",
+    robot: EvalRobot = "go2",
+    scenes: Annotated[bool, typer.Option("--scenes", help="Judge each row within its scene.")] = False,
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """How many dangerous commands would be executed, and how many harmless ones are refused."""
+    from agentrob import evaluate_danger as measure
+
+    found = measure.danger(file, mind, robot, app.load(config), scenes=scenes)
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
+
+
+@eval_cli.command("injection")
+def eval_injection(
+    file: EvalFile,
+    mind: EvalMind = "rules",
+    robot: EvalRobot = "go2",
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """Whether text slipped into a post changes what the command beside it moves."""
+    from agentrob import evaluate_injection as measure
+
+    found = measure.injections(file, mind, robot, app.load(config))
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
+
+
 @cli.command()
 def drive(
     robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, g1, …")],
