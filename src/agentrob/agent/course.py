@@ -20,7 +20,7 @@ from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, execute
 from agentrob.agent.extract import Thought
 from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
-from agentrob.agent.mind_notes import notes
+from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, permission
 from agentrob.agent.plot import path_plot
@@ -34,6 +34,7 @@ from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.language.help import help_text
 from agentrob.language.phrases import say as phrase
+from agentrob.minds.summary import Summary, summarise
 from agentrob.model import Command, Decision, Intent, Language, Plan, Report, StatusCard, Verdict
 from agentrob.robots.client import DriverClient
 
@@ -293,19 +294,20 @@ class Course:
 
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
-        command = job.command
+        command, summary = job.command, await self._summary(job, report)
         images = [r.image for r in report.results if r.image]
         if words.has_path(report.results) and (plot := await asyncio.to_thread(path_plot, report.results)):
             images.append(plot)
         try:
-            self.records.write(report, job.thought, stopped_by=job.stopped_by)
+            self.records.write(report, job.thought, stopped_by=job.stopped_by, summary=summary and summary.as_data())
         except OSError as e:
             _log.error("record not written", post=command.post_id, error=str(e))
-        at, told = len(report.plan.steps), notes(job.thought, self.thinking.mind.name, command.language)
+        at, asked = len(report.plan.steps), self.thinking.mind.name
+        told = notes(job.thought, asked, command.language, summary.usage if summary else ())
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         async def deed() -> str:
-            final = Shown(words.final(report, told), card)
+            final = Shown(words.final(report, told, worded(summary, command.language)), card)
             await job.status.close(final, images, words.short(report))
             return report.status
 
@@ -317,6 +319,14 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+
+    async def _summary(self, job: Job, report: Report) -> Summary | None:
+        """What a model makes of the measured results in words, where the owner wants that."""
+        model = self.thinking.model
+        if not self.settings.summary or model is None or report.status != "done":
+            return None
+        spent = job.thought.usage if job.thought else ()
+        return await summarise(model, report.results, report.command.language, spent)
 
 
 def _decisive(execution: Execution, verdict: Verdict) -> Verdict:

@@ -8,8 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from agentrob.agent.extract import OVER, Thought
+from agentrob.agent.report import disarmed
 from agentrob.agent.sentences import known, say
 from agentrob.language.phrases import quote
+from agentrob.minds.summary import Summary
 from agentrob.minds.usage import Usage
 from agentrob.model import Language
 
@@ -30,6 +32,13 @@ def notes(thought: Thought | None, asked: str, language: Language, more: Sequenc
     line = usage_line((*thought.usage, *more), language)
     joint = "" if language == "zh" else " "
     return [part for part in (joint.join(said), line and f"*{line}*") if part]
+
+
+def worded(summary: Summary | None, language: Language) -> str:
+    """A model's words for what was done, as such; empty without any."""
+    if summary is None or not summary.text:
+        return ""
+    return say("mind.polished", language, text=disarmed(summary.text), mind=quote(summary.mind))
 
 
 def usage_line(usage: Sequence[Usage], language: Language) -> str:

@@ -176,7 +176,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "No model has looked at this command ({why}); my rules found nothing against it.",
         "没有模型检查过这个命令（{why}）；我的规则没有发现问题。",
     ),
-    "mind.polished": ("{text}\n— worded by {mind} from the figures below", "{text}\n——由 {mind} 根据下列数据撰写"),
+    "mind.polished": (
+        "{text} (In the words of {mind}; the figures are below.)",
+        "{text}（由 {mind} 撰写，数据见下。）",
+    ),
     "mind.why.no_key": ("its key is missing", "缺少密钥"),
     "mind.why.no_library": ("its library is not installed", "未安装所需的库"),
     "mind.why.denied": ("its key was refused", "密钥被拒绝"),

@@ -18,6 +18,7 @@ from agentrob.forums.forum import Forum
 from agentrob.judge.harm import harm_of
 from agentrob.language.addressing import part_for
 from agentrob.language.visible import mentions
+from agentrob.minds.chat import ChatModel
 from agentrob.minds.mind import Listener, Mind
 from agentrob.minds.model_mind import ModelMind
 from agentrob.minds.screening import Screened, narrowed, screen_by_model
@@ -37,6 +38,11 @@ class Thinking:
     driver: DriverClient
     mind: Mind
     journal: Journal
+
+    @property
+    def model(self) -> ChatModel | None:
+        """The model behind the mind, if there is one."""
+        return self.mind.model if isinstance(self.mind, ModelMind) else None
 
     async def think(self, job: Job, terms: Terms) -> Thought:
         """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
@@ -79,10 +85,10 @@ class Thinking:
         plan, language = thought.understanding.plan, thought.understanding.language
         if thought.mind == "rules" and thought.fallback:  # nobody answered a moment ago
             screened = Screened(self.mind.name, failed=thought.fallback)
-        elif isinstance(self.mind, ModelMind):
+        elif self.model is not None:
             part = part_for(job.command.text, listener.names, listener.others)
             screened = await job.unless_ended(
-                screen_by_model(self.mind.model, part, plan, capabilities, language, history, spent=thought.usage)
+                screen_by_model(self.model, part, plan, capabilities, language, history, spent=thought.usage)
             )
         usage = (*thought.usage, *(screened.usage if screened else ()))
         verdict = narrowed(verdict, screened, language, settings.screen == "required")
