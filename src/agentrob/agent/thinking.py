@@ -16,6 +16,7 @@ from agentrob.agent.status import insist
 from agentrob.config import RobotConfig
 from agentrob.forums.forum import Forum
 from agentrob.judge.harm import harm_of
+from agentrob.judge.rights import may
 from agentrob.language.addressing import part_for
 from agentrob.language.visible import mentions
 from agentrob.minds.chat import ChatModel
@@ -60,9 +61,11 @@ class Thinking:
         others = tuple(name for name in mentions(command.text) if name not in self.names)
         listener = Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
         history = await self.journal.history(command.topic_id)
-        thought = await job.unless_ended(extract(self.mind, command.text, listener, history))
-        if thought is None:
-            thought = await by_rules(command.text, listener, history, OVER)
+        if may(command.author, "command").decision is not Decision.ALLOW:  # whose words move nothing cost nothing
+            thought = await by_rules(command.text, listener, history)
+        else:
+            reading = extract(self.mind, command.text, listener, history)
+            thought = await job.unless_ended(reading) or await by_rules(command.text, listener, history, OVER)
         understood = thought.understanding
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
