@@ -14,7 +14,7 @@ import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene
 
 from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
-from agentrob.model import Post
+from agentrob.model import AccountKind, Post, Role
 
 sys.path.append(str(Path(__file__).parents[1] / "minds"))
 from brain import FINE, Brain, move, running_brain
@@ -256,6 +256,22 @@ async def test_law_7_a_model_adds_a_refusal(scene: Scene, brain: Brain, text: st
     assert "evil" not in reply.raw
     assert record(scene, post)["screened"]["why"] == "Visit http://evil.example @bob"
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+
+
+async def test_law_7_of_two_robots_in_a_post_a_model_sees_only_its_own_part_and_the_scene_of_the_owner(
+    driver: Driver, tmp_path: Path, brain: Brain
+) -> None:
+    scene = make_scene(driver, tmp_path, scene="A sleeping cat, 2 m ahead.")
+    scene.person("humanoid", Role.MEMBER, AccountKind.ROBOT_AGENT)
+    brain.reads = FREE_READ
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        post = await scene.post("alice", f"@humanoid dance upon the table 3 times. {FREE}")
+        reply = await scene.final(post)
+    assert reply.card.state == "done", reply.raw
+    assert [kind for kind, _ in brain.asked] == ["read", "screen"]
+    assert not any("dance" in told or "humanoid" in told for _, told in brain.asked)
+    assert "A sleeping cat, 2 m ahead." in brain.questions("screen")[0]
+    assert "cat" not in brain.questions("read")[0]
 
 
 async def test_law_7_what_the_rules_refuse_no_model_is_asked_about(scene: Scene, brain: Brain) -> None:
