@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import get_args
 
 import pytest
+from pydantic import TypeAdapter
 
 from agentrob.agent.extract import FAILED, OVER, Thought
 from agentrob.agent.mind_notes import notes, usage_line
@@ -60,3 +61,11 @@ def test_who_answered_instead_and_who_did_not_look_are_told_in_one_paragraph() -
 def test_law_3_a_name_that_a_server_gives_is_shown_as_code() -> None:
     line = usage_line([Usage("clever", "`@bob` <img> [x](http://evil.example)", 1, 1)], "en")
     assert "`'(at)bob' <img> [x](http://evil.example)`" in line
+
+
+def test_a_thought_of_an_older_journal_is_still_read() -> None:
+    older = '{"understanding": {"intent": "command", "language": "zh"}, "mind": "rules", "verdict": null}'
+    thought = TypeAdapter(Thought).validate_json(older)
+    assert (thought.mind, thought.usage, thought.fallback, thought.screened) == ("rules", (), "", None)
+    full = Thought(READ, "rules", usage=(ONE,), fallback="timeout", screened=Screened("clever", failed="timeout"))
+    assert TypeAdapter(Thought).validate_json(TypeAdapter(Thought).dump_json(full)) == full
