@@ -293,31 +293,9 @@ def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
 
 def try_mind(config: Config, name: str, text: str, model: str) -> list[str]:
     """What a mind makes of a text and what that took, as lines for people. Nothing moves."""
-    from agentrob.language.render import sentence
-    from agentrob.language.visible import mentions, visible_text
-    from agentrob.minds.mind import Listener, Reading, read
-    from agentrob.minds.model_mind import ModelMind
+    from agentrob.minds.trial import trial
 
-    visible = visible_text(text)
-    called = (*mentions(visible), model)[0]
-    if called not in mentions(visible):
-        visible = f"@{called} {visible}"
-
-    async def ask() -> Reading:
-        mind = make_mind(name, config)
-        try:
-            return await read(mind, visible, Listener((called,), (), capabilities_of(model)))
-        finally:
-            if isinstance(mind, ModelMind):
-                await mind.close()
-
-    reading = asyncio.run(ask())
-    found = reading.understanding
-    lines = [f"{found.intent}: {sentence(found.plan, found.language)}".rstrip(": ")]
-    lines += [f"  note: {note}" for note in found.plan.notes]
-    lines += [f"  it would answer: {found.question}"] if found.question else []
-    lines += [f"  read by {reading.mind}" + (f" (instead of {name}: {reading.fallback})" if reading.fallback else "")]
-    return [*lines, *(f"  {usage.line()}" for usage in reading.usage)]
+    return asyncio.run(trial(make_mind(name, config), name, text, model, capabilities_of(model)))
 
 
 def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
@@ -363,15 +341,20 @@ def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig
 
 
 # ---------------------------------------------------------------------- understanding
-async def understand(text: str, name: str, capabilities: Any, mind: str = "rules") -> Any:
-    """What a mind makes of a text that is meant for this robot."""
+async def understand(text: str, name: str, capabilities: Any, mind: str = "rules", config: Config | None = None) -> Any:
+    """What a mind, perhaps of the configuration, makes of a text that is meant for this robot."""
     from agentrob.language.visible import mentions, visible_text
-    from agentrob.minds.mind import Listener
+    from agentrob.minds.mind import Listener, LivingMind
 
     visible = visible_text(text)
     if name not in mentions(visible):
         visible = f"@{name} {visible}"
-    return await make_mind(mind).understand(visible, Listener((name,), (), capabilities))
+    made = make_mind(mind, config)
+    try:
+        return await made.understand(visible, Listener((name,), (), capabilities))
+    finally:
+        if isinstance(made, LivingMind):
+            await made.close()
 
 
 def plan_text(text: str, model: str) -> dict[str, Any]:
