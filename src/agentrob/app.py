@@ -30,10 +30,16 @@ load = configuration.load
 
 def find(family: str, name: str) -> Any:
     """A member of a family (`forums`, `robots`, `minds`) by its entry point, built-in or a stranger's."""
-    members = {e.name: e for e in entry_points(group=f"agentrob.{family}")}
+    members, kind = {e.name: e for e in entry_points(group=f"agentrob.{family}")}, family.removesuffix("s")
     if name not in members:
-        raise ConfigError(f"no {family.removesuffix('s')} named {name!r}; there are: {', '.join(sorted(members))}")
-    return members[name].load()
+        raise ConfigError(f"no {kind} named {name!r} is installed; there are: {', '.join(sorted(members))}")
+    member = members[name]
+    try:
+        return member.load()
+    except Exception as e:  # it is a stranger's code that runs here
+        whose = f" of the package {member.dist.name}" if member.dist else ""
+        what = f"{type(e).__name__}: {e}"
+        raise ConfigError(f"the {kind} {name!r}{whose} cannot be loaded from {member.value}: {what}") from e
 
 
 def make_forum(config: Config, token: str) -> Forum:
@@ -326,8 +332,18 @@ def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
 
 def capabilities_of(model: str, settings: RobotConfig | None = None) -> Capabilities:
     """What a kind of robot can do, without connecting to one."""
-    capabilities: Capabilities = find("robots", model).describe(settings or RobotConfig(model=model))
+    kind = find("robots", model)
+    if not callable(getattr(kind, "describe", None)):
+        raise ConfigError(f"the robot {model!r} has no describe(settings), which says what it can do: {kind!r}")
+    capabilities: Capabilities = kind.describe(settings or RobotConfig(model=model))
     return capabilities
+
+
+def in_world(model: str) -> bool:
+    """Whether the simulated world has a body for this kind of robot; any other brings its own."""
+    from agentrob.sim.serve import ROBOTS
+
+    return model in ROBOTS
 
 
 def simulated_robot(model: str, domain: int) -> RobotConfig:

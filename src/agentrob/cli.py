@@ -54,6 +54,9 @@ def demo(
     post: Annotated[str | None, typer.Option(help="Post this text, wait for the answer, print it and end.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="With --post: the last line is one JSON object.")] = False,
     world: Annotated[str, typer.Option(help="The simulated world.")] = "room",
+    robot: Annotated[
+        list[str] | None, typer.Option(help="Another kind of robot that is installed, beside the two; also several.")
+    ] = None,
 ) -> None:
     """Start everything on this machine and print the address to open."""
     if context.invoked_subcommand:
@@ -70,6 +73,7 @@ def demo(
         post=post,
         as_json=as_json,
         world=world,
+        more=tuple(robot or ()),
     )
     raise typer.Exit(demonstration.run(settings))
 
@@ -112,7 +116,7 @@ def eval_plan(
 
 @cli.command()
 def drive(
-    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, fake.")],
+    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, g1, …")],
     text: Annotated[str, typer.Argument(help="What to do, in words.")],
     config: ConfigFile = None,
     interface: Annotated[
@@ -125,6 +129,24 @@ def drive(
     from agentrob import drive as driving
 
     raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json))
+
+
+@cli.command()
+def doctor(
+    robot: Annotated[str | None, typer.Argument(help="A robot of the configuration, or a kind: go2, g1.")] = None,
+    config: ConfigFile = None,
+    interface: Annotated[str | None, typer.Option(help="Network interface, instead of the configured one.")] = None,
+    domain: Annotated[int | None, typer.Option(help="DDS domain, instead of the configured one.")] = None,
+    read_only: Annotated[bool, typer.Option("--read-only", help="Move nothing; so it is without --move too.")] = False,
+    move: Annotated[bool, typer.Option("--move", help="Let it walk 10 cm forward when nothing bad was found.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Say what keeps a robot from being driven, and what to do about it. Exit code 1 when something does."""
+    from agentrob import doctor as examination
+
+    if read_only and move:
+        raise typer.BadParameter("--read-only moves nothing; leave one of the two out")
+    raise typer.Exit(examination.run(robot, app.load(config), interface, domain, move, as_json))
 
 
 @cli.command()

@@ -111,6 +111,7 @@ class RobotConfig(_Section):
     `interface` and `domain` are DDS settings. `step_length_m`: how long one of its steps is, where you measured that
     ("walk two steps" is asked back otherwise). `home_on_start`: the driver sets home when it starts; for simulation.
     `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
+    `least_battery_percent`: below this no motion begins; a robot that does not tell its charge is moved all the same.
     `moderators` are the handles that are told of the third stop within 5 minutes, besides the owner's.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     """
@@ -130,6 +131,7 @@ class RobotConfig(_Section):
     queue_expiry_s: Annotated[float, Field(gt=0)] = 600.0
     home_on_start: bool = False
     allow_unknown_ranges: bool = False
+    least_battery_percent: Annotated[float, Field(ge=0, le=100)] = 15.0
     allow_flip: bool = False
     room_camera: str = ""
     room_reset: str = ""

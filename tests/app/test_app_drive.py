@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import subprocess
+import sys
 import threading
 from pathlib import Path
 from uuid import uuid4
@@ -88,3 +90,14 @@ def test_another_interface_than_the_configured_one_is_refused(lab: tuple[Config,
     config, name = lab
     with pytest.raises(ConfigError, match="is configured on interface 'lo', not 'eth0'"):
         robot_command_driver("wave", name, "eth0", config)
+
+
+def test_the_calls_of_the_paper_are_in_agentrob_itself_and_nothing_is_loaded_before_they_are_asked_for() -> None:
+    code = (
+        "import sys, agentrob; assert 'agentrob.drive' not in sys.modules; "
+        "from agentrob import drive_go2_robot, drive_g1_robot, robot_command_driver, Driven; "
+        "assert {'drive_go2_robot', 'drive_g1_robot'} <= set(dir(agentrob)); "
+        "assert not hasattr(agentrob, 'drive_h1_robot')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr

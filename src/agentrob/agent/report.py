@@ -18,6 +18,8 @@ from agentrob.model import ActionResult, Language, Op, Outcome, Primitive, Repor
 SENTENCE_CHARS = 600
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
+#: Why we ended a step ourselves: the driver's own sentence knows nothing of it.
+_NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable"})
 
 
 # -------------------------------------------------------------------- words that are not ours
@@ -114,6 +116,8 @@ def _reason(result: ActionResult, language: Language) -> str:
     if not own and not result.message and reason:
         own = say("reason.other", language, reason=reason)
     detail = disarmed(result.message) if result.message and (language == "en" or not own) else ""
+    if language == "en" and reason in _NOT_THE_DRIVERS:
+        return f"{own} {detail}".strip()
     return (detail or own) if language == "en" else own or detail
 
 

@@ -147,7 +147,19 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     ),
     "reason.odometry_jump": ("My odometry jumped; I must be homed again.", "里程计跳变，需要重新设置原点。"),
     "reason.ranges_unknown": ("I cannot tell what is around me.", "无法判断周围有什么。"),
-    "reason.fallen": ("I fell.", "我摔倒了。"),
+    "reason.fallen": (
+        "I have fallen, and stay down until I am asked to stand up.",
+        "我摔倒了，有人叫我站起来之前不会动。",
+    ),
+    "reason.low_battery": ("My battery is too low for any motion; charge me.", "电量过低，不能动作，请给我充电。"),
+    "reason.posture": (
+        "I cannot do that from the posture I am in; somebody must make me stand first.",
+        "我现在的姿势做不了，需要先有人让我站好。",
+    ),
+    "reason.bad_image": ("There is nothing to be seen on my picture.", "我拍的照片上什么也看不到。"),
+    "reason.no_answer": ("The robot did not answer.", "机器人没有应答。"),
+    "reason.robot_error": ("The robot answered with an error.", "机器人报告出错。"),
+    "reason.timeout": ("It took too long.", "超时。"),
     "reason.consent": ("That needs my owner's consent.", "这需要主人同意。"),
     "reason.mandate": ("It would exceed what was allowed for this command.", "超出了这个命令允许的范围。"),
     "reason.stop_channel": (

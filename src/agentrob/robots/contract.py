@@ -7,7 +7,8 @@
             yield robot
             robot.close()
 
-The robot must stand upright with two metres free around it. Operations that it does not have are not asked for.
+The robot must stand upright with two metres free around it. Operations that it does not have are not asked for. Its
+package is installed: the entry point of its model is looked for.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ import itertools
 import math
 import threading
 import time
+from importlib.metadata import entry_points
 
+from agentrob.config import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.motion import wrap
 from agentrob.robots.robot import Robot, Sighted
@@ -53,6 +56,14 @@ class RobotContract:
         assert capabilities.ops
         assert Op.MOVE not in capabilities.ops or capabilities.move_directions
         assert min(capabilities.limits.speed_mps, capabilities.limits.turn_dps, capabilities.limits.step_m) > 0
+
+    def test_it_is_found_by_its_model_and_says_what_it_can_do_before_it_is_connected(self, robot: Robot) -> None:
+        capabilities = robot.capabilities
+        found = {e.name: e for e in entry_points(group="agentrob.robots")}
+        assert capabilities.model in found, "its model is the name of its entry point in the group agentrob.robots"
+        settings = RobotConfig(model=capabilities.model, simulated=capabilities.simulated)
+        told = found[capabilities.model].load().describe(settings)
+        assert (told.model, told.ops) == (capabilities.model, capabilities.ops)
 
     def test_its_state_is_fresh_and_asking_never_blocks(self, robot: Robot) -> None:
         state = fresh(robot)

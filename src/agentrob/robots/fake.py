@@ -47,6 +47,7 @@ class Faults:
     mode: str = ""  # somebody else put it into this mode
     ranges: str = "good"  # or missing, constant, zero
     unconfirmed: bool = False  # after a stop it creeps on
+    battery_percent: float = 87.0
 
 
 class FakeRobot:
@@ -223,7 +224,7 @@ class FakeRobot:
             velocity_mps=self._velocity[:2],
             yaw_rate_rps=self._velocity.turn_rps,
             mode="fallen" if fallen else mode,
-            battery_percent=87.0,
+            battery_percent=self.faults.battery_percent if self._faulty else 87.0,
             ranges_m=self._ranges(),
             upright=not fallen,
             error_code=0,

@@ -16,7 +16,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -172,7 +172,8 @@ class _Process:
         def work() -> None:
             put.append(self.world.put_box(faults.box_m))
             if put[0]:
-                self.served[faults.robot].fail(faults)
+                for name in (faults.robot,) if asked else self.served:  # nothing wanted: all are well again
+                    self.served[name].fail(replace(faults, robot=name))
 
         done = self._in_world(work)
         if put == [False]:
