@@ -22,7 +22,7 @@ from importlib.metadata import entry_points
 from agentrob.config import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.motion import wrap
-from agentrob.robots.robot import Robot
+from agentrob.robots.robot import Robot, Sighted
 
 FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
@@ -179,6 +179,18 @@ class RobotContract:
             assert result.outcome is Outcome.DONE, result.message
             assert result.image is not None
             assert result.image.startswith(b"\xff\xd8")
+
+    def test_a_look_while_it_moves_is_a_jpeg_and_leaves_the_step_alone(self, robot: Robot) -> None:
+        if not isinstance(robot, Sighted) or Op.GET_FRONT_IMAGE not in robot.capabilities.ops:
+            return
+        results: list[ActionResult] = []
+        turn = Primitive(Op.TURN, Direction.LEFT, degrees=60.0)
+        turning = threading.Thread(target=lambda: results.append(robot.step(turn, go_on)))
+        turning.start()
+        pictures = [robot.look() for _ in range(3)]
+        turning.join()
+        assert all(picture.startswith(b"\xff\xd8") for picture in pictures)
+        assert results[0].outcome is Outcome.DONE, results[0].message
 
 
 def fresh(robot: Robot) -> RobotState:
