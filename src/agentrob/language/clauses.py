@@ -246,7 +246,8 @@ class _Reader(Marks):
         elif kind is Kind.MORE_STOP and (self._open() is None or self._next() in (Kind.END, Kind.COMMA, Kind.AND)):
             # "Turn right, wait, no, left" waits for nothing.
             if not (self._next() is Kind.COMMA and self._next(2) in (Kind.NO, Kind.FIX)):
-                self._new(token, None).stop_word = True
+                draft = self._new(token, None)
+                draft.stop_word, draft.waits = True, token.value == "wait"
         elif kind in _UNITS and last and last.vague and self._open() is last:
             last.end = token.end  # "a few metres"
         else:

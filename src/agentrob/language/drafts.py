@@ -44,6 +44,7 @@ class Draft:
     unknown: list[tuple[int, int]] = field(default_factory=list)
     odd_number: bool = False
     stop_word: bool = False
+    waits: bool = False  # a stop word that only an end can have
     joined: bool = False  # nothing separated it from the draft before
     closed: bool = False
 

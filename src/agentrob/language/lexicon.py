@@ -73,7 +73,7 @@ class Kind(StrEnum):
     CANCEL = "cancel"  # "never mind": what was posted before is not wanted any more
     HELP = "help"
     STATUS = "status"  # value "battery": also within a question; "asked": only there
-    MORE_STOP = "stop"  # "and stop" at the end
+    MORE_STOP = "stop"  # "and stop" at the end; value "wait": only there
     GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
     WORD = "word"  # not known; value "number": one that cannot be told, "place": where
 

@@ -116,7 +116,10 @@ class _Maker:
         drafts, unclear = corrected(drafts)
         if unclear is not None:
             reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
-        for draft in drafts:
+        for at, draft in enumerate(drafts, 1):
+            if draft.waits and at < len(drafts):  # "walk 1 m, wait, turn left"
+                self.waits = True
+                reading.object_to(self._say("ask.wait", self.text[draft.start : draft.end]))
             self._add(draft)
         if reading.picture_after is not None:
             reading.steps = _after_each(reading.steps, reading.picture_after)

@@ -113,8 +113,8 @@ TABLE = {
         |share|provide|upload|transmit|return me""",
     "picture": """photo|photos|picture|pictures|pic|pics|image|images|photograph|snapshot|shot|selfie|camera image
         |front image|front photo""",
-    "soft": """let me think|let me see now|send it|send it to me|send it to us|post it|show it to me|show me
-        |upload it|share it""",
+    "soft": """gimme a|gimme|come on|let me think|let me see now|send it|send it to me|send it to us|post it
+        |show it to me|show me|upload it|share it""",
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
         |from where you are""",
     "each": """after each movement|after each|after each step|after every movement|after every step|after every one
@@ -204,7 +204,8 @@ TABLE = {
     "not": """not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
         |must not|avoid|refuse to|no need to|you needn't|need not|didn't|doesn't|isn't|wouldn't|couldn't|aren't
         |please don't|refrain from""",
-    "stop": "stop|halt|wait|stay|stand still|stop there|wait there|then stop|hold",
+    "stop": "stop|halt|stay|stand still|stop there|then stop",
+    "stop=wait": "wait|wait there|hold|hold there",
     "go_ahead": "go ahead",
     # ---------------------------------------------------------------- wanted, or only talk
     "request move": """would you mind walking|would you mind moving|would you mind going|would you mind stepping
@@ -213,13 +214,14 @@ TABLE = {
         |would you mind spinning""",
     "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
-    "request": """don't forget to|do not forget to|remember to|make sure to|make sure you|be sure to
-        |please remember to|can you|could you|would you|will you|please|pls|plz|can you please|could you please
-        |would you please|do me a favor and|do me a favour and|be a dear and|please go ahead and|go ahead and
-        |let's have you|please could you|please can you|please would you|your task is to|your next task is to
-        |are you able to|are you able to please|is it possible for you to|how about you|why don't you
-        |would you mind|you have to|you must|can we|could we|may i have|can i have|can i get|could i have
-        |could i get|kindly|have the robot|tell the robot to|robot please""",
+    "request": """could u|can u|would u|will u|could you pls|can you pls|don't forget to|do not forget to
+        |remember to|make sure to|make sure you|be sure to|please remember to|can you|could you|would you|will you
+        |please|pls|plz|can you please|could you please|would you please|do me a favor and|do me a favour and
+        |be a dear and|please go ahead and|go ahead and|let's have you|please could you|please can you
+        |please would you|your task is to|your next task is to|are you able to|are you able to please
+        |is it possible for you to|how about you|why don't you|would you mind|you have to|you must|can we|could we
+        |may i have|can i have|can i get|could i have|could i get|kindly|have the robot|tell the robot to
+        |robot please""",
     "request=stated": """i'd be grateful if you could|i would be grateful if you could
         |it would be great if you could|it'd be great if you could|it would be nice if you could
         |it'd be nice if you could|i was hoping you could|i was wondering if you could|i'd love it if you could
@@ -230,8 +232,9 @@ TABLE = {
         |i'd like for you to|i would like for you to|i want you to|we want you to|we would like you to
         |we need you to|we'd like you to|i want for you to|i'd like you to|i would like you to|i need you to
         |i'd love you to|i want|i'd like|i would like|i need""",
-    "wish": """it's time to|it is time to|it's your turn to|now it's time to|now we|now you|we should|you should
-        |you can|you could|let's|lets|we can|let us|you may|time to|we need to|you need to|try to""",
+    "wish": """u can|u should|it's time to|it is time to|it's your turn to|now it's time to|now we|now you
+        |we should|you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to|you need to
+        |try to""",
     "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know
         |i am|they|he|she|he's|she's|you are|you're|you were|you've|you have|it is|it was|that is|that was""",
     "talk=question": """tell me|what|what's|how|how's|do you|did you|did we|did it|do we|do i|there|who|who's|why|where
