@@ -1,0 +1,87 @@
+"""Accounts of a NodeBB: who somebody is now, and what an admin makes."""
+
+from __future__ import annotations
+
+import time
+from urllib.parse import quote
+
+from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound
+from agentrob.forums.nodebb_settings import NodeBBOptions, account
+from agentrob.forums.nodebb_wire import NodeBBWire, translated
+from agentrob.model import Account, AccountKind
+
+#: For lists, where nobody decides by it, an account may have been read so long ago.
+LIST_AGE_S = 30.0
+
+
+class Registry:
+    """Accounts as the forum vouches for them, with the groups that say what they are and may do."""
+
+    def __init__(self, wire: NodeBBWire, options: NodeBBOptions) -> None:
+        self._wire = wire
+        self._options = options
+        self._me: Account | None = None
+        self._lately: dict[str, tuple[float, Account]] = {}
+
+    async def me(self, fresh: bool = False) -> Account:
+        """The account that we are signed in as; `fresh` with its rights of now."""
+        if self._me is None or fresh:
+            found = await self._wire.get("/api/self")
+            with translated():
+                slug = str(found["userslug"])
+            self._me = await self.by_slug(slug)
+        return self._me
+
+    async def by_slug(self, slug: str) -> Account:
+        """By the handle after the @. `ForumNotFound` when there is none."""
+        path = f"/api/user/{quote(slug, safe='')}/groups"
+        try:
+            found = await self._wire.get(path)
+        except ForumDenied as e:
+            raise ForumDenied(f"{e}; our account needs the privileges View Users and View Groups") from None
+        with translated():
+            groups = found["groups"]
+            if not str(found.get("userslug") or ""):
+                raise ForumNotFound(f"there is no account {slug}")
+            made = account(found, groups, self._options)
+        self._lately[made.name] = (time.monotonic(), made)
+        return made
+
+    async def writer(self, uid: object, slug: str, listed: bool = False) -> Account:
+        """Who wrote something; `listed`: for a list, where it may be known from just before."""
+        if listed and slug in self._lately and time.monotonic() - self._lately[slug][0] < LIST_AGE_S:
+            return self._lately[slug][1]
+        try:
+            found = await self.by_slug(slug) if slug else None
+        except ForumNotFound:
+            found = None
+        # Nobody commands by a name whose account is gone, or is another's by now.
+        return found if found and found.id == str(uid) else former(uid)
+
+    async def add(self, name: str, password: str, kind: AccountKind, email: str) -> str:
+        """Make an account, as an admin; its handle. Where the name is taken NodeBB makes another name of it: that
+        account is removed again, and it is `ForumError`."""
+        group = self._group(kind)
+        said = {"username": name, "password": password, **({"email": email} if email else {})}
+        made = await self._wire.send("POST", "/users", said)
+        with translated():
+            uid, called, slug = str(made["uid"]), str(made["username"]), str(made["userslug"])
+        if called != name:
+            await self._wire.send("DELETE", f"/users/{uid}")
+            raise ForumError(f"the name {name} is taken; choose another one")
+        if group:
+            await self._wire.send("PUT", f"/groups/{quote(group, safe='')}/membership/{uid}")
+        return slug
+
+    def _group(self, kind: AccountKind) -> str:
+        if kind is AccountKind.HUMAN:
+            return ""
+        setting = f"{kind.value}s"
+        if not (names := getattr(self._options, setting)):
+            raise ConfigError(f"forum.options.{setting} names no group, so no account can be a {kind.value}")
+        return str(names[0]).lower().replace(" ", "-")
+
+
+def former(uid: object) -> Account:
+    """The writer of something whose account is gone: nobody, and nobody to be obeyed."""
+    return Account(str(uid), "", suspended=True, display_name="(former user)")

@@ -1,0 +1,87 @@
+"""The contract's face of a NodeBB: an admin makes accounts and groups, suspends, removes, and lifts the limits."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import Any
+
+from agentrob.config import ForumConfig
+from agentrob.errors import ForumError
+from agentrob.forums.forum import Forum
+from agentrob.forums.nodebb import NodeBBForum
+from agentrob.forums.nodebb_settings import Credentials
+from agentrob.forums.nodebb_wire import NodeBBWire
+from agentrob.model import AccountKind, Role
+
+GROUPS: dict[str, list[str]] = {
+    "operators": ["robot-operators"],
+    "robot_agents": ["robot-agents"],
+    "monitoring_agents": ["robot-monitors"],
+    "commanding_agents": ["commanding-agents"],
+}
+#: What stands in the way of robots and of tests; `docs/nodebb.md` says which of them a forum should lift, and how.
+LIFTED = {"postQueue": 0, "newbiePostDelay": 0, "initialPostDelay": 0, "postDelay": 0, "uploadRateLimitThreshold": 0}
+
+
+class NodeBBWorld:
+    """A NodeBB of which we have an admin's sign-in. Accounts that a test signs in are new: those of before it go."""
+
+    def __init__(self, url: str, admin: str, **options: Any) -> None:
+        self.url = url
+        self.settings = ForumConfig(kind="nodebb", url=url, options={**GROUPS, **options})
+        self.admin = NodeBBForum(self.settings, admin)
+        self.wire = NodeBBWire(url, Credentials.of(admin))
+        self.secrets: dict[str, str] = {}
+        self.uids: dict[str, str] = {}
+        self.forums: list[NodeBBForum] = []
+
+    async def prepare(self) -> None:
+        """The board, the groups, and no limits; all of it may be there already."""
+        for setting, value in LIFTED.items():
+            await self.set(setting, value)
+        boards = [b.id for b in await self.admin.boards()]
+        if "robots" not in boards:
+            await self.wire.send("POST", "/categories", {"name": "Robots"})
+        for (name,) in GROUPS.values():
+            with contextlib.suppress(ForumError):
+                await self.wire.send("POST", "/groups", {"name": name, "private": 1, "disableJoinRequests": 1})
+
+    async def set(self, setting: str, value: object) -> None:
+        await self.wire.send("PUT", f"/admin/settings/{setting}", {"value": value})
+
+    async def sign_in(
+        self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER
+    ) -> NodeBBForum:
+        if name not in self.secrets:
+            await self._forget(name)
+            account, self.secrets[name] = await self.admin.add_account(name, kind=kind)
+            self.uids[name] = account.id
+            if role is not Role.MEMBER:
+                group = "administrators" if role is Role.ADMIN else "robot-operators"
+                await self.wire.send("PUT", f"/groups/{group}/membership/{account.id}")
+        return self.at(self.url, self.secrets[name])
+
+    async def _forget(self, name: str) -> None:
+        old = await self.admin.account(name)
+        if old is not None:
+            await self.wire.send("DELETE", f"/users/{old.id}")
+
+    def at(self, url: str, secret: str) -> NodeBBForum:
+        self.forums.append(NodeBBForum(self.settings.model_copy(update={"url": url}), secret))
+        return self.forums[-1]
+
+    async def suspend(self, name: str) -> None:
+        await self.wire.send("PUT", f"/users/{self.uids[name]}/ban", {"reason": "a test"})
+
+    async def remove(self, post_id: str) -> None:
+        await self.wire.send("DELETE", f"/posts/{post_id}/state")
+
+    async def unreachable(self) -> Forum:
+        return self.at("http://127.0.0.1:9", "token")
+
+    async def close(self) -> None:
+        for forum in (*self.forums, self.admin):
+            await forum.close()
+        await self.wire.close()
+
+
