@@ -64,7 +64,7 @@ class NodeBBWorld:
     async def _forget(self, name: str) -> None:
         old = await self.admin.account(name)
         if old is not None:
-            await self.wire.send("DELETE", f"/users/{old.id}")
+            await self.wire.send("DELETE", f"/users/{old.id}/account")  # what it wrote stays, as a former user's
 
     def at(self, url: str, secret: str) -> NodeBBForum:
         self.forums.append(NodeBBForum(self.settings.model_copy(update={"url": url}), secret))
@@ -83,5 +83,3 @@ class NodeBBWorld:
         for forum in (*self.forums, self.admin):
             await forum.close()
         await self.wire.close()
-
-

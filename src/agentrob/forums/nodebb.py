@@ -51,7 +51,7 @@ class NodeBBForum:
     def _begin(self) -> None:
         self._registry = Registry(self._wire, self._options)
         self._shelf = Shelf(self._wire, self._registry)
-        source = Source(self._shelf.recent, self._shelf.post, self._shelf.stored, lambda: self._wire.at)
+        source = Source(self._shelf.recent, self._shelf.post, self._shelf.stored, self._wire.clock.now)
         self._ledger = Ledger(source)
         self._writing = asyncio.Lock()
         self._own: dict[str, str] = {}
@@ -232,7 +232,9 @@ class NodeBBForum:
 
     # ---------------------------------------------------------------- Events
     async def now(self) -> tuple[str, datetime]:
-        return await self._ledger.newest(), self._wire.at
+        newest = await self._ledger.newest()
+        await self._wire.set_clock()
+        return newest, self._wire.clock.now()
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
         return await self._ledger.after(after, limit)
@@ -249,7 +251,7 @@ class NodeBBForum:
                     after = event.id
                     yield event
                 if not events:
-                    yield Event("", EventKind.HEARTBEAT, self._wire.at)
+                    yield Event("", EventKind.HEARTBEAT, self._wire.clock.now())
                     await (push.wait(heartbeat_s) if push else asyncio.sleep(heartbeat_s))
                 await self._still_ourselves()
                 events = await self.changes(after)

@@ -16,12 +16,15 @@ from typing import Any
 import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.forums.nodebb_clock import HeaderClock
 from agentrob.forums.nodebb_settings import Credentials
 
 #: Names that NodeBB takes for spiders (`python-requests/…`, `…Bot/`) get no CSRF token.
 USER_AGENT = "AgentRob/0.1"
 #: A refused sign-in is not tried again for so long: NodeBB locks accounts after a few.
 DENIED_S = 60.0
+#: The forum's clock is known this well, if that takes no longer than a second.
+CLOCK_S, CLOCK_TRIES = 0.15, 16
 _WAIT = re.compile(r"(?:only post once every|wait) (\d+) (second|minute)")
 _MUTED = re.compile(r"You have been muted")
 _GONE = ("Category does not exist", "Topic does not exist", "Post does not exist", "User does not exist")
@@ -41,6 +44,7 @@ class NodeBBWire:
             trust_env=False,
         )
         self._signing = asyncio.Lock()
+        self.clock = HeaderClock()
         self._forget()
 
     def _forget(self) -> None:
@@ -48,7 +52,6 @@ class NodeBBWire:
         self._signed = 0
         self._denied: ForumDenied | None = None
         self._denied_s = 0.0
-        self.at = datetime.now(UTC)
 
     @property
     def url(self) -> str:
@@ -103,10 +106,20 @@ class NodeBBWire:
             headers["Authorization"] = f"Bearer {self.credentials.token}"
             if self.credentials.uid:
                 params["_uid"] = self.credentials.uid
+        asked = datetime.now(UTC)
         with translated():
             response = await self._http.request(method, path, headers=headers, params=params, **more)
-        self.at = _clock(response) or self.at
+        if (date := _date(response)) is not None:
+            self.clock.heard(date, asked, datetime.now(UTC))
         return response
+
+    async def set_clock(self) -> None:
+        """Know the forum's time better than its header tells it: ask until a second ends."""
+        for _ in range(CLOCK_TRIES):
+            if self.clock.unsure_s < CLOCK_S:
+                return
+            await self.get("/api/v3/ping")
+            await asyncio.sleep(CLOCK_S / 2)
 
     async def fetch(self, url: str) -> bytes:
         """A file of this forum, and of no other: what signs us in goes nowhere else."""
@@ -269,9 +282,8 @@ def _retry_after_s(response: httpx2.Response) -> float:
         return 1.0
 
 
-def _clock(response: httpx2.Response) -> datetime | None:
-    """The forum's clock: the header is cut to whole seconds, so half of one is added."""
+def _date(response: httpx2.Response) -> datetime | None:
     try:
-        return parsedate_to_datetime(response.headers["date"]).astimezone(UTC).replace(microsecond=500_000)
+        return parsedate_to_datetime(response.headers["date"]).astimezone(UTC)
     except (KeyError, ValueError, TypeError):
         return None
