@@ -1,0 +1,284 @@
+"""Exchanges with a real NodeBB, recorded between it and the adapter, and played back without it.
+
+A tape is JSON lines: requests in their order, each with who asked, and what was answered. `writes` is the number of
+changes before it. Played back, a change is answered as the next recorded one of the same caller, method and path; what
+is read is answered as it was after as many changes. So reads may come oftener or seldomer than they were recorded.
+Times are moved to now. Left out are passwords, session ids, and fields that nobody here reads.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qsl, urlencode
+
+import httpx2
+import uvicorn
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed
+
+Message = dict[str, Any]
+Receive, Send = Callable[[], Awaitable[Message]], Callable[[Message], Awaitable[None]]
+_TIME = re.compile(r"(?<!\d)1[78]\d{11}(?!\d)")
+_KEPT_WORDS = (
+    "status code message response csrf_token loggedIn postsPerPage topicsPerPage categories cid name handle "
+    "slug description disabled children uid username userslug displayname banned muted groups private hidden "
+    "tid pid mainPid title titleRaw timestamp edited deleted scheduled toPid content topic user category "
+    "postcount topic_count posts topics index timestamps queued id data rawContent images url next pong error "
+    "reason banned_until uids "
+)
+_KEPT = frozenset(_KEPT_WORDS.split())
+
+
+_JSON = "application/json; charset=utf-8"
+
+
+@dataclass(slots=True)
+class Exchange:
+    """One request and its answer; `what` is `method path`, or `socket` for what the socket said."""
+
+    who: str
+    what: str
+    writes: int
+    status: int = 200
+    kind: str = _JSON
+    cookie: str = ""
+    body: str = ""
+
+
+@dataclass
+class Tape:
+    """`at_ms`: when the recording began."""
+
+    at_ms: int = 0
+    exchanges: list[Exchange] = field(default_factory=list)
+
+    def save(self, path: Path) -> None:
+        """An answer that was given before is named by the number of its exchange: `"as": 12`."""
+        lines, given = [json.dumps({"at_ms": self.at_ms})], dict[str, int]()
+        for number, e in enumerate(self.exchanges):
+            line = {k: v for k, v in asdict(e).items() if v not in ("", 200, _JSON)}
+            if e.body in given:
+                line["as"] = given[line.pop("body")]
+            elif len(e.body) > 20:
+                given[e.body] = number
+            lines.append(json.dumps(line, ensure_ascii=False))
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    @classmethod
+    def load(cls, path: Path) -> Tape:
+        first, *rest = path.read_text(encoding="utf-8").splitlines()
+        tape = cls(json.loads(first)["at_ms"])
+        for line in rest:
+            found = json.loads(line)
+            if "as" in found:
+                found["body"] = tape.exchanges[found.pop("as")].body
+            tape.exchanges.append(Exchange(**found))
+        return tape
+
+
+class _Server:
+    """An ASGI application that knows callers by their cookies or tokens."""
+
+    def __init__(self, tape: Tape) -> None:
+        self.tape = tape
+        self.writes = 0
+        self.callers: dict[str, str] = {}
+
+    async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            headers = {k.decode().lower(): v.decode() for k, v in scope["headers"]}
+            body = b""
+            while (part := await receive())["type"] == "http.request":
+                body += part["body"]
+                if not part["more_body"]:
+                    break
+            await self.answer(scope, headers, body, send)
+        elif scope["type"] == "websocket":
+            headers = {k.decode().lower(): v.decode() for k, v in scope["headers"]}
+            await self.talk(scope, headers, receive, send)
+
+    async def answer(self, scope: Message, headers: dict[str, str], body: bytes, send: Send) -> None:
+        raise NotImplementedError
+
+    async def talk(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
+        raise NotImplementedError
+
+    def who(self, headers: dict[str, str], path: str, body: bytes) -> str:
+        if path == "/login":
+            return "guest " + json.loads(body)["username"]
+        if "authorization" in headers:
+            return self.callers.setdefault(headers["authorization"], f"token {len(self.callers)}")
+        return self.callers.get(headers.get("cookie", ""), "guest")
+
+
+def _what(scope: Message) -> str:
+    query = [(k, v) for k, v in parse_qsl(scope["query_string"].decode()) if k != "lang"]
+    path = scope["raw_path"].decode().partition("?")[0]
+    return f"{scope['method']} {path}" + (f"?{urlencode(query)}" if query else "")
+
+
+def _is_write(what: str) -> bool:
+    return not what.startswith(("GET ", "POST /login"))
+
+
+async def _send(send: Send, e: Exchange, body: bytes) -> None:
+    headers = [(b"content-type", e.kind.encode())]
+    if e.cookie:
+        headers.append((b"set-cookie", f"express.sid={e.cookie}; Path=/; HttpOnly".encode()))
+    await send({"type": "http.response.start", "status": e.status, "headers": headers})
+    await send({"type": "http.response.body", "body": body})
+
+
+# ---------------------------------------------------------------------- recording
+class Recorder(_Server):
+    """Stands before a real NodeBB and writes down what passes."""
+
+    def __init__(self, target: str) -> None:
+        super().__init__(Tape(int(time.time() * 1000)))
+        self._target = target
+        self._http = httpx2.AsyncClient(base_url=target, trust_env=False, timeout=20)
+        self._names: dict[str, str] = {}
+
+    async def answer(self, scope: Message, headers: dict[str, str], body: bytes, send: Send) -> None:
+        what, who = _what(scope), self.who(headers, scope["path"], body)
+        passed = {k: v for k, v in headers.items() if k not in ("host", "content-length", "connection")}
+        path = scope["raw_path"].decode().partition("?")[0] + "?" + scope["query_string"].decode()
+        self._http.cookies.clear()
+        said = await self._http.request(scope["method"], path, headers=passed, content=body)
+        entry = Exchange(who, what, self.writes, said.status_code, said.headers.get("content-type", ""))
+        self.writes += _is_write(what)
+        cookie = next((c for c in said.headers.get_list("set-cookie") if c.startswith("express.sid=")), "")
+        value = cookie.partition("=")[2].partition(";")[0]
+        if cookie:
+            entry.cookie = self._names.setdefault(value, f"session-{len(self._names)}")
+        if what.startswith("POST /login") and said.status_code == 200:
+            self.callers[f"express.sid={value}"] = who.removeprefix("guest ")
+        entry.body = _pruned(said.content) if "json" in entry.kind else said.content.hex()
+        self.tape.exchanges.append(entry)
+        answer = Exchange(who, what, 0, entry.status, entry.kind, value)
+        await _send(send, answer, said.content)
+
+    async def talk(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
+        who = self.who(headers, "/socket.io/", b"")
+        address = f"ws{self._target.removeprefix('http')}/socket.io/?{scope['query_string'].decode()}"
+        async with connect(address, additional_headers={"Cookie": headers["cookie"]}, origin=self._target) as socket:
+            await receive()
+            await send({"type": "websocket.accept"})
+
+            async def down() -> None:
+                async for packet in socket:
+                    text = str(packet)
+                    if text[:2] in ("0{", "40", "42"):
+                        kept = f'42["{json.loads(text[2:])[0]}"]' if text[:2] == "42" else text
+                        self.tape.exchanges.append(Exchange(who, "socket", self.writes, body=kept))
+                    await send({"type": "websocket.send", "text": text})
+
+            going = asyncio.create_task(down())
+            while (message := await receive())["type"] == "websocket.receive":
+                await socket.send(message["text"])
+            going.cancel()
+            with suppress(asyncio.CancelledError, ConnectionClosed):
+                await going
+
+
+def _pruned(body: bytes) -> str:
+    def prune(found: Any) -> Any:
+        if isinstance(found, dict):
+            kept = {k: prune(v) for k, v in found.items() if k in _KEPT}
+            return {**kept, "csrf_token": "csrf"} if "csrf_token" in kept else kept
+        return [prune(item) for item in found] if isinstance(found, list) else found
+
+    return json.dumps(prune(json.loads(body or b"null")), ensure_ascii=False)
+
+
+# ---------------------------------------------------------------------- playing
+class Player(_Server):
+    """Answers as the tape does; a request that it does not have is answered 599 and kept in `unknown`."""
+
+    def __init__(self, tape: Tape) -> None:
+        super().__init__(tape)
+        self.unknown: list[str] = []
+        self._shift_ms = int(time.time() * 1000) - tape.at_ms
+        self._by_call: dict[tuple[str, str], list[Exchange]] = {}
+        for e in tape.exchanges:
+            self._by_call.setdefault((e.who, e.what), []).append(e)
+        self._used: dict[tuple[str, str, int], int] = {}
+        self._turn = asyncio.Event()
+
+    async def answer(self, scope: Message, headers: dict[str, str], body: bytes, send: Send) -> None:
+        what = self._moved(_what(scope), -self._shift_ms)
+        who = self.who(headers, scope["path"], body)
+        found = self._find(who, what)
+        if found is None:
+            self.unknown.append(f"{who}: {what}")
+            found = Exchange(who, what, 0, 599, body='"this is not on the tape"')
+        if what.startswith("POST /login") and found.status == 200:
+            self.callers[f"express.sid={found.cookie}"] = who.removeprefix("guest ")
+        if _is_write(what):
+            self.writes = max(self.writes, found.writes + 1)
+            self._turn.set()
+            self._turn = asyncio.Event()
+        moved = self._moved(found.body, self._shift_ms)
+        await _send(send, found, moved.encode() if "json" in found.kind else bytes.fromhex(found.body))
+
+    def _find(self, who: str, what: str) -> Exchange | None:
+        calls = self._by_call.get((who, what))
+        if not calls:
+            return None
+        if not what.startswith("GET "):
+            number = self._used.setdefault((who, what, -1), 0)
+            self._used[who, what, -1] = number + 1
+            return calls[min(number, len(calls) - 1)]
+        then = max((e.writes for e in calls if e.writes <= self.writes), default=calls[0].writes)
+        same = [e for e in calls if e.writes == then]
+        number = self._used.setdefault((who, what, then), 0)
+        self._used[who, what, then] = number + 1
+        return same[min(number, len(same) - 1)]
+
+    def _moved(self, text: str, by_ms: int) -> str:
+        return _TIME.sub(lambda m: str(int(m[0]) + by_ms), text)
+
+    async def talk(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
+        who = self.who(headers, "/socket.io/", b"")
+        said = [e for e in self.tape.exchanges if e.who == who and e.what == "socket"]
+        await receive()
+        await send({"type": "websocket.accept"})
+        saying = asyncio.create_task(self._say(said, send))
+        await _until_closed(receive)
+        saying.cancel()
+        with suppress(asyncio.CancelledError):
+            await saying
+
+    async def _say(self, said: list[Exchange], send: Send) -> None:
+        for e in said:
+            while self.writes < e.writes:
+                await self._turn.wait()
+            await send({"type": "websocket.send", "text": e.body})
+
+
+async def _until_closed(receive: Receive) -> None:
+    while (await receive())["type"] == "websocket.receive":
+        pass
+
+
+@asynccontextmanager
+async def serving(application: Any) -> AsyncIterator[str]:
+    """Serve on a free port of loopback; the address."""
+    server = uvicorn.Server(uvicorn.Config(application, host="127.0.0.1", port=0, log_level="error", lifespan="off"))
+    task = asyncio.create_task(server.serve())
+    async with asyncio.timeout(10):
+        while not server.started:  # noqa: ASYNC110 - uvicorn has no event for it
+            await asyncio.sleep(0.01)
+    try:
+        yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
+    finally:
+        server.should_exit = server.force_exit = True
+        await task
