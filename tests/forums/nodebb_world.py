@@ -26,9 +26,11 @@ LIFTED = {"postQueue": 0, "newbiePostDelay": 0, "initialPostDelay": 0, "postDela
 class NodeBBWorld:
     """A NodeBB of which we have an admin's sign-in. Accounts that a test signs in are new: those of before it go."""
 
-    def __init__(self, url: str, admin: str, **options: Any) -> None:
+    def __init__(self, url: str, admin: str, server: Any = None, **options: Any) -> None:
         self.url = url
+        self.server = server
         self.settings = ForumConfig(kind="nodebb", url=url, options={**GROUPS, **options})
+        self.password = admin.rpartition(":")[2]
         self.admin = NodeBBForum(self.settings, admin)
         self.wire = NodeBBWire(url, Credentials.of(admin))
         self.secrets: dict[str, str] = {}
@@ -53,7 +55,7 @@ class NodeBBWorld:
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER
     ) -> NodeBBForum:
         if name not in self.secrets:
-            await self._forget(name)
+            await self.forget(name)
             account, self.secrets[name] = await self.admin.add_account(name, kind=kind)
             self.uids[name] = account.id
             if role is not Role.MEMBER:
@@ -61,10 +63,18 @@ class NodeBBWorld:
                 await self.wire.send("PUT", f"/groups/{group}/membership/{account.id}")
         return self.at(self.url, self.secrets[name])
 
-    async def _forget(self, name: str) -> None:
+    async def forget(self, name: str) -> None:
         old = await self.admin.account(name)
         if old is not None:
             await self.wire.send("DELETE", f"/users/{old.id}/account")  # what it wrote stays, as a former user's
+
+    async def token(self, uid: str, password: str = "") -> str:
+        """A bearer token of an account; `0` a master token, which NodeBB asks the admin's password for."""
+        headers = {"x-password-confirmation": password}
+        said = {"uid": int(uid), "description": "a test"}
+        made = await self.wire.ask("POST", "/api/v3/admin/tokens", json=said, headers=headers)
+        found = made.json()["response"]
+        return str(found.get("secret") or found["token"])
 
     def at(self, url: str, secret: str) -> NodeBBForum:
         self.forums.append(NodeBBForum(self.settings.model_copy(update={"url": url}), secret))

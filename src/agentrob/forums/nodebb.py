@@ -6,10 +6,11 @@ import asyncio
 import hashlib
 import secrets
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
 from contextlib import AsyncExitStack
 from datetime import datetime
-from typing import Any
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
@@ -23,6 +24,8 @@ from agentrob.forums.nodebb_socket import Push
 from agentrob.forums.nodebb_wire import Guest, NodeBBWire, translated
 from agentrob.model import Account, AccountKind, Post, StatusCard
 
+P = ParamSpec("P")
+T = TypeVar("T")
 _JSON = dict[str, Any]
 #: A post that waits for a moderator is looked for again after so long.
 QUEUE_S = 30.0
@@ -30,6 +33,17 @@ QUEUE_S = 30.0
 KEY_PAGES = 5
 #: So often a stream makes sure that its session is not over.
 CHECK_S = 5.0
+
+
+def _in_our_errors(call: Callable[P, Awaitable[T]]) -> Callable[P, Coroutine[Any, Any, T]]:
+    """Whatever the forum answers that is not as we know it becomes a `ForumError`."""
+
+    @wraps(call)
+    async def made(*args: P.args, **more: P.kwargs) -> T:
+        with translated():
+            return await call(*args, **more)
+
+    return made
 
 
 class NodeBBForum:
@@ -62,6 +76,7 @@ class NodeBBForum:
         await self._wire.close()
 
     # ---------------------------------------------------------------- identity
+    @_in_our_errors
     async def switch(self, token: str) -> Account:
         """Be another account from now on; what was noted as the one of before is forgotten."""
         async with self._writing:
@@ -73,6 +88,7 @@ class NodeBBForum:
         """Be this account, by its password."""
         return await self.switch(f"login:{name}:{password}")
 
+    @_in_our_errors
     async def add_account(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, email: str = ""
     ) -> tuple[Account, str]:
@@ -92,38 +108,46 @@ class NodeBBForum:
         return cls(settings, f"login:{name}:{password}")
 
     # ---------------------------------------------------------------- Reader
+    @_in_our_errors
     async def boards(self) -> Sequence[Board]:
         return await self._shelf.boards()
 
+    @_in_our_errors
     async def topic(self, topic_id: str) -> Topic:
         return await self._shelf.topic(topic_id)
 
+    @_in_our_errors
     async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
         return await self._shelf.topics(board_id, cursor, limit)
 
+    @_in_our_errors
     async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
         return await self._shelf.posts(topic_id, cursor, limit)
 
+    @_in_our_errors
     async def post(self, post_id: str) -> Post:
         return await self._shelf.post(post_id)
 
+    @_in_our_errors
     async def download(self, url: str) -> bytes:
         return await self._wire.fetch(url)
 
+    @_in_our_errors
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
         """Posts that have the words, newest first; by the forum's search plugin."""
         return await self._shelf.search(query, board_id, cursor, limit)
 
+    @_in_our_errors
     async def mentions(self) -> tuple[Post, ...]:
         """Posts whose mention of us the forum still shows as a notification, newest first."""
         found = await self._wire.get("/api/notifications", filter="mention")
-        with translated():
-            pids = [str(n["pid"]) for n in found["notifications"] if n.get("pid")]
+        pids = [str(n["pid"]) for n in found["notifications"] if n.get("pid")]
         return tuple([await self.post(pid) for pid in dict.fromkeys(pids)])
 
     # ---------------------------------------------------------------- Writer
+    @_in_our_errors
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
     ) -> Written:
@@ -135,6 +159,7 @@ class NodeBBForum:
             answer = await self._wire.send("POST", "/topics", {"cid": cid, "title": title, "content": raw})
             return await self._written(answer, key, "mainPid")
 
+    @_in_our_errors
     async def reply(
         self,
         topic_id: str,
@@ -155,6 +180,7 @@ class NodeBBForum:
             written = await self._written(answer, key, "pid")
             return await self._only_one(written, key, topic_id, reply_to)
 
+    @_in_our_errors
     async def edit(
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
@@ -168,14 +194,14 @@ class NodeBBForum:
             await self._wire.send("PUT", f"/posts/{own_place(post_id)}", {"content": raw})
             return await self.post(post_id)
 
+    @_in_our_errors
     async def find(self, key: str) -> Post | None:
         return await self._with_key(key)
 
     async def _written(self, answer: _JSON, key: str, field: str) -> Written:
         if answer.get("queued"):
             raise _queued(str(answer.get("id", "")))
-        with translated():
-            self._own[key] = str(answer[field])
+        self._own[key] = str(answer[field])
         return Written(await self.post(self._own[key]))
 
     async def _with_key(self, key: str, topic_id: str | None = None, reply_to: str | None = None) -> Post | None:
@@ -216,14 +242,15 @@ class NodeBBForum:
             kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
             files = {"files[]": (f"{number}.{kind}", image, f"image/{kind}")}
             answer = await self._wire.ask("POST", "/api/post/upload", files=files)
-            with translated():
-                self._uploaded[digest] = str(answer.json()["response"]["images"][0]["url"])
+            self._uploaded[digest] = str(answer.json()["response"]["images"][0]["url"])
         return tuple(self._uploaded[hashlib.sha256(image).hexdigest()] for image in images)
 
     # ---------------------------------------------------------------- Accounts
+    @_in_our_errors
     async def me(self) -> Account:
         return await self._registry.me(fresh=True)
 
+    @_in_our_errors
     async def account(self, name: str) -> Account | None:
         try:
             return await self._registry.by_slug(name)
@@ -231,11 +258,13 @@ class NodeBBForum:
             return None
 
     # ---------------------------------------------------------------- Events
+    @_in_our_errors
     async def now(self) -> tuple[str, datetime]:
         newest = await self._ledger.newest()
         await self._wire.set_clock()
         return newest, self._wire.clock.now()
 
+    @_in_our_errors
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
         return await self._ledger.after(after, limit)
 

@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.nodebb_settings import NodeBBOptions, account
-from agentrob.forums.nodebb_wire import NodeBBWire, translated
+from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.model import Account, AccountKind
 
 #: For lists, where nobody decides by it, an account may have been read so long ago.
@@ -27,8 +27,7 @@ class Registry:
         """The account that we are signed in as; `fresh` with its rights of now."""
         if self._me is None or fresh:
             found = await self._wire.get("/api/self")
-            with translated():
-                slug = str(found["userslug"])
+            slug = str(found["userslug"])
             self._me = await self.by_slug(slug)
         return self._me
 
@@ -39,11 +38,10 @@ class Registry:
             found = await self._wire.get(path)
         except ForumDenied as e:
             raise ForumDenied(f"{e}; our account needs the privileges View Users and View Groups") from None
-        with translated():
-            groups = found["groups"]
-            if not str(found.get("userslug") or ""):
-                raise ForumNotFound(f"there is no account {slug}")
-            made = account(found, groups, self._options)
+        groups = found["groups"]
+        if not str(found.get("userslug") or ""):
+            raise ForumNotFound(f"there is no account {slug}")
+        made = account(found, groups, self._options)
         self._lately[made.name] = (time.monotonic(), made)
         return made
 
@@ -64,8 +62,7 @@ class Registry:
         group = self._group(kind)
         said = {"username": name, "password": password, **({"email": email} if email else {})}
         made = await self._wire.send("POST", "/users", said)
-        with translated():
-            uid, called, slug = str(made["uid"]), str(made["username"]), str(made["userslug"])
+        uid, called, slug = str(made["uid"]), str(made["username"]), str(made["userslug"])
         if called != name:
             await self._wire.send("DELETE", f"/users/{uid}")
             raise ForumError(f"the name {name} is taken; choose another one")

@@ -16,7 +16,7 @@ from agentrob.errors import ForumDenied, ForumNotFound
 from agentrob.forums.forum import Board, Page, Topic
 from agentrob.forums.nodebb_accounts import Registry, former
 from agentrob.forums.nodebb_marks import pictures_in, unmark
-from agentrob.forums.nodebb_wire import NodeBBWire, translated
+from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.model import Account, AccountKind, Post
 
 _JSON = dict[str, Any]
@@ -42,8 +42,7 @@ class Shelf:
     # ---------------------------------------------------------------- boards
     async def boards(self) -> tuple[Board, ...]:
         found = await self._wire.get("/api/categories")
-        with translated():
-            self._boards = [(int(c["cid"]), _board(c)) for c in _flat(found["categories"]) if not c.get("disabled")]
+        self._boards = [(int(c["cid"]), _board(c)) for c in _flat(found["categories"]) if not c.get("disabled")]
         self._boards_s = time.monotonic()
         return tuple(board for _, board in self._boards)
 
@@ -67,17 +66,15 @@ class Shelf:
     async def topic(self, topic_id: str) -> Topic:
         found = await self._wire.get_v3(f"/topics/{own_place(topic_id)}")
         user = await self._wire.get(f"/api/user/uid/{found.get('uid')}")
-        with translated():
-            return await self._topic({**found, "user": user})
+        return await self._topic({**found, "user": user})
 
     async def topics(self, board_id: str, cursor: str | None, limit: int) -> Page[Topic]:
         """Latest activity first, but those that are pinned come before all others."""
         cid = await self.cid(board_id)
         start = _start(cursor)
         found, more = await self._rows(f"/api/category/{cid}", "topics", start, limit, sort="recently_replied")
-        with translated():
-            rows = [t for t in found if not t.get("deleted") and not t.get("scheduled")]
-            items = tuple([await self._topic(t) for t in rows])
+        rows = [t for t in found if not t.get("deleted") and not t.get("scheduled")]
+        items = tuple([await self._topic(t) for t in rows])
         return Page(items, str(start + limit) if more else None)
 
     async def _topic(self, t: _JSON) -> Topic:
@@ -101,8 +98,7 @@ class Shelf:
                 except ForumNotFound:
                     return None
 
-        with translated():
-            read_all = await asyncio.gather(*(read(str(p["pid"])) for p in found if int(p["pid"]) > 0))
+        read_all = await asyncio.gather(*(read(str(p["pid"])) for p in found if int(p["pid"]) > 0))
         return Page(tuple(p for p in read_all if p is not None), str(start + limit) if more else None)
 
     async def post(self, post_id: str, listed: bool = False) -> Post:
@@ -111,10 +107,9 @@ class Shelf:
             stored, shown = await asyncio.gather(self.stored(post_id), self._shown(post_id))
         except ForumNotFound:
             return await self._removed(post_id)
-        with translated():
-            user = shown.get("user") or {}
-            author = await self._registry.writer(stored["uid"], str(user.get("userslug") or ""), listed)
-            made = await self._post(stored, shown, author)
+        user = shown.get("user") or {}
+        author = await self._registry.writer(stored["uid"], str(user.get("userslug") or ""), listed)
+        made = await self._post(stored, shown, author)
         self._remember(made)
         return made
 
@@ -181,11 +176,12 @@ class Shelf:
     async def recent(self, page: int) -> list[_JSON]:
         """The forum's latest posts that we may read, newest first, 20 a page; deleted ones for moderators only."""
         found: list[_JSON] = await self._wire.get("/api/recent/posts", page=page)
-        with translated():
-            found = [p for p in found if isinstance(p["pid"], int)]  # others came from other servers
-            for p in found:
-                if (pid := str(p["pid"])) not in self._known:
-                    self._remember(await self._unread(pid, p))
+        if not isinstance(found, list):
+            raise TypeError(found)
+        found = [p for p in found if isinstance(p["pid"], int)]  # others came from other servers
+        for p in found:
+            if (pid := str(p["pid"])) not in self._known:
+                self._remember(await self._unread(pid, p))
         return found
 
     async def _unread(self, pid: str, p: _JSON) -> Post:
@@ -200,9 +196,8 @@ class Shelf:
         if board_id is not None:
             params["categories[]"] = await self.cid(board_id)
         found = await self._wire.get("/api/search", **params)
-        with translated():
-            posts = [await self.post(str(p["pid"]), listed=True) for p in found["posts"]]
-            more = start + limit < int(found["matchCount"])
+        posts = [await self.post(str(p["pid"]), listed=True) for p in found["posts"]]
+        more = start + limit < int(found["matchCount"])
         return Page(tuple(posts), str(start + limit) if more else None)
 
     # ---------------------------------------------------------------- our own, by key
@@ -222,12 +217,11 @@ class Shelf:
         path, size = f"/api/topic/{own_place(topic_id)}", await self._page_size("posts")
         for page in range(1, pages + 1):
             listed = await self._wire.get(path, page=page, sort="newest_to_oldest")
-            with translated():
-                ours = [p for p in listed["posts"] if str(p["uid"]) == me.id and int(p["timestamp"]) >= since_ms]
-                found += [int(p["pid"]) for p in ours if await self._key_of(str(p["pid"])) == key]
-                times = [int(p["timestamp"]) for p in listed["posts"] if p.get("index") != 0]
-                if page * size >= int(listed["postcount"]) or min(times, default=0) < since_ms:
-                    break
+            ours = [p for p in listed["posts"] if str(p["uid"]) == me.id and int(p["timestamp"]) >= since_ms]
+            found += [int(p["pid"]) for p in ours if await self._key_of(str(p["pid"])) == key]
+            times = [int(p["timestamp"]) for p in listed["posts"] if p.get("index") != 0]
+            if page * size >= int(listed["postcount"]) or min(times, default=0) < since_ms:
+                break
         return str(min(found)) if found else None
 
     async def _key_of(self, pid: str) -> str | None:
@@ -245,12 +239,11 @@ class Shelf:
             found = await self._wire.get("/api/post-queue")
         except (ForumNotFound, ForumDenied):
             return None
-        with translated():
-            for queued in found["posts"]:
-                data = queued["data"]
-                raw = html.unescape(str(data.get("rawContent") or ""))
-                if str(data.get("uid")) == my_id and unmark(raw).key == key:
-                    return str(queued["id"])
+        for queued in found["posts"]:
+            data = queued["data"]
+            raw = html.unescape(str(data.get("rawContent") or ""))
+            if str(data.get("uid")) == my_id and unmark(raw).key == key:
+                return str(queued["id"])
         return None
 
     # ---------------------------------------------------------------- pages
@@ -262,9 +255,8 @@ class Shelf:
         page = start // size + 1
         while (page - 1) * size < min(start + limit, count):
             found = await self._wire.get(path, page=page, **params)
-            with translated():
-                count = int(found["postcount" if what == "posts" else "topic_count"])
-                rows += found[what]
+            count = int(found["postcount" if what == "posts" else "topic_count"])
+            rows += found[what]
             page += 1
         skipped = start % size
         return rows[skipped : skipped + limit], start + limit < count
@@ -272,8 +264,7 @@ class Shelf:
     async def _page_size(self, what: str) -> int:
         if not self._sizes:
             config = await self._wire.get("/api/config")
-            with translated():
-                self._sizes = {k: int(config[f"{k}PerPage"]) for k in ("posts", "topics")}
+            self._sizes = {k: int(config[f"{k}PerPage"]) for k in ("posts", "topics")}
         return self._sizes[what]
 
 

@@ -6,7 +6,7 @@ import asyncio
 import re
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from http.cookiejar import CookieJar, DefaultCookiePolicy
@@ -26,6 +26,8 @@ DENIED_S = 60.0
 #: The forum's clock is known this well, if that takes no longer than a second.
 CLOCK_S, CLOCK_TRIES = 0.15, 16
 _WAIT = re.compile(r"(?:only post once every|wait) (\d+) (second|minute)")
+#: What it does not translate: `[[error:invalid-login-credentials]]`.
+_KEYWORDS = re.compile(r"\[\[\w+:([^\]]+)\]\]")
 _MUTED = re.compile(r"You have been muted")
 _GONE = ("Category does not exist", "Topic does not exist", "Post does not exist", "User does not exist")
 
@@ -145,8 +147,7 @@ class NodeBBWire:
                 return
             if self._denied is not None and time.monotonic() - self._denied_s < DENIED_S:
                 raise ForumDenied(str(self._denied))
-            self.cookie = self.csrf = ""
-            try:
+            try:  # with the cookie of before: what needs a password entered lately asks for this very session
                 await self._log_in()
             except ForumDenied as e:
                 self._denied, self._denied_s = e, time.monotonic()
@@ -199,6 +200,17 @@ class Guest(NodeBBWire):
             await self._posted("/register/complete", consent)
         elif answer.get("message"):
             raise ForumDenied(f"the account {name} must be approved first: {answer['message']}")
+        with translated():
+            await self._is_called(name, password)
+
+    async def _is_called(self, name: str, password: str) -> None:
+        """Where a name is taken, NodeBB makes an account of another name and says nothing: that one is left again."""
+        await self._new_csrf()
+        me = await self.get("/api/self")
+        if me.get("username") != name:
+            with suppress(ForumError):
+                await self.send("DELETE", f"/users/{me['uid']}/account", {"password": password})
+            raise ForumDenied(f"signing up was refused: the name {name} is taken")
 
     async def _posted(self, path: str, form: Mapping[str, str]) -> httpx2.Response:
         await self._ready()
@@ -250,10 +262,14 @@ def raise_for(response: httpx2.Response, before: str = "") -> None:
 
 def sentence(response: httpx2.Response) -> str:
     """What went wrong, in one sentence, of JSON in any of its shapes or of a text."""
+    return _KEYWORDS.sub(lambda m: m[1].replace("-", " "), _told(response))[:300].strip()
+
+
+def _told(response: httpx2.Response) -> str:
     try:
         told = response.json()
     except ValueError:
-        return response.text[:200].strip()
+        return response.text[:200]
     if isinstance(told, Mapping):
         status = told.get("status")
         told = (status or {}).get("message") if isinstance(status, Mapping) else told
@@ -261,7 +277,7 @@ def sentence(response: httpx2.Response) -> str:
         if "banned_until" in told:
             return f"the account is banned: {told.get('reason') or 'no reason given'}"
         told = told.get("message") or told.get("error") or told.get("title") or ""
-    return str(told)[:300]
+    return str(told)
 
 
 def _wait_s(said: str) -> float | None:
