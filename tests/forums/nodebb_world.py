@@ -20,7 +20,14 @@ GROUPS: dict[str, list[str]] = {
     "commanding_agents": ["commanding-agents"],
 }
 #: What stands in the way of robots and of tests; `docs/nodebb.md` says which of them a forum should lift, and how.
-LIFTED = {"postQueue": 0, "newbiePostDelay": 0, "initialPostDelay": 0, "postDelay": 0, "uploadRateLimitThreshold": 0}
+LIFTED = {
+    "postQueue": 0,
+    "newbiePostDelay": 0,
+    "initialPostDelay": 0,
+    "postDelay": 0,
+    "uploadRateLimitThreshold": 0,
+    "allowPrivateGroups": 1,
+}
 
 
 class NodeBBWorld:

@@ -152,6 +152,18 @@ async def test_law_2_a_group_that_anybody_may_join_gives_no_rights(nodebb: NodeB
     assert (await alice.me()).role is Role.OPERATOR
 
 
+async def test_law_2_where_private_groups_are_switched_off_no_group_gives_rights(nodebb: NodeBBWorld) -> None:
+    alice, root = await nodebb.sign_in("alice", role=Role.OPERATOR), await nodebb.sign_in("root", role=Role.ADMIN)
+    await nodebb.set("allowPrivateGroups", 0)
+    bob = await nodebb.sign_in("bob")
+    seen, admin = await bob.account("alice"), await root.me()
+    await nodebb.set("allowPrivateGroups", 1)
+    assert seen is not None
+    assert seen.role is Role.MEMBER, "anybody could have joined robot-operators"
+    assert admin.role is Role.ADMIN, "nobody joins the administrators"
+    assert (await alice.me()).role is Role.OPERATOR
+
+
 async def test_kinds_of_accounts_come_from_groups(nodebb: NodeBBWorld) -> None:
     for kind in (AccountKind.MONITORING_AGENT, AccountKind.COMMANDING_AGENT):
         name = f"a-{kind.value.split('_')[0]}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 from urllib.parse import quote
 
 from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound
@@ -12,6 +13,8 @@ from agentrob.model import Account, AccountKind
 
 #: For lists, where nobody decides by it, an account may have been read so long ago.
 LIST_AGE_S = 30.0
+#: So long one answer about the forum's setting Private Groups is believed.
+SETTING_AGE_S = 10.0
 
 
 class Registry:
@@ -22,6 +25,8 @@ class Registry:
         self._options = options
         self._me: Account | None = None
         self._lately: dict[str, tuple[float, Account]] = {}
+        self._private = False
+        self._asked_s = -SETTING_AGE_S
 
     async def me(self, fresh: bool = False) -> Account:
         """The account that we are signed in as; `fresh` with its rights of now."""
@@ -38,12 +43,21 @@ class Registry:
             found = await self._wire.get(path)
         except ForumDenied as e:
             raise ForumDenied(f"{e}; our account needs the privileges View Users and View Groups") from None
-        groups = found["groups"]
         if not str(found.get("userslug") or ""):
             raise ForumNotFound(f"there is no account {slug}")
-        made = account(found, groups, self._options)
+        made = account(found, await self._as_they_are(found["groups"]), self._options)
         self._lately[made.name] = (time.monotonic(), made)
         return made
+
+    async def _as_they_are(self, groups: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """With the forum's setting Private Groups switched off anybody joins any group that is not the system's own,
+        whatever the group says of itself."""
+        named = self._options.rights_of(groups)
+        if not named or time.monotonic() - self._asked_s < SETTING_AGE_S:
+            return groups if self._private or not named else [{**g, "private": g.get("system")} for g in groups]
+        found = await self._wire.get(f"/api/groups/{quote(named[0], safe='')}")
+        self._private, self._asked_s = bool(found.get("allowPrivateGroups")), time.monotonic()
+        return await self._as_they_are(groups)
 
     async def writer(self, uid: object, slug: str, listed: bool = False) -> Account:
         """Who wrote something; `listed`: for a list, where it may be known from just before."""

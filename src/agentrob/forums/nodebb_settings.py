@@ -41,6 +41,13 @@ class NodeBBOptions(BaseModel):
             wrong = "; ".join(f"{'.'.join(map(str, x['loc']))}: {x['msg']}" for x in e.errors())
             raise ConfigError(f"forum.options: {wrong}; valid are: {', '.join(cls.model_fields)}") from None
 
+    def rights_of(self, groups: Iterable[Mapping[str, Any]]) -> list[str]:
+        """Those of the groups, not the forum's own, that give a right."""
+        slugs = {str(g.get("slug", "")).lower() for g in groups if not g.get("system")}
+        return [
+            slug for slug in sorted(slugs) if _any((*self.operators, *self.admins, *self.commanding_agents), {slug})
+        ]
+
 
 # ---------------------------------------------------------------- who
 def account(user: Mapping[str, Any], groups: Iterable[Mapping[str, Any]], options: NodeBBOptions) -> Account:
