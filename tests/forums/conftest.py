@@ -22,7 +22,8 @@ async def nodebb(request: pytest.FixtureRequest) -> AsyncIterator[NodeBBWorld]:
     server = Recorder(URL) if RECORD else Player(Tape.load(path))
     async with serving(server) as url:
         world = NodeBBWorld(url, ADMIN, server=server)
-        await world.prepare()
+        if RECORD:
+            await world.prepare()
         yield world
         await world.close()
     if isinstance(server, Recorder):

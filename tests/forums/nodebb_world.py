@@ -73,6 +73,8 @@ class NodeBBWorld:
     async def forget(self, name: str) -> None:
         old = await self.admin.account(name)
         if old is not None:
+            if old.role is Role.ADMIN:
+                await self.wire.send("DELETE", f"/groups/administrators/membership/{old.id}")
             await self.wire.send("DELETE", f"/users/{old.id}/account")  # what it wrote stays, as a former user's
 
     async def token(self, uid: str, password: str = "") -> str:

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from datetime import UTC, datetime, timedelta
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agentrob.config import ForumConfig
@@ -24,6 +24,7 @@ from agentrob.model import AccountKind, Role, StatusCard
 CARD = StatusCard("quadruped", "running", step=1, steps=2, doing="move", trace_id="t1")
 
 
+@settings(max_examples=50)
 @given(
     st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(lambda t: t.strip()),
     st.text(min_size=1, max_size=200, alphabet=st.characters(min_codepoint=33, max_codepoint=126)),

@@ -114,6 +114,14 @@ async def test_a_bearer_token_hears_posts_by_asking(nodebb: NodeBBWorld) -> None
                 break
 
 
+async def test_a_void_token_is_denied_and_does_not_listen_on_as_a_guest(nodebb: NodeBBWorld) -> None:
+    bob = await nodebb.sign_in("bob")
+    after, _ = await bob.now()
+    bearer = nodebb.at(nodebb.url, "00000000-0000-4000-8000-000000000000")
+    with pytest.raises(ForumDenied):
+        await asyncio.wait_for(anext(bearer.stream(after, 0.25)), 10)
+
+
 async def test_a_master_token_needs_the_number_of_an_account(nodebb: NodeBBWorld) -> None:
     await nodebb.sign_in("alice")
     token = await nodebb.token("0", nodebb.password)

@@ -272,6 +272,7 @@ class NodeBBForum:
         """By the socket where it can be had, and by asking each `heartbeat_s` besides: a heartbeat says that the latest
         posts were read just now, which no quiet socket proves."""
         async with AsyncExitStack() as stack:
+            await self._still_ourselves()
             events, push = await self.changes(after), None
             if self._options.push and self._wire.credentials.by_session:
                 push = await stack.enter_async_context(Push(self._wire))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import re
+import ssl
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
+from functools import cache
 from http.cookiejar import CookieJar, DefaultCookiePolicy
 from http.cookies import SimpleCookie
 from typing import Any
@@ -44,6 +46,7 @@ class NodeBBWire:
             timeout=httpx2.Timeout(10.0, connect=5.0),
             cookies=CookieJar(policy=DefaultCookiePolicy(allowed_domains=[])),
             trust_env=False,
+            verify=_tls(),
         )
         self._signing = asyncio.Lock()
         self.clock = HeaderClock()
@@ -94,9 +97,9 @@ class NodeBBWire:
         return response
 
     async def check(self) -> None:
-        """Sign in again if the session is over: for guests, reading goes on silently, with less to see."""
-        if self.credentials.by_session:
-            await self.ask("GET", "/api/self")
+        """Sign in again if the session is over, or `ForumDenied` if the token is void: else reading goes on silently,
+        as a guest, with less to see."""
+        await self.ask("GET", "/api/self")
 
     async def _request(self, method: str, path: str, **more: Any) -> httpx2.Response:
         headers = dict(more.pop("headers", {}))
@@ -219,6 +222,12 @@ class Guest(NodeBBWire):
             raise_for(response, "signing up was refused: ")
         self._keep_cookie(response)
         return response
+
+
+@cache
+def _tls() -> ssl.SSLContext:
+    """As the library makes it; reading all certificates takes a moment, so once will do."""
+    return httpx2.create_ssl_context(trust_env=False)
 
 
 # ---------------------------------------------------------------- what answers mean
