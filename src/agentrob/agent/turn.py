@@ -40,6 +40,7 @@ from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
+from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
 from agentrob.model import Account, Command, Decision, Post, StopResult
 from agentrob.robots.client import DriverClient
@@ -68,6 +69,7 @@ class RobotAgent:
         data: Path,
         store: ImageStore | None = None,
     ) -> None:
+        prepare_screen()  # not while it serves: stops would wait
         self.name = name
         self.settings = settings
         self.forum = forum

@@ -16,6 +16,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from agentrob.judge import beside, harm, way
+from agentrob.judge import scene as places
 from agentrob.judge.beside import said_beside
 from agentrob.judge.estimate import seconds_of, step_seconds
 from agentrob.judge.harm import doubt_of, harm_of
@@ -25,6 +27,15 @@ from agentrob.judge.way import in_the_way
 from agentrob.language.phrases import say
 from agentrob.language.render import sentence, step_sentence
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, Verdict
+
+
+def prepare() -> None:
+    """Compile all words that are looked for (about half a second): to be done before a process serves.
+
+    A screen that was not prepared finds the same, and compiles for each text what it may hold.
+    """
+    for room in (harm, way, beside, places):
+        room.prepare()
 
 
 def screen(
