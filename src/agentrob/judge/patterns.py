@@ -130,6 +130,8 @@ def _group_items(text: str, inflected: bool) -> list[str]:
 
 def _items(text: str) -> list[str]:
     """The alternatives of a group or a phrase; a | within brackets belongs to its item."""
+    if not {"(", "["} & set(text):
+        return text.split("|")
     items, depth = [""], 0
     for char in text:
         depth += (char in "([") - (char in ")]")
