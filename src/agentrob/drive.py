@@ -24,6 +24,7 @@ from agentrob.child import Child, end_all
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import ConfigError, RobotUnreachable
 from agentrob.model import Account, ActionResult, Capabilities, Decision, Intent, Outcome, Plan, Role
+from agentrob.plugins import find
 
 #: The person at the keyboard of the robot's own machine.
 LOCAL = Account(id="local", name="local", role=Role.OPERATOR)
@@ -70,7 +71,8 @@ def robot_command_driver(
         language=understood.language,
     )
     if verdict.decision is not Decision.ALLOW:
-        return Driven("refused", understood.plan, message=f"{verdict.reason} ({verdict.rule})")
+        status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
+        return Driven(status, understood.plan, message=f"{verdict.reason} ({verdict.rule})")
     limit_s, holder = capabilities.limits.command_s, f"drive {os.getpid()}"
     with _driver(name, settings, config) as socket:
         results = _outside_loop(
@@ -113,7 +115,7 @@ def _settings(robot: str, config: Config, interface: str | None) -> tuple[str, R
                 "change the configuration, or leave --interface out"
             )
         return named[0], settings
-    app.find("robots", robot)
+    find("robots", robot)
     if interface:
         return robot, RobotConfig(model=robot, interface=interface)
     return robot, app.simulated_robot(robot, demo.free_domains(1)[0])

@@ -173,7 +173,7 @@ class Intent(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Understanding:
-    """What a mind made of a post. `question` is the sentence to ask back with, in `language`.
+    """What a mind made of a post. `question` is the sentence to ask back or greet with, in `language`.
 
     `cancels`: its author's earlier commands that have not begun are not wanted any more ("never mind, turn left").
     """

@@ -6,7 +6,7 @@ import asyncio
 import io
 import math
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene
 from PIL import Image
 
+from agentrob.agent import channel
 from agentrob.agent.camera import Camera
 from agentrob.agent.channel import Channel
 from agentrob.agent.plot import path_plot
@@ -287,3 +288,22 @@ async def test_an_unreachable_forum_is_waited_for_at_the_start(scene: Scene) -> 
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)
     await agent.close()
+
+
+async def test_law_5_a_leap_of_the_machines_clock_makes_nothing_fresh_and_nothing_stale(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    world = MemoryForum.world()
+    ear = Channel(world.sign_in(ROBOT), "0", poll_s=1)
+    await ear.set_clock()
+
+    class Leapt(datetime):
+        @classmethod
+        def now(cls, tz: Any = None) -> datetime:  # type: ignore[override]
+            return datetime.now(tz) - timedelta(hours=1)
+
+    monkeypatch.setattr(channel, "datetime", Leapt)
+    assert abs((ear.now() - datetime.now(UTC)).total_seconds()) < 5
+    slept_s = channel.elapsed_s() + 3600
+    monkeypatch.setattr(channel, "elapsed_s", lambda: slept_s)
+    assert (ear.now() - datetime.now(UTC)).total_seconds() == pytest.approx(3600, abs=5)

@@ -50,6 +50,7 @@ def test_after_a_failed_step_nothing_more_is_done(lab: tuple[Config, str]) -> No
         ("walk forward", "asks_back", "how far"),
         ("walk forward 30 m", "refused", "limit"),
         ("good morning", "asks_back", ""),
+        ("You are parked at the rim of the quarry. Go forward 2 m.", "asks_back", "quarry"),
     ],
 )
 def test_what_is_not_clear_or_not_allowed_moves_nothing(

@@ -157,7 +157,7 @@ class Course:
                 key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
                 return self._report(job, "answered", message=phrase(key, language, count=job.took_back))
             case Intent.QUESTION:
-                return self._report(job, "answered", message=phrase("talk.question", language))
+                return self._report(job, "answered", message=understood.question or phrase("talk.question", language))
             case Intent.ASK_BACK if thought.verdict is not None:
                 return self._report(job, "refused", verdict=thought.verdict)
             case Intent.ASK_BACK:
