@@ -219,6 +219,7 @@ async def test_the_robot_page_is_kept_and_a_reset_puts_the_room_back(driver: Dri
             card = await scene.until(lambda: scene.world.robots.get(ROBOT))
             assert (card["model"], card["queue"], card["simulated"], card["can_reset"]) == ("fake", 0, True, True)
             assert "move" in card["ops"]
+            assert card["camera"] is False, "no camera of the room is configured"
             await scene.world.sign_in("alice").press_reset(ROBOT)
             await scene.until(lambda: room.asked == 1)
 

@@ -418,9 +418,7 @@ def test_a_robot_of_a_stranger_that_cannot_be_loaded_is_named(tmp_path: Path, mo
     (facts / "METADATA").write_text("Metadata-Version: 2.1\nName: torn-robot\nVersion: 1.0\n")
     (facts / "entry_points.txt").write_text("[agentrob.robots]\ntorn = torn_robot:Torn\n")
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(
-        ConfigError, match="the robot 'torn' of the package torn-robot cannot be loaded from torn_robot"
-    ):
+    with pytest.raises(ConfigError, match="robot 'torn' of the package torn-robot cannot be loaded from torn_robot"):
         make_robot(RobotConfig(model="torn"))
     with pytest.raises(ConfigError, match="no robot named 'nosuch' is installed; there are: fake"):
         make_robot(RobotConfig(model="nosuch"))
