@@ -21,6 +21,7 @@ from agentrob.agent.plot import path_plot
 from agentrob.agent.status import Shown, StatusLine
 from agentrob.errors import ForumUnreachable, MindError
 from agentrob.forums.memory import MemoryForum
+from agentrob.judge import beside, harm, scene, way
 from agentrob.model import (
     AccountKind,
     ActionResult,
@@ -308,3 +309,17 @@ async def test_law_5_a_leap_of_the_machines_clock_makes_nothing_fresh_and_nothin
     slept_s = channel.elapsed_s() + 3600
     monkeypatch.setattr(channel, "elapsed_s", lambda: slept_s)
     assert (ear.now() - datetime.now(UTC)).total_seconds() == pytest.approx(3600, abs=5)
+
+
+async def test_all_words_of_harm_are_compiled_before_an_agent_serves(driver: Driver, tmp_path: Path) -> None:
+    """Compiling takes half a second, and a stop that comes meanwhile would wait."""
+    agent = make_scene(driver, tmp_path).make()
+    try:
+        for rule in harm.RULES:
+            for doubts in (False, True):
+                assert all(phrases.prepared for phrases, _ in harm._phrases(rule, doubts))
+        assert all(phrases.prepared for said in way._patterns().values() for phrases in said._phrases)
+        assert all(phrases.prepared for phrases in beside._phrases())
+        assert scene._patterns.cache_info().currsize == 1
+    finally:
+        await agent.close()

@@ -63,6 +63,10 @@ class Phrases:
         """Compile all, so that no search has to."""
         self._whole = self._whole or self._compiled(self.alternatives)
 
+    @property
+    def prepared(self) -> bool:
+        return self._whole is not None
+
     @cached_property
     def alternatives(self) -> tuple[str, ...]:
         return tuple(item for phrase in self._phrases for item in _items(phrase))
