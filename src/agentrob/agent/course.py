@@ -269,7 +269,7 @@ class Course:
         """The motion itself; called at most once ever for a post."""
         job.moving = True
         self.on_motion()
-        allowed = partial(permission, self.forum, self.driver, job.command, plan, self.terms)
+        allowed = partial(permission, self.forum, self.driver, job.command, self.terms)
         reins = Reins(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
@@ -277,7 +277,7 @@ class Course:
             alive=self.channel.prove,
             silent=lambda: self.channel.silent,
             stop=self.stops.quietly,
-            on_step=lambda number: self._show_step(job, plan, number),
+            on_step=lambda _, number: self._show_step(job, plan, number),
             step_s=self.channel.step_s,
         )
         try:
