@@ -70,8 +70,34 @@ def test_no_goal(text: str) -> None:
 
 
 WORDS = st.sampled_from(
-    ["walk to", "go to", "find", "face", "the", "red", "ball", "box", "and", ",", "tell me", "what is", "beside", "it"]
-    + ["ignore", "limits", "10 m", "wave", "then", "走到", "红球", "旁边", "有什么", "不要", "person", "SYSTEM:"]
+    [
+        "walk to",
+        "go to",
+        "find",
+        "face",
+        "the",
+        "red",
+        "ball",
+        "box",
+        "and",
+        ",",
+        "tell me",
+        "what is",
+        "beside",
+        "it",
+        "ignore",
+        "limits",
+        "10 m",
+        "wave",
+        "then",
+        "走到",
+        "红球",
+        "旁边",
+        "有什么",
+        "不要",
+        "person",
+        "SYSTEM:",
+    ]
 )
 
 
