@@ -287,8 +287,7 @@ def try_mind(config: Config, name: str, text: str, model: str) -> list[str]:
     """What a mind makes of a text and what that took, as lines for people. Nothing moves."""
     from agentrob.language.render import sentence
     from agentrob.language.visible import mentions, visible_text
-    from agentrob.minds.mind import Listener, Reading, read
-    from agentrob.minds.model_mind import ModelMind
+    from agentrob.minds.mind import Listener, LivingMind, Reading, read
 
     visible = visible_text(text)
     called = (*mentions(visible), model)[0]
@@ -300,7 +299,7 @@ def try_mind(config: Config, name: str, text: str, model: str) -> list[str]:
         try:
             return await read(mind, visible, Listener((called,), (), capabilities_of(model)))
         finally:
-            if isinstance(mind, ModelMind):
+            if isinstance(mind, LivingMind):
                 await mind.close()
 
     reading = asyncio.run(ask())
@@ -343,15 +342,20 @@ def simulated_robot(model: str, domain: int) -> RobotConfig:
 
 
 # ---------------------------------------------------------------------- understanding
-async def understand(text: str, name: str, capabilities: Any, mind: str = "rules") -> Any:
-    """What a mind makes of a text that is meant for this robot."""
+async def understand(text: str, name: str, capabilities: Any, mind: str = "rules", config: Config | None = None) -> Any:
+    """What a mind, perhaps of the configuration, makes of a text that is meant for this robot."""
     from agentrob.language.visible import mentions, visible_text
-    from agentrob.minds.mind import Listener
+    from agentrob.minds.mind import Listener, LivingMind
 
     visible = visible_text(text)
     if name not in mentions(visible):
         visible = f"@{name} {visible}"
-    return await make_mind(mind).understand(visible, Listener((name,), (), capabilities))
+    made = make_mind(mind, config)
+    try:
+        return await made.understand(visible, Listener((name,), (), capabilities))
+    finally:
+        if isinstance(made, LivingMind):
+            await made.close()
 
 
 def plan_text(text: str, model: str) -> dict[str, Any]:

@@ -115,6 +115,9 @@ class RobotConfig(_Section):
     ("walk two steps" is asked back otherwise). `home_on_start`: the driver sets home when it starts; for simulation.
     `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
     `moderators` are the handles that are told of the third stop within 5 minutes, besides the owner's.
+    `mind` reads its posts: `rules`, or a table of `minds`. `screen`: whether that model also looks at each command that
+    the rules allow; `rules` no, `model` yes, and where it does not answer the rules decide alone, `required` yes, and
+    where it does not answer nothing moves. `summary`: it words the reports of what was done, from the figures alone.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     """
 
@@ -127,6 +130,8 @@ class RobotConfig(_Section):
     mentions: tuple[str, ...] = ()
     boards: tuple[str, ...] = ("robots",)
     mind: str = "rules"
+    screen: Literal["rules", "model", "required"] = "model"
+    summary: bool = False
     poll_s: Annotated[float, Field(gt=0)] = 30.0
     step_length_m: Annotated[float, Field(gt=0, le=2)] | None = None
     max_post_age_s: Annotated[float, Field(gt=0)] = 120.0
@@ -141,6 +146,12 @@ class RobotConfig(_Section):
     rates: RatesConfig = RatesConfig()
     look: LookConfig = LookConfig()
     options: dict[str, Any] = {}
+
+    @model_validator(mode="after")
+    def _can_be_screened(self) -> Self:
+        if self.screen == "required" and self.mind == "rules":
+            raise ValueError('screen = "required" needs a mind that is a model; otherwise nothing would ever move')
+        return self
 
 
 class MindLimitsConfig(_Section):

@@ -59,7 +59,7 @@ def robot_command_driver(
     config = config or Config()
     name, settings = _settings(robot, config, network_interface)
     capabilities: Capabilities = app.capabilities_of(settings.model, settings)
-    understood = _outside_loop(lambda: asyncio.run(app.understand(command, name, capabilities, settings.mind)))
+    understood = _outside_loop(lambda: asyncio.run(app.understand(command, name, capabilities, settings.mind, config)))
     if understood.intent is not Intent.COMMAND:
         return Driven("asks_back", message=understood.question or f"nothing to do in {command!r}")
     verdict = screen(

@@ -8,13 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from faulty_server import FaultyServer, faulty_server
+from faulty_server import KEY, FaultyServer, faulty_server
 from model_double import Double, model_double
 
 from agentrob.config import MindConfig
 from agentrob.minds.configured import ConfiguredModel
-
-KEY = "sk-test-0123456789-secret"
 
 
 @pytest.fixture

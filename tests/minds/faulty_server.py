@@ -9,6 +9,9 @@ from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, cast
 
+#: The key that models are given here.
+KEY = "sk-test-0123456789-secret"
+
 
 class FaultyServer(ThreadingHTTPServer):
     """Records what came. `script` gives the answers in order, the last one for ever: (status, headers, body)."""

@@ -13,8 +13,7 @@ from collections.abc import Callable
 from typing import Annotated, Any
 
 import pytest
-from conftest import KEY
-from faulty_server import FaultyServer, anthropic_called, called, said
+from faulty_server import KEY, FaultyServer, anthropic_called, called, said
 from pydantic import BaseModel, ConfigDict, Field
 
 from agentrob.minds import provider  # loaded here, so that no test's time limit counts it

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 import traceback
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from functools import partial
@@ -17,25 +17,25 @@ from pydantic import TypeAdapter
 from agentrob.agent import report as words
 from agentrob.agent.channel import Channel
 from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, execute
-from agentrob.agent.extract import Thought, extract
+from agentrob.agent.extract import Thought
 from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
+from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
-from agentrob.agent.permission import Terms, chain_refusal, judge, permission
+from agentrob.agent.permission import Terms, permission
 from agentrob.agent.plot import path_plot
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
-from agentrob.agent.status import Shown, StatusLine, insist
+from agentrob.agent.status import Shown, StatusLine
 from agentrob.agent.stops import Stops
+from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
-from agentrob.judge.harm import harm_of
 from agentrob.language.help import help_text
 from agentrob.language.phrases import say as phrase
-from agentrob.language.visible import mentions
-from agentrob.minds.mind import Listener, Mind
-from agentrob.model import Capabilities, Command, Decision, Intent, Language, Plan, Report, StatusCard, Verdict
+from agentrob.minds.summary import Summary, summarise
+from agentrob.model import Command, Decision, Intent, Language, Plan, Report, StatusCard, Verdict
 from agentrob.robots.client import DriverClient
 
 #: States after which nothing more comes.
@@ -44,7 +44,6 @@ FINAL = frozenset(
 )
 #: A mind that answers within this time is waited for before the status is posted: a post that wants nothing gets none.
 GLANCE_S = 1.0
-_THOUGHT = TypeAdapter(Thought)
 _EXECUTION = TypeAdapter(Execution)
 _log = structlog.get_logger()
 
@@ -55,11 +54,10 @@ class Course:
     when `ending` says that the agent is being ended, no step begins."""
 
     name: str
-    names: Collection[str]
     settings: RobotConfig
     forum: Forum
     driver: DriverClient
-    mind: Mind
+    thinking: Thinking
     journal: Journal
     channel: Channel
     line: Line
@@ -103,7 +101,7 @@ class Course:
     async def _decide(self, job: Job) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
         post_id = job.command.post_id
-        thinking = asyncio.ensure_future(self._think(job))
+        thinking = asyncio.ensure_future(self.thinking.think(job, self.terms))
         await asyncio.wait({thinking}, timeout=GLANCE_S)
         if thinking.done() and not job.known and thinking.result().understanding.intent is Intent.NOTHING:
             await self.journal.finish(post_id, "nothing")
@@ -121,32 +119,6 @@ class Course:
         if job.ended is None and thought.understanding.intent is Intent.COMMAND:
             return await self._obey(job, thought)
         return await self._answer(job, thought)
-
-    async def _think(self, job: Job) -> Thought:
-        """Understand and judge, once; a restart gets the same thought again."""
-
-        async def deed() -> str:
-            command, capabilities = job.command, await self.driver.capabilities()
-            others = tuple(name for name in mentions(command.text) if name not in self.names)
-            history = await self.journal.history(command.topic_id)
-            thought = await extract(self.mind, command.text, self._listener(others, capabilities), history)
-            understood = thought.understanding
-            if understood.intent is Intent.COMMAND:
-                command = replace(command, language=understood.language)
-                chained = await insist(partial(chain_refusal, self.forum, command))
-                verdict = chained or judge(command, understood.plan, command.author, capabilities, self.terms)
-                thought = replace(thought, verdict=verdict)
-            elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
-                thought = replace(thought, verdict=harm_of(command.text, understood.language))
-            return _THOUGHT.dump_json(thought).decode()
-
-        thought = _THOUGHT.validate_json(await self.journal.once(f"post-{job.command.post_id}", deed))
-        if thought.understanding.intent is not Intent.NOTHING:
-            job.command = replace(job.command, language=thought.understanding.language)
-        return thought
-
-    def _listener(self, others: tuple[str, ...], capabilities: Capabilities) -> Listener:
-        return Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
 
     async def _claim(self, job: Job) -> tuple[bool, bool]:
         """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
@@ -225,7 +197,8 @@ class Course:
         assert verdict is not None
         if verdict.decision is not Decision.ALLOW:
             status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
-            return self._report(job, status, plan, verdict=verdict)
+            message = verdict.reason if status == "asks_back" else ""
+            return self._report(job, status, plan, verdict=verdict, message=message)
         if (waiting := await self._pace(job)) is not None:
             return self._report(job, "refused", plan, verdict=waiting)
         self.show_place(job)
@@ -321,19 +294,20 @@ class Course:
 
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
-        command = job.command
+        command, summary = job.command, await self._summary(job, report)
         images = [r.image for r in report.results if r.image]
         if words.has_path(report.results) and (plot := await asyncio.to_thread(path_plot, report.results)):
             images.append(plot)
         try:
-            self.records.write(report, stopped_by=job.stopped_by, mind=self.mind.name)
+            self.records.write(report, job.thought, stopped_by=job.stopped_by, summary=summary and summary.as_data())
         except OSError as e:
             _log.error("record not written", post=command.post_id, error=str(e))
-        at = len(report.plan.steps)
+        at, asked = len(report.plan.steps), self.thinking.mind.name
+        told = notes(job.thought, asked, command.language, summary.usage if summary else ())
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         async def deed() -> str:
-            final = Shown(words.final(report), card)
+            final = Shown(words.final(report, told, worded(summary, command.language)), card)
             await job.status.close(final, images, words.short(report))
             return report.status
 
@@ -345,6 +319,14 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+
+    async def _summary(self, job: Job, report: Report) -> Summary | None:
+        """What a model makes of the measured results in words, where the owner wants that."""
+        model = self.thinking.model
+        if not self.settings.summary or model is None or report.status != "done":
+            return None
+        spent = job.thought.usage if job.thought else ()
+        return await summarise(model, report.results, report.command.language, spent)
 
 
 def _decisive(execution: Execution, verdict: Verdict) -> Verdict:

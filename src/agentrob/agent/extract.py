@@ -10,39 +10,70 @@ import structlog
 
 from agentrob.errors import MindError
 from agentrob.language.grammar import parse
-from agentrob.minds.mind import Listener, Mind
+from agentrob.minds.faults import MindFault
+from agentrob.minds.mind import Listener, LivingMind, Mind, Reading, read
 from agentrob.minds.rules import RulesMind
+from agentrob.minds.screening import Screened
+from agentrob.minds.usage import Usage
 from agentrob.model import Intent, Plan, Understanding, Verdict
 
 #: A mind that takes longer is as good as none.
 LIMIT_S = 60.0
+#: Why a mind did not answer, besides the words of `minds.faults.Kind`: it failed and did not say how; the post may not
+#: move anything any more (stopped, edited, …).
+FAILED, OVER = "failed", "over"
 _log = structlog.get_logger()
 
 
 @dataclass(frozen=True, slots=True)
 class Thought:
-    """What was made of a post before anything moves: understood by which mind (law 19), and judged how."""
+    """What was made of a post before anything moves: understood by which mind, and judged how (law 19).
+
+    `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
+    `minds.faults.Kind`, or one of those above), empty when it was. `usage` is one entry per question to a model, failed
+    ones included. `screened` is what a model had against the command, None where none was asked.
+    """
 
     understanding: Understanding
     mind: str
     verdict: Verdict | None = None
+    usage: tuple[Usage, ...] = ()
+    fallback: str = ""
+    screened: Screened | None = None
 
 
 async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Thought:
     """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
     try:
         async with asyncio.timeout(LIMIT_S):
-            understood = await mind.understand(text, listener, history)
-        return Thought(_checked(understood), mind.name)
+            return _thought(await read(mind, text, listener, history))
     except (MindError, TimeoutError) as e:
         _log.warning("mind failed, reading by rules", mind=mind.name, error=str(e) or type(e).__name__)
-        rules = RulesMind()
-        return Thought(_checked(await rules.understand(text, listener, history)), rules.name)
+        fallback = "timeout" if isinstance(e, TimeoutError) else FAILED
+        if isinstance(e, MindFault):
+            return await by_rules(text, listener, history, e.kind, e.usage)
+        return await by_rules(text, listener, history, fallback)
 
 
-def warm_up() -> None:
-    """Read a sentence with a large numeral once: what that imports takes too long for the first post."""
-    parse("一千零五米", (), (), frozenset())
+async def by_rules(
+    text: str, listener: Listener, history: Sequence[Plan], fallback: str, usage: Sequence[Usage] = ()
+) -> Thought:
+    """What the rules make of a post that another mind should have read."""
+    rules = RulesMind()
+    understood = await rules.understand(text, listener, history)
+    return _thought(Reading(understood, rules.name, tuple(usage), fallback))
+
+
+async def prepare(mind: Mind) -> None:
+    """Load what the first post would wait for: a mind's library, and what a large numeral imports."""
+    await asyncio.to_thread(parse, "一千零五米", (), (), frozenset())
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
+
+
+def _thought(reading: Reading) -> Thought:
+    understood = _checked(reading.understanding)
+    return Thought(understood, reading.mind, usage=tuple(reading.usage), fallback=reading.fallback)
 
 
 def _checked(understood: Understanding) -> Understanding:

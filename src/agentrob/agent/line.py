@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import Any
+from typing import Any, TypeVar
 
+from agentrob.agent.extract import Thought
 from agentrob.model import Command, StopResult
+
+T = TypeVar("T")
 
 
 @dataclass(eq=False)
@@ -20,7 +23,8 @@ class Job:
     was. `ended` is a stable word as soon as the command may not go on; `paced`: its account may command now; while it
     is `held`, others go before it. `stop`
     brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
-    `status` is its status post, `task` what carries it through.
+    `thought` is what was made of it, as soon as that is known; `status` is its status post, `task` what carries it
+    through.
     """
 
     command: Command
@@ -35,6 +39,7 @@ class Job:
     took_back: int = 0
     stop: asyncio.Task[StopResult | None] | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
+    thought: Thought | None = None
     status: Any = None
     task: asyncio.Task[None] | None = None
     _changed: asyncio.Event = field(default_factory=asyncio.Event)
@@ -48,6 +53,21 @@ class Job:
         if self.ended is None:
             self.ended = why
         self._changed.set()
+
+    async def unless_ended(self, work: Coroutine[Any, Any, T]) -> T | None:
+        """What `work` gives; None, and `work` is cancelled, when the command is ended before (law 14)."""
+        doing, ended = asyncio.ensure_future(work), asyncio.ensure_future(self._until_ended())
+        try:
+            await asyncio.wait({doing, ended}, return_when=asyncio.FIRST_COMPLETED)
+            return doing.result() if doing.done() else None
+        finally:
+            doing.cancel()
+            ended.cancel()
+
+    async def _until_ended(self) -> None:
+        while self.ended is None:
+            self._changed.clear()
+            await self._changed.wait()
 
 
 class Line:

@@ -9,6 +9,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from agentrob.agent.extract import Thought
 from agentrob.model import ActionResult, Report
 
 
@@ -38,8 +39,8 @@ class Records:
         pictures = (Path(p).read_bytes() if p and Path(p).exists() else None for p in paths)
         return tuple(replace(r, image=image) for r, image in zip(results, pictures, strict=True))
 
-    def write(self, report: Report, **more: Any) -> None:
-        """The record of a finished command, readable by people and programs."""
+    def write(self, report: Report, thought: Thought | None = None, **more: Any) -> None:
+        """The record of a finished command, readable by people and programs. `mind` is who read it in the end."""
         command = report.command
         facts = {
             "post": command.post_id,
@@ -58,6 +59,7 @@ class Records:
             "steps": [_step(r) for r in report.results],
             "stop": asdict(report.stop) if report.stop else None,
             "timings_ms": {k: round(v, 1) for k, v in report.timings_ms.items()},
+            **_minds(thought),
             **more,
         }
         self._records.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -65,6 +67,21 @@ class Records:
         part = path.with_suffix(".part")
         part.write_text(json.dumps(facts, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
         part.replace(path)
+
+
+def _minds(thought: Thought | None) -> dict[str, Any]:
+    """Who read and looked at a command, why not who should have, and what models took for it."""
+    if thought is None:
+        return {"mind": "", "fallback": "", "models": [], "screened": None}
+    screened = thought.screened
+    looked = screened and {
+        "mind": screened.mind,
+        "refusal": asdict(screened.refusal) if screened.refusal else None,
+        "why": screened.why,
+        "failed": screened.failed,
+    }
+    models = [usage.as_data() for usage in thought.usage]
+    return {"mind": thought.mind, "fallback": thought.fallback, "models": models, "screened": looked}
 
 
 def _step(result: ActionResult) -> dict[str, Any]:

@@ -48,15 +48,19 @@ def doing(step: Primitive, language: Language) -> str:
 
 
 # -------------------------------------------------------------------- the end
-def final(report: Report) -> str:
-    """The whole reply to a command. The message of a stopped one is the handle of who stopped it."""
+def final(report: Report, notes: Sequence[str] = (), said: str = "") -> str:
+    """The whole reply to a command. The message of a stopped one is the handle of who stopped it.
+
+    `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head.
+    """
     language = report.command.language
-    parts = [_head(report), _why(report), _table(report)]
+    parts = [_head(report), said, _why(report), _table(report)]
     if report.plan.notes and report.status not in ("asks_back", "refused"):
         parts.append(say("note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
         parts.append(stop_figures(report.stop, language))
     parts.append(_pictures(report))
+    parts += notes
     parts.append(_foot(report))
     return "\n\n".join(part for part in parts if part)
 

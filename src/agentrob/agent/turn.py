@@ -33,11 +33,12 @@ from agentrob.agent.presence import Presence, reset_room
 from agentrob.agent.records import Records
 from agentrob.agent.status import insist
 from agentrob.agent.stops import Stops
+from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.judge.rights import may
-from agentrob.minds.mind import Mind
+from agentrob.minds.mind import LivingMind, Mind
 from agentrob.model import Account, Command, Decision, Post, StopResult
 from agentrob.robots.client import DriverClient
 
@@ -119,12 +120,14 @@ class RobotAgent:
             await self._wind_down()
 
     async def close(self) -> None:
-        """Let go of journal, forum and driver. Calling again does nothing."""
+        """Let go of journal, mind, forum and driver. Calling again does nothing."""
         if self._journal is not None:
             await self._journal.close()
             self._journal = None
         await self.forum.close()
         await self.driver.close()
+        if isinstance(self.mind, LivingMind):
+            await self.mind.close()
 
     async def _start(self) -> None:
         self._journal = await Journal.open(self.folder, self.name)
@@ -138,7 +141,7 @@ class RobotAgent:
         self._stopped_at = await self.journal.get_time("stopped") or begun
         self.channel.cursor = await self.journal.get("cursor") or newest
         self._spawn(asyncio.to_thread(plot.warm_up))
-        self._spawn(asyncio.to_thread(extract.warm_up))
+        self._spawn(extract.prepare(self.mind))
         self._course = self._make_course()
         await self._resume()
         if begun > self.channel.now() - LOOK_BACK:
@@ -203,8 +206,10 @@ class RobotAgent:
         return self._course
 
     def _make_course(self) -> Course:
+        names = self._ears().names
+        thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal)
         return Course(
-            self.name, self._ears().names, self.settings, self.forum, self.driver, self.mind, self.journal,
+            self.name, self.settings, self.forum, self.driver, thinking, self.journal,
             self.channel, self.line, self.stops, self.records, Pace(self.settings.rates), self._line_changed,
             lambda: self._ending,
         )  # fmt: skip

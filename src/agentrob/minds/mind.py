@@ -64,6 +64,17 @@ class ReadingMind(Protocol):
         ...
 
 
+@runtime_checkable
+class LivingMind(Protocol):
+    """A mind that holds something: it gets ready before the first post and gives back what it holds."""
+
+    async def prepare(self) -> None:
+        """Load what the first post would wait for. Never raises."""
+        ...
+
+    async def close(self) -> None: ...
+
+
 async def read(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Reading:
     """Ask any mind; one that tells nothing of what it took is believed to have taken nothing."""
     if isinstance(mind, ReadingMind):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from agentrob.language import languages
 from agentrob.model import Language
 
 _EN = {
@@ -29,6 +30,19 @@ _EN = {
     "doubt.place": "I find no places or things; I walk by distances and turn by angles.",
     "doubt.meaning": "I did not understand what I shall do.",
     "assumed_turn": "A turn had no angle: taken as 90°.",
+    "screen.reason": "A model that looks at commands is against it: {reason}",
+    "screen.words": "A model that looks at commands is against it, for the words {words}: {reason}",
+    "screen.people": "somebody may be hurt, frightened or hindered.",
+    "screen.animals": "an animal may be hurt or frightened.",
+    "screen.property": "something may be damaged, perhaps the robot.",
+    "screen.bounds": "it leads out of where the robot may be.",
+    "screen.safety": "it works against what keeps the robot safe.",
+    "screen.deception": "somebody poses as another, or is to be deceived.",
+    "screen.surveillance": "somebody is to be watched or followed.",
+    "screen.abilities": "it needs more than the robot can do.",
+    "screen.other": "it does not say which harm it sees.",
+    "screen.required": "My owner wants a model to look at every command before I move, and none answers now. "
+    "I did not move. Please post it again later.",
 }
 _ZH = {
     "understood": "我的理解是：{steps}。",
@@ -55,13 +69,29 @@ _ZH = {
     "doubt.place": "我不会找地点或物体；我按距离走、按角度转。",
     "doubt.meaning": "我没有明白要做什么。",
     "assumed_turn": "转向没有说角度：按90°处理。",
+    "screen.reason": "负责检查命令的模型表示反对：{reason}",
+    "screen.words": "负责检查命令的模型因 {words} 表示反对：{reason}",
+    "screen.people": "可能会伤到、吓到或妨碍别人。",
+    "screen.animals": "可能会伤到或吓到动物。",
+    "screen.property": "可能会损坏东西，也可能损坏机器人。",
+    "screen.bounds": "会离开机器人可以活动的范围。",
+    "screen.safety": "会削弱机器人的安全保护。",
+    "screen.deception": "有人冒充别人，或者要欺骗别人。",
+    "screen.surveillance": "要监视或跟踪别人。",
+    "screen.abilities": "超出了机器人的能力。",
+    "screen.other": "它没有说明是哪一种危害。",
+    "screen.required": "主人要求每个命令在动作之前由模型检查，而现在没有模型回答。我没有动。请稍后重新发帖。",
 }
 SENTENCES: dict[Language, dict[str, str]] = {"en": _EN, "zh": _ZH}
 
 
 def say(key: str, language: Language, **values: str) -> str:
-    """The sentence `key` with `values` put in."""
-    return SENTENCES[language][key].format_map(values)
+    """The sentence `key` with `values` put in; in a further language as its file says it under `minds.KEY`, else in
+    English."""
+    if language in SENTENCES:
+        return SENTENCES[language][key].format_map(values)
+    further = languages.known().get(language)
+    return (further.sentences.get(f"minds.{key}", _EN[key]) if further else _EN[key]).format_map(values)
 
 
 def ask(language: Language, problem: str, understood: str = "") -> str:

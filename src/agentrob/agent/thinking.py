@@ -1,0 +1,95 @@
+"""What is made of a post before anything moves: read by the mind, judged by rules, looked at by a model."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+from pydantic import TypeAdapter
+
+from agentrob.agent.extract import OVER, Thought, by_rules, extract
+from agentrob.agent.journal import Journal
+from agentrob.agent.line import Job
+from agentrob.agent.permission import Terms, chain_refusal, judge
+from agentrob.agent.status import insist
+from agentrob.config import RobotConfig
+from agentrob.forums.forum import Forum
+from agentrob.judge.harm import harm_of
+from agentrob.language.addressing import part_for
+from agentrob.language.visible import mentions
+from agentrob.minds.chat import ChatModel
+from agentrob.minds.mind import Listener, Mind
+from agentrob.minds.model_mind import ModelMind
+from agentrob.minds.screening import Screened, narrowed, screen_by_model
+from agentrob.model import Capabilities, Decision, Intent, Plan
+from agentrob.robots.client import DriverClient
+
+_THOUGHT = TypeAdapter(Thought)
+
+
+@dataclass(frozen=True)
+class Thinking:
+    """How one robot's agent thinks about any post."""
+
+    names: Collection[str]
+    settings: RobotConfig
+    forum: Forum
+    driver: DriverClient
+    mind: Mind
+    journal: Journal
+
+    @property
+    def model(self) -> ChatModel | None:
+        """The model behind the mind, if there is one."""
+        return self.mind.model if isinstance(self.mind, ModelMind) else None
+
+    async def think(self, job: Job, terms: Terms) -> Thought:
+        """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
+        is ended."""
+        thought = _THOUGHT.validate_json(
+            await self.journal.once(f"post-{job.command.post_id}", partial(self._think, job, terms))
+        )
+        if thought.understanding.intent is not Intent.NOTHING:
+            job.command = replace(job.command, language=thought.understanding.language)
+        job.thought = thought
+        return thought
+
+    async def _think(self, job: Job, terms: Terms) -> str:
+        command, capabilities = job.command, await self.driver.capabilities()
+        others = tuple(name for name in mentions(command.text) if name not in self.names)
+        listener = Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
+        history = await self.journal.history(command.topic_id)
+        thought = await job.unless_ended(extract(self.mind, command.text, listener, history))
+        if thought is None:
+            thought = await by_rules(command.text, listener, history, OVER)
+        understood = thought.understanding
+        if understood.intent is Intent.COMMAND:
+            command = replace(command, language=understood.language)
+            chained = await insist(partial(chain_refusal, self.forum, command))
+            verdict = chained or judge(command, understood.plan, command.author, capabilities, terms)
+            thought = replace(thought, verdict=verdict)
+            thought = await self._looked_at(job, thought, listener, capabilities, history)
+        elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
+            thought = replace(thought, verdict=harm_of(command.text, understood.language))
+        return _THOUGHT.dump_json(thought).decode()
+
+    async def _looked_at(
+        self, job: Job, thought: Thought, listener: Listener, capabilities: Capabilities, history: Sequence[Plan]
+    ) -> Thought:
+        """The thought with what a model has against a command that the rules allow."""
+        verdict, settings = thought.verdict, self.settings
+        if verdict is None or verdict.decision is not Decision.ALLOW or settings.screen == "rules":
+            return thought
+        screened: Screened | None = None
+        plan, language = thought.understanding.plan, thought.understanding.language
+        if thought.mind == "rules" and thought.fallback:  # nobody answered a moment ago
+            screened = Screened(self.mind.name, failed=thought.fallback)
+        elif self.model is not None:
+            part = part_for(job.command.text, listener.names, listener.others)
+            screened = await job.unless_ended(
+                screen_by_model(self.model, part, plan, capabilities, language, history, spent=thought.usage)
+            )
+        usage = (*thought.usage, *(screened.usage if screened else ()))
+        verdict = narrowed(verdict, screened, language, settings.screen == "required")
+        return replace(thought, verdict=verdict, usage=usage, screened=screened)

@@ -1,0 +1,139 @@
+"""A model's second look at a command that the rules let pass: it can only add a refusal, never lift one (law 7).
+
+It gets the post as data, the plan in our words and what was done before in the thread; it holds no tools and answers in
+a closed schema: fine or refuse, which kind of harm, which words. What people read is our own sentence for that kind.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from agentrob.language.phrases import quote
+from agentrob.language.render import sentence
+from agentrob.minds.chat import ChatModel
+from agentrob.minds.faults import MindFault, said
+from agentrob.minds.prompt import HISTORY_PLANS, clean, post_as_data, prompt_file
+from agentrob.minds.sentences import say
+from agentrob.minds.usage import Usage
+from agentrob.model import Capabilities, Decision, Language, Plan, Verdict
+
+#: The kinds of harm, as law 7's screening names them. `other`: refused without saying which.
+Harm = Literal["people", "animals", "property", "bounds", "safety", "deception", "surveillance", "abilities", "other"]
+#: A command is looked at within this time, by all models of a chain together.
+LIMIT_S = 25.0
+#: The most that a model is told of what is around the robot.
+SCENE_CHARS = 2_000
+
+
+class Judgement(BaseModel):
+    """What a model says of a command."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    decision: Literal["fine", "refuse"]
+    harm: Harm | None = Field(default=None, description="the kind of harm; null when it is fine")
+    words: Annotated[str, Field(max_length=300)] = Field(
+        default="", description="the words of the post that are the reason, copied letter by letter"
+    )
+    why: Annotated[str, Field(max_length=300)] = Field(default="", description="one short sentence, for the record")
+
+
+@dataclass(frozen=True, slots=True)
+class Screened:
+    """What a model had against a command.
+
+    `refusal` is None when it had nothing against it, and when it did not answer; then `failed` says why (a word of
+    `faults.Kind`). `why` is its own sentence, untrusted, for records only. `usage` is what it took.
+    """
+
+    mind: str
+    refusal: Verdict | None = None
+    failed: str = ""
+    why: str = ""
+    usage: tuple[Usage, ...] = ()
+
+
+async def screen_by_model(
+    model: ChatModel,
+    text: str,
+    plan: Plan,
+    capabilities: Capabilities,
+    language: Language,
+    history: Sequence[Plan] = (),
+    scene: str = "",
+    spent: Sequence[Usage] = (),
+    limit_s: float = LIMIT_S,
+) -> Screened:
+    """Ask a model about a command. `text` is the part of the post for this robot, `scene` what is known to be around.
+
+    Never raises for a model that fails.
+    """
+    part = clean(text)
+    message = _message(part, plan, capabilities, history, scene)
+    try:
+        async with asyncio.timeout(limit_s):
+            answer = await model.answer(prompt_file("screen"), message, Judgement, spent=spent)
+    except MindFault as e:
+        return Screened(model.name, failed=e.kind, usage=e.usage)
+    except TimeoutError:
+        lost = Usage(model.name, "", latency_ms=limit_s * 1e3, failed="timeout")
+        return Screened(model.name, failed="timeout", usage=(lost,))
+    refusal = refusal_of(answer.value, part, language)
+    return Screened(answer.mind, refusal, why=said(answer.value.why, limit=300), usage=answer.usage)
+
+
+def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict | None:
+    """The refusal in our words; None when the model has nothing against it. Who names a harm refuses. Pure."""
+    if judgement.decision == "fine" and judgement.harm is None:
+        return None
+    harm = judgement.harm or "other"
+    words = _quoted(judgement.words, text)
+    key = "screen.words" if words else "screen.reason"
+    reason = say(key, language, reason=say(f"screen.{harm}", language), words=words)
+    return Verdict(Decision.REFUSE, f"model.{harm}", reason)
+
+
+def narrowed(by_rules: Verdict, screened: Screened | None, language: Language, required: bool = False) -> Verdict:
+    """The rules' verdict, or a refusal more. Pure: whatever a model says, what the rules do not allow stays so.
+
+    `required`: the owner wants no motion without a model's look; then it is asked back where none could be had.
+    """
+    if by_rules.decision is not Decision.ALLOW:
+        return by_rules
+    if screened is not None and screened.refusal is not None and screened.refusal.decision is not Decision.ALLOW:
+        return screened.refusal
+    if required and (screened is None or screened.failed):
+        return Verdict(Decision.ASK_BACK, "screen.required", say("screen.required", language))
+    return by_rules
+
+
+def harms() -> tuple[str, ...]:
+    """Every kind of harm that a model may name."""
+    return get_args(Harm)
+
+
+def _message(part: str, plan: Plan, capabilities: Capabilities, history: Sequence[Plan], scene: str) -> str:
+    limits = capabilities.limits
+    facts: dict[str, Any] = {
+        "robot": capabilities.model,
+        "it understood": sentence(plan, "en"),
+        "done before in this thread, oldest first": [sentence(p, "en") for p in history[-HISTORY_PLANS:]],
+        "its speed is at most": f"{limits.speed_mps:g} m/s",
+    }
+    if scene:
+        facts["around it"] = " ".join(clean(scene)[:SCENE_CHARS].split())
+    return f"{json.dumps(facts, ensure_ascii=False)}\n{post_as_data(part)}"
+
+
+def _quoted(words: str, text: str) -> str:
+    """The words as code when they do stand in the post; nothing otherwise: what is shown is the post's own."""
+    parts = clean(words).split()
+    match = re.search(r"\s+".join(map(re.escape, parts)), text, re.IGNORECASE) if parts else None
+    return quote(match[0]) if match else ""
