@@ -385,7 +385,8 @@ class StopResult:
 @dataclass(frozen=True, slots=True)
 class Report:
     """Everything the final reply says. `status`: done, failed, refused, asks_back, stopped, interrupted, cancelled,
-    expired, answered. `timings_ms` counts from the post being accepted by the forum."""
+    expired, answered. `timings_ms` counts from the post being accepted by the forum. `goal` is what a model was to look
+    for, in our words."""
 
     command: Command
     status: str
@@ -395,3 +396,4 @@ class Report:
     message: str = ""
     stop: StopResult | None = None
     timings_ms: Mapping[str, float] = field(default_factory=dict)
+    goal: str = ""
