@@ -336,9 +336,8 @@ class Course:
             return report.status
 
         try:
-            if (
-                report.status == "done" and not report.goal
-            ):  # before it is told: whoever reads that may say "again" at once
+            # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
+            if report.status == "done" and not report.goal:
                 await self.journal.did(command.post_id, report.plan)
             await self.journal.once(f"post-{command.post_id}:reply", deed)
             await self.journal.finish(command.post_id, report.status)

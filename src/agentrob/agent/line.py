@@ -24,8 +24,8 @@ class Job:
     was. `ended` is a stable word as soon as the command may not go on; `paced`: its account may command now; while it
     is `held`, others go before it. `stop`
     brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
-    `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `status` is its status post, `task` what carries it
-    through.
+    `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `status` is
+    its status post, `task` what carries it through.
     """
 
     command: Command

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.agent.look import Errand
+from agentrob.agent.look_words import say
 from agentrob.config import LookConfig, RobotConfig
 from agentrob.judge.mandate import goal_mandate
 from agentrob.language.render import step_sentence
@@ -17,6 +19,8 @@ from agentrob.minds.mind import Listener
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Goal, Intent, Language, Mandate, Op, Plan, Primitive, Understanding
 
+#: How the rules say that something needs eyes.
+_NO_EYES = ("vision model", "视觉模型")
 #: What a post may be for the rules and still be a goal for eyes.
 _MAY_BE = (Intent.COMMAND, Intent.ASK_BACK, Intent.NOTHING, Intent.QUESTION)
 
@@ -36,6 +40,13 @@ def goal_for(text: str, listener: Listener, by_rules: Understanding) -> Goal | N
     if goal is None or (by_rules.intent is Intent.COMMAND and by_rules.plan.steps != goal.steps):
         return None
     return goal
+
+
+def honest(understood: Understanding) -> Understanding:
+    """What a robot with eyes asks back, where one without them says that it has none."""
+    if understood.intent is not Intent.ASK_BACK or not any(w in understood.question for w in _NO_EYES):
+        return understood
+    return replace(understood, question=say("ask", understood.language))
 
 
 def judged_plan(goal: Goal) -> Plan:

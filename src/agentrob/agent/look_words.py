@@ -20,7 +20,8 @@ _SENTENCES = {
     "measured": (
         "Measured: {metres:.2f} m walked in {walks} walks, {degrees:.0f}° turned in {turns} turns; "
         "{pictures} pictures, {calls} calls by the model.",
-        "实测：{walks} 次行走共 {metres:.2f} 米，{turns} 次转动共 {degrees:.0f}°；{pictures} 张图片，模型调用 {calls} 次。",
+        "实测：{walks} 次行走共 {metres:.2f} 米，{turns} 次转动共 {degrees:.0f}°；"
+        "{pictures} 张图片，模型调用 {calls} 次。",
     ),
     "saw": ("The model {mind} says that it saw {saw}.", "模型 {mind} 说看到了 {saw}。"),
     "did": ("The model {mind} says of what it did: {did}.", "模型 {mind} 说它做了：{did}。"),

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from agentrob.agent.extract import OVER, Thought, by_rules, extract
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job
-from agentrob.agent.look_goal import eyes, goal_for, in_words, judged_plan
+from agentrob.agent.look_goal import eyes, goal_for, honest, in_words, judged_plan
 from agentrob.agent.permission import Terms, chain_refusal, judge
 from agentrob.agent.status import insist
 from agentrob.config import RobotConfig
@@ -71,6 +71,8 @@ class Thinking:
             thought = await job.unless_ended(extract(self.mind, command.text, listener, history))
         if thought is None:
             thought = await by_rules(command.text, listener, history, OVER)
+        if self.eyes is not None:
+            thought = replace(thought, understanding=honest(thought.understanding))
         understood = thought.understanding
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
