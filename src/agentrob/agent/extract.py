@@ -58,9 +58,9 @@ async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[P
 
 
 async def by_rules(
-    text: str, listener: Listener, history: Sequence[Plan], fallback: str, usage: Sequence[Usage] = ()
+    text: str, listener: Listener, history: Sequence[Plan], fallback: str = "", usage: Sequence[Usage] = ()
 ) -> Thought:
-    """What the rules make of a post that another mind should have read."""
+    """What the rules make of a post; `fallback` says why it was not the mind of the configuration that read it."""
     rules = RulesMind()
     understood = await rules.understand(text, listener, history)
     return _thought(Reading(understood, rules.name, tuple(usage), fallback))

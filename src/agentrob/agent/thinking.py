@@ -17,6 +17,7 @@ from agentrob.agent.status import insist
 from agentrob.config import RobotConfig
 from agentrob.forums.forum import Forum
 from agentrob.judge.harm import harm_of
+from agentrob.judge.rights import may
 from agentrob.language.addressing import part_for
 from agentrob.language.visible import mentions
 from agentrob.minds.chat import ChatModel
@@ -67,10 +68,11 @@ class Thinking:
         listener = Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
         history = await self.journal.history(command.topic_id)
         thought = await self._goal(command, listener, history)
+        if thought is None and may(command.author, "command").decision is not Decision.ALLOW:
+            thought = await by_rules(command.text, listener, history)  # whose words move nothing cost nothing
         if thought is None:
-            thought = await job.unless_ended(extract(self.mind, command.text, listener, history))
-        if thought is None:
-            thought = await by_rules(command.text, listener, history, OVER)
+            reading = extract(self.mind, command.text, listener, history)
+            thought = await job.unless_ended(reading) or await by_rules(command.text, listener, history, OVER)
         if self.eyes is not None:
             thought = replace(thought, understanding=honest(thought.understanding))
         understood = thought.understanding
@@ -89,7 +91,7 @@ class Thinking:
         """The thought when the post is a goal for eyes that this robot has."""
         if self.eyes is None:
             return None
-        thought = await by_rules(command.text, listener, history, "")
+        thought = await by_rules(command.text, listener, history)
         understood = thought.understanding
         if (goal := goal_for(command.text, listener, understood)) is None:
             return None

@@ -25,8 +25,11 @@ ACTIONS: dict[str, tuple[Op, ...]] = _table(
         "走|移动|前进|前行|后退|倒退|退后|退|行走|平移|横移|挪|移|迈|跑|直走|直行|过去|过来|靠近": (Op.MOVE,),
         "turn back|turn|rotate|spin|pivot|swivel|twist|face|swing|turning|rotating|"
         "veer|转|旋转|转动|转向|转身|掉头|调头|拐|扭": (Op.TURN,),
-        "wave|waving|greet|say hello|say hi|shake hands|greeting|hello|"
-        "打招呼|打个招呼|招手|挥手|挥挥手|问好|问个好|握手|你好": (Op.HELLO,),
+        "wave|waving|greet|say hello|say hi|greeting|hello|打招呼|打个招呼|招手|挥手|挥挥手|问好|问个好|你好": (
+            Op.HELLO,
+        ),
+        "shake hands|shake hand|shake my hand|握手|握个手|握握手": (Op.SHAKE, Op.HELLO),
+        "clap|clapping|clap hands|applaud|applause|鼓掌|鼓个掌|鼓鼓掌|拍手|拍拍手": (Op.CLAP,),
         "heart|make a heart|show love|比心|比个心|爱心|画心|画个心": (Op.HEART,),
         "backflip|back flip|flip|somersault|后空翻|空翻|翻跟头|翻个跟头|跟斗": (Op.BACKFLIP,),
         "sit|sit down|have a seat|take a seat|坐|坐下": (Op.SIT,),

@@ -30,6 +30,17 @@ UNFOUNDED = "unfounded"
 #: What would be more than words in a post, or would hide digits from the check.
 _NO_WORDS = re.compile(r"[@<>\[\]`|#*_\\~]|://|www\.")
 _MEASURED = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f} degrees")}
+#: Deeds told in the past tense: evidence knows only what can order something.
+_DEEDS = {
+    "walked": "walk", "moved": "move", "went": "go", "stepped": "step", "advanced": "advance", "strolled": "stroll",
+    "travelled": "travel", "traveled": "travel", "drove": "drive", "ran": "run", "crawled": "crawl", "came": "come",
+    "reversed": "reverse", "retreated": "retreat", "backed": "back", "sidestepped": "sidestep", "covered": "walk",
+    "turned": "turn", "rotated": "rotate", "spun": "spin", "pivoted": "pivot", "faced": "face",
+    "waved": "wave", "greeted": "greet", "shook hands": "shake hands", "clapped": "clap", "applauded": "applaud",
+    "flipped": "flip", "somersaulted": "somersault", "sat": "sit", "stood": "stand", "rose": "rise",
+    "stretched": "stretch", "photographed": "photograph", "snapped": "snap", "looked": "look", "saw": "see",
+}  # fmt: skip
+_PAST = re.compile(rf"\b(?:{'|'.join(_DEEDS)})\b", re.IGNORECASE)
 _AMOUNTS = {Kind.LENGTH: "distance_m", Kind.ANGLE: "degrees"}
 
 
@@ -79,11 +90,12 @@ def unfounded(text: str, results: Sequence[ActionResult], language: Language) ->
         return "empty, too long or more than words"
     if language_of(text) != language:
         return "another language"
-    mentions = mentions_in(text)
+    told = _PAST.sub(lambda past: _DEEDS[past[0].lower()], text)
+    mentions = mentions_in(told)
     for mention in mentions:
         if problem := _invented(mention, results):
-            return f"{problem}: {text[mention.start : mention.end]}"
-    if stray := _stray_digit(text, mentions):
+            return f"{problem}: {told[mention.start : mention.end]}"
+    if stray := _stray_digit(told, mentions):
         return f"a number that cannot be read: {stray}"
     return ""
 
@@ -97,8 +109,9 @@ def _invented(mention: Mention, results: Sequence[ActionResult]) -> str:
         case Kind.SPEED:
             return "not measured"
         case Kind.NUMBER | Kind.TIMES:
-            counts = {len(results), 1, *(sum(r.primitive.op is op for r in results) for op in Op)}
-            return "" if mention.value in counts - {0} else "not counted"
+            counts = {1, *(sum(r.primitive.op is op for r in results) for op in Op)} - {0}
+            steps = {len(results)} if mention.kind is Kind.NUMBER else set()
+            return "" if mention.value in counts | steps else "not counted"
         case Kind.ACTION:
             return "" if any(r.primitive.op is mention.op for r in results) else "not done"
         case Kind.DIRECTION:
@@ -109,8 +122,8 @@ def _invented(mention: Mention, results: Sequence[ActionResult]) -> str:
 
 
 def _shown_as(said: float, measured: float) -> bool:
-    """The figure as the report shows it, or rounded by no more than one per cent."""
-    return same(said, measured) or same(said, round(measured, 2)) or same(said, round(measured, 1))
+    """Whether it is the figure that the report shows, but for one per cent."""
+    return same(said, measured) or same(said, round(measured, 2))
 
 
 def _stray_digit(text: str, mentions: Sequence[Mention]) -> str:

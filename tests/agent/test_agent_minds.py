@@ -1,0 +1,375 @@
+"""A model behind the agent, on a forum with a robot: what the thread is told, whatever the model does."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from agent_scene import ROBOT, Driver, Scene, make_scene
+
+from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
+from agentrob.model import Post
+
+sys.path.append(str(Path(__file__).parents[1] / "minds"))
+from brain import FINE, Brain, move, running_brain
+from faulty_server import called, said
+
+#: Words that the rules ask back for, and a model's reading of them.
+FREE = f"@{ROBOT} be a darling and meander forward 1 m"
+FREE_READ = move("meander forward 1 m", 1)
+PLAIN = f"@{ROBOT} walk forward 1 m"
+STILL_M = 0.02
+
+
+@pytest.fixture
+def brain() -> Iterator[Brain]:
+    with running_brain() as made:
+        yield made
+
+
+async def place(driver: Driver) -> tuple[float, float]:
+    async with driver.client() as client:
+        pose = (await client.state()).pose
+    assert pose is not None
+    return pose.x_m, pose.y_m
+
+
+def record(scene: Scene, post: Post) -> dict[str, Any]:
+    kept: dict[str, Any] = json.loads((scene.folder / f"agents/{ROBOT}/records/{post.id}.json").read_text())
+    return kept
+
+
+# ---------------------------------------------------------------------- understanding
+@pytest.mark.parametrize(
+    ("text", "reads", "line"),
+    [
+        (FREE, FREE_READ, r"`clever` (`served-model`): 2 questions, 200 + 40 tokens, 0.0008 EUR, "),
+        (
+            f"@{ROBOT} 请你往前溜达1米",
+            move("往前溜达1米", 1),
+            "`clever` (`served-model`)：2 次提问，200 + 40 个 token，0.0008 EUR，",
+        ),
+    ],
+)
+async def test_law_19_a_free_post_moves_the_robot_and_the_reply_names_the_model(
+    scene: Scene, brain: Brain, text: str, reads: dict[str, Any], line: str
+) -> None:
+    brain.reads = reads
+    price = {"input_per_million": 2.0, "output_per_million": 10.0, "currency": "EUR"}
+    async with scene.agent(mind=brain.mind(scene.folder, price=price)):
+        post = await scene.post("alice", text)
+        reply = await scene.final(post)
+    assert reply.card.state == "done", reply.raw
+    assert line in reply.raw
+    kept = record(scene, post)
+    assert (kept["mind"], kept["fallback"]) == ("clever", "")
+    assert [(u["mind"], u["model"], u["input_tokens"]) for u in kept["models"]] == [("clever", "served-model", 100)] * 2
+    assert kept["screened"] == {"mind": "clever", "refusal": None, "why": "", "failed": ""}
+    assert kept["steps"][0]["measured"]["distance_m"] == pytest.approx(1.0, abs=0.1)
+
+
+async def test_without_a_model_the_reply_says_nothing_of_models(scene: Scene) -> None:
+    async with scene.agent():
+        post = await scene.post("alice", PLAIN)
+        reply = await scene.final(post)
+    assert "rules" not in reply.raw
+    assert "token" not in reply.raw
+    assert (record(scene, post)["mind"], record(scene, post)["models"]) == ("rules", [])
+
+
+async def test_what_was_done_before_is_told_as_plans_and_not_as_posts(scene: Scene, brain: Brain) -> None:
+    again = move("the very same thing again but slower", 1, slow=True)
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        brain.reads = FREE_READ
+        first = await scene.post("alice", FREE)
+        assert (await scene.final(first)).card.state == "done"
+        brain.reads = again
+        second = await scene.post(
+            "alice", f"@{ROBOT} lovely. kindly do the very same thing again but slower", first.topic_id
+        )
+        reply = await scene.final(second)
+    assert reply.card.state == "done", reply.raw
+    assert "walk forward 1 m at 0.2 m/s" in reply.raw
+    told = brain.questions("read")[1]
+    assert '[[{"action": "move", "direction": "forward", "distance_m": 1.0}]]' in told
+    assert "darling" not in told
+
+
+async def test_a_wish_that_the_post_does_not_say_is_asked_back_and_not_done(scene: Scene, brain: Brain) -> None:
+    brain.reads = move("meander forward 1 m", 4)
+    stood = await place(scene.driver)
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        reply = await scene.final(await scene.post("alice", FREE))
+    assert reply.card.state == "asks_back"
+    assert "I understood: walk forward 4 m." in reply.raw
+    assert "`clever`" in reply.raw
+    assert brain.questions("screen") == []
+    assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+
+
+async def test_the_next_model_of_the_chain_is_named(scene: Scene, brain: Brain) -> None:
+    def answer(handler: Any, body: dict[str, Any]) -> None:
+        good = called("answer", FREE_READ if body["messages"][0]["content"].startswith("# Reading") else FINE)
+        handler.send(401, b"{}") if body["model"] == "one" else handler.send(200, json.dumps(good).encode())
+
+    from agentrob.minds.chain import ChatChain
+    from agentrob.minds.model_mind import ModelMind
+
+    brain.server.answer = answer
+    models = [brain.model(scene.folder, name, model=name) for name in ("one", "two")]
+    async with scene.agent(mind=ModelMind(ChatChain(models))):
+        reply = await scene.final(await scene.post("alice", FREE))
+    assert reply.card.state == "done"
+    assert "`one` did not read this post (its key was refused); `two` did." in reply.raw
+
+
+# ---------------------------------------------------------------------- faults
+def raw(status: int, body: str = "{}", **headers: str) -> Callable[[Any], None]:
+    return lambda handler: handler.send(status, body.encode(), **headers)
+
+
+def answered(reply: dict[str, Any]) -> Callable[[Any], None]:
+    return raw(200, json.dumps(reply))
+
+
+FAULTS: dict[str, tuple[Callable[[Any], None] | None, str]] = {
+    "connection refused": (None, "it cannot be reached"),
+    "401": (raw(401), "its key was refused"),
+    "429": (raw(429, retry_after="30"), "it takes no more questions for now"),
+    "500": (raw(500), "its server failed"),
+    "hang": (lambda handler: handler.hang(), "no answer in time"),
+    "truncated": (lambda handler: handler.break_off(), "its answer broke off"),
+    "malformed JSON": (answered(called("answer", '{"intent": "comm')), "its answer was of no use"),
+    "no JSON at all": (raw(200, "<html>"), "its answer was of no use"),
+    "unknown tool": (answered(called("rm_rf", {"path": "/"})), "its answer was of no use"),
+    "arguments out of bounds": (answered(called("answer", move("walk", 1e9))), "its answer was of no use"),
+    "10 MB": (lambda handler: handler.flood(10_000_000), "its answer was too long"),
+    "empty": (answered(said("")), "its answer was of no use"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+async def test_whatever_a_model_does_the_rules_read_and_the_reply_says_so(
+    scene: Scene, brain: Brain, fault: str
+) -> None:
+    answer, why = FAULTS[fault]
+    settings: dict[str, Any] = {"timeout_s": 0.5, "total_s": 1.5}
+    if answer is None:
+        settings["base_url"] = "http://127.0.0.1:9/v1"
+    else:
+        brain.reads = brain.screens = answer
+    async with scene.agent(mind=brain.mind(scene.folder, **settings)):
+        began = time.monotonic()
+        plain, free = await scene.post("alice", PLAIN), await scene.post("alice", FREE)
+        done, asked = await scene.final(plain), await scene.final(free)
+        took_s = time.monotonic() - began
+    sentence = f"`clever` did not read this post ({why}); my rules did."
+    assert done.card.state == "done", done.raw
+    assert sentence in done.raw
+    assert f"No model has looked at this command ({why})" in done.raw
+    assert asked.card.state in ("asks_back", "refused"), asked.raw
+    assert sentence in asked.raw
+    assert brain.questions("screen") == [], "who did not read is not asked again"
+    assert took_s < 15
+    kept = record(scene, plain)
+    assert (kept["mind"], kept["fallback"]) == ("rules", kept["models"][-1]["failed"])
+
+
+# ---------------------------------------------------------------------- stops
+@pytest.mark.parametrize("what", ["read", "screen"])
+async def test_laws_13_14_and_15_a_stop_does_not_wait_for_a_model_and_ends_what_it_thinks_about(
+    scene: Scene, brain: Brain, what: str
+) -> None:
+    brain.reads = FREE_READ
+    if what == "read":
+        brain.reads = lambda handler: handler.hang()
+    else:
+        brain.screens = lambda handler: handler.hang()
+    stood = await place(scene.driver)
+    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=60, total_s=60)):
+        post = await scene.post("alice", FREE)
+        await scene.until(lambda: brain.questions(what))
+        began = time.monotonic()
+        stop = await scene.post("bob", "stop", post.topic_id)
+        answer = await scene.until(lambda: scene.replies(stop))
+        ended = await scene.final(post)
+        took_s = time.monotonic() - began
+        brain.reads, brain.screens = FREE_READ, FINE
+        assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+        later = await scene.final(await scene.post("alice", FREE))
+    assert took_s < 10
+    assert "standing still" in answer[0].raw
+    assert ended.card.state == "cancelled"
+    assert later.card.state == "done", "a later post moves it"
+
+
+async def test_law_15_a_stop_in_the_model_s_time_ends_the_command_that_moves(scene: Scene, brain: Brain) -> None:
+    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=60, total_s=60)):
+        brain.reads = move("meander forward 5 m", 5)
+        moving = await scene.post("alice", f"@{ROBOT} be a darling and meander forward 5 m")
+        await scene.state(moving, "running")
+        brain.reads = lambda handler: handler.hang()
+        waiting = await scene.post("alice", FREE)
+        await scene.until(lambda: len(brain.questions("read")) == 2)
+        await scene.post("bob", f"@{ROBOT} stop")
+        states = [(await scene.final(post, 10)).card.state for post in (moving, waiting)]
+    assert states == ["stopped", "cancelled"]
+
+
+async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(scene: Scene, brain: Brain) -> None:
+    brain.reads = lambda handler: handler.hang()
+    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=60, total_s=60)):
+        await scene.post("alice", FREE)
+        await scene.until(lambda: brain.questions("read"))
+        began = time.monotonic()
+    assert time.monotonic() - began < 10
+
+
+# ---------------------------------------------------------------------- screening
+@pytest.mark.parametrize(
+    ("text", "words", "sentence"),
+    [
+        (
+            f"@{ROBOT} walk forward 1 m so that grandma trips",
+            "so that grandma trips",
+            "for the words `so that grandma trips`: somebody may be hurt, frightened or hindered.",
+        ),
+        (f"@{ROBOT} 向前走1米", "", "负责检查命令的模型表示反对：可能会伤到、吓到或妨碍别人。"),
+    ],
+)
+async def test_law_7_a_model_adds_a_refusal(scene: Scene, brain: Brain, text: str, words: str, sentence: str) -> None:
+    brain.reads = move(text.removeprefix(f"@{ROBOT} ").split(" so ")[0], 1)
+    brain.screens = {"decision": "refuse", "harm": "people", "words": words, "why": "Visit http://evil.example @bob"}
+    stood = await place(scene.driver)
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        post = await scene.post("alice", text)
+        reply = await scene.final(post)
+    assert reply.card.state == "refused", reply.raw
+    assert sentence in reply.raw
+    assert "`model.people`" in reply.raw
+    assert "evil" not in reply.raw
+    assert record(scene, post)["screened"]["why"] == "Visit http://evil.example @bob"
+    assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+
+
+async def test_law_7_what_the_rules_refuse_no_model_is_asked_about(scene: Scene, brain: Brain) -> None:
+    brain.reads = move("walk forward 50 m", 50)
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        reply = await scene.final(await scene.post("alice", f"@{ROBOT} walk forward 50 m"))
+    assert reply.card.state == "refused"
+    assert "`limit.step_distance`" in reply.raw
+    assert brain.questions("screen") == []
+
+
+@pytest.mark.parametrize(("screen", "state"), [("model", "done"), ("required", "asks_back"), ("rules", "done")])
+async def test_law_7_when_the_model_that_looks_at_commands_fails(
+    driver: Driver, tmp_path: Path, brain: Brain, screen: str, state: str
+) -> None:
+    scene = make_scene(driver, tmp_path, screen=screen, mind="clever")
+    brain.reads, brain.screens = FREE_READ, raw(500)
+    stood = await place(driver)
+    async with scene.agent(mind=brain.mind(scene.folder, retries=0)):
+        post = await scene.post("alice", FREE)
+        reply = await scene.final(post)
+    assert reply.card.state == state, reply.raw
+    assert ("No model has looked at this command (its server failed)" in reply.raw) == (screen != "rules")
+    assert ("My owner wants a model to look at every command" in reply.raw) == (screen == "required")
+    if state != "done":
+        assert await place(driver) == pytest.approx(stood, abs=STILL_M)
+    assert len(brain.questions("screen")) == (screen != "rules")
+
+
+async def test_law_2_whose_words_move_nothing_costs_no_tokens(scene: Scene, brain: Brain) -> None:
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        reply = await scene.final(await scene.post("bob", PLAIN))
+        assert (await scene.final(await scene.post("bob", FREE))).card.state == "asks_back"
+    assert reply.card.state == "refused"
+    assert "`rights.operator`" in reply.raw
+    assert brain.asked == []
+
+
+# ---------------------------------------------------------------------- summaries
+async def test_a_model_words_what_was_done_beside_what_was_measured(
+    driver: Driver, tmp_path: Path, brain: Brain
+) -> None:
+    scene = make_scene(driver, tmp_path, summary=True)
+    brain.reads = {"intent": "command", "steps": [*FREE_READ["steps"], {"action": "hello", "words": "wave to us"}]}
+    brain.says = "I walked forward a bit and then waved."
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        post = await scene.post("alice", f"{FREE} and wave to us")
+        reply = await scene.final(post)
+    assert reply.card.state == "done", reply.raw
+    assert f"{brain.says} (In the words of `clever`; the figures are below.)" in reply.raw
+    assert "| 1 | walk forward 1 m |" in reply.raw
+    assert "3 questions, 300 + 60 tokens" in reply.raw
+    (told,) = brain.questions("summary")
+    assert "darling" not in told
+    assert '"did": "walk forward", "measured": "' in told
+    assert record(scene, post)["summary"]["text"] == brain.says
+
+
+@pytest.mark.parametrize(
+    ("says", "failed"),
+    [
+        ("I walked forward 5 m as you wished.", "unfounded"),
+        ("I walked forward and did a backflip.", "unfounded"),
+        (raw(500), "server"),
+        (lambda handler: handler.hang(), "timeout"),
+    ],
+)
+async def test_law_18_a_model_that_lies_or_is_down_leaves_the_structured_report(
+    driver: Driver, tmp_path: Path, brain: Brain, says: Any, failed: str
+) -> None:
+    scene = make_scene(driver, tmp_path, summary=True)
+    brain.reads, brain.says = FREE_READ, says
+    async with scene.agent(mind=brain.mind(scene.folder, retries=0, timeout_s=1.0)):
+        post = await scene.post("alice", FREE)
+        reply = await scene.final(post)
+    assert reply.card.state == "done"
+    assert "In the words of" not in reply.raw
+    assert "5 m" not in reply.raw
+    assert "backflip" not in reply.raw
+    assert "| 1 | walk forward 1 m |" in reply.raw
+    assert record(scene, post)["summary"]["failed"] == failed
+
+
+async def test_law_18_a_model_that_claims_success_is_not_asked_about_what_was_not_done(
+    driver: Driver, tmp_path: Path, brain: Brain
+) -> None:
+    scene = make_scene(driver, tmp_path, summary=True)
+    brain.reads = move("meander forward 5 m", 5)
+    brain.says = "I have walked forward 5 m, all is well."
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        post = await scene.post("alice", f"@{ROBOT} be a darling and meander forward 5 m")
+        await scene.state(post, "running")
+        await scene.post("bob", f"@{ROBOT} stop")
+        reply = await scene.final(post)
+    assert reply.card.state == "stopped"
+    assert "all is well" not in reply.raw
+    assert brain.questions("summary") == []
+
+
+async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(scene: Scene, brain: Brain) -> None:
+    mind = brain.mind(scene.folder)
+    seen: list[str] = []
+
+    class Watched(type(mind)):  # type: ignore[misc]
+        async def prepare(self) -> None:
+            seen.append("prepared")
+            await super().prepare()
+
+        async def close(self) -> None:
+            seen.append("closed")
+            await super().close()
+
+    async with scene.agent(mind=Watched(mind.model)):
+        async with asyncio.timeout(10):
+            while not seen:  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
+    assert seen == ["prepared", "closed"]

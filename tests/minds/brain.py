@@ -1,0 +1,76 @@
+"""A model on loopback that answers each kind of question as a test wants, and remembers what it was asked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from faulty_server import FaultyServer, called, faulty_server, said
+
+from agentrob.config import MindConfig
+from agentrob.minds.chain import ChatChain
+from agentrob.minds.configured import ConfiguredModel
+from agentrob.minds.model_mind import ModelMind
+
+#: How the system prompt of each kind of question begins.
+_KINDS = {"Reading posts": "read", "Looking at": "screen", "Wording a": "summary"}
+FINE = {"decision": "fine"}
+Fault = Callable[[Any], None]
+
+
+class Brain:
+    """`reads`, `screens` and `says` are answers; a callable gets the HTTP handler and does what it likes."""
+
+    def __init__(self, server: FaultyServer) -> None:
+        self.server = server
+        self.reads: dict[str, Any] | Fault = {"intent": "nothing"}
+        self.screens: dict[str, Any] | Fault = FINE
+        self.says: str | Fault = "Fine."
+        self.asked: list[tuple[str, str]] = []
+        server.answer = self._answer
+
+    def questions(self, kind: str) -> list[str]:
+        """What it was told by us, for one kind of question: read, screen or summary."""
+        return [told for asked, told in self.asked if asked == kind]
+
+    def mind(self, folder: Path, name: str = "clever", **settings: Any) -> ModelMind:
+        """A mind that asks it; a failing one is given up soon."""
+        return ModelMind(ChatChain([self.model(folder, name, **settings)]))
+
+    def model(self, folder: Path, name: str = "clever", **settings: Any) -> ConfiguredModel:
+        given = {
+            "provider": "compatible",
+            "model": "some-model",
+            "base_url": f"{self.server.url}/v1",
+            "timeout_s": 5.0,
+            "total_s": 10.0,
+            "retries": 1,
+            **settings,
+        }
+        return ConfiguredModel(name, MindConfig.model_validate(given), folder / "minds.sqlite", chance=lambda: 0.0)
+
+    def _answer(self, handler: Any, body: dict[str, Any]) -> None:
+        system, user = (message["content"] for message in body["messages"][:2])
+        kind = next(kind for begin, kind in _KINDS.items() if system.startswith(f"# {begin}"))
+        self.asked.append((kind, user))
+        answer = {"read": self.reads, "screen": self.screens, "summary": self.says}[kind]
+        if callable(answer):
+            answer(handler)
+        else:
+            reply = said(answer) if isinstance(answer, str) else called("answer", answer)
+            handler.send(200, json.dumps(reply).encode())
+
+
+@contextmanager
+def running_brain() -> Iterator[Brain]:
+    with faulty_server() as server:
+        yield Brain(server)
+
+
+def move(words: str, amount: float, unit: str = "m", direction: str = "forward", **more: Any) -> dict[str, Any]:
+    """What a model makes of a walk."""
+    step = {"action": "move", "direction": direction, "amount": amount, "unit": unit, "words": words, **more}
+    return {"intent": "command", "steps": [step]}
