@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,15 @@ import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 from look_brain import DONE, Driving, driving_brain, pictures, said, told
 
+from agentrob.config import MindConfig
 from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
+from agentrob.minds.chain import ChatChain
+from agentrob.minds.configured import ConfiguredModel
+from agentrob.minds.model_mind import ModelMind
 from agentrob.model import Post
+
+sys.path.append(str(Path(__file__).parents[1] / "minds"))
+from model_double import model_double
 
 GOAL = f"@{ROBOT} walk to the red ball and tell me what is beside it"
 LOOK = {"allowed": True}
@@ -274,3 +282,35 @@ async def test_a_weak_model_steers_by_json_in_its_words(looking: Scene, brain: D
     assert "saw `a box`" in reply.raw
     assert "tools" not in brain.loops[0]
     assert len(pictures(brain.loops[1])) == 2
+
+
+# ---------------------------------------------------------------------- both dialects
+@pytest.mark.parametrize(("provider_name", "path"), [("openai", "/v1"), ("anthropic", "")])
+async def test_the_double_of_both_dialects_steers_the_robot(
+    driver: Driver, tmp_path: Path, provider_name: str, path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TEST_KEY", "sk-test-0123456789")
+    scene = make_scene(driver, tmp_path, look=LOOK, screen="rules")
+    calls = [TURN, WALK, ("finish", {"outcome": "done", "saw": ["a blue box"], "did": "walked to the ball"})]
+    fixtures: list[dict[str, Any]] = [
+        {"match": {"turnIndex": turn}, "response": {"toolCalls": [{"name": name, "arguments": arguments}]}}
+        for turn, (name, arguments) in enumerate(calls)
+    ]
+    with model_double(tmp_path, fixtures) as double:
+        given = {"provider": provider_name, "model": "m", "key_env": "TEST_KEY", "base_url": double.url + path}
+        model = ConfiguredModel("clever", MindConfig.model_validate(given), tmp_path / "minds.sqlite")
+        async with scene.agent(mind=ModelMind(ChatChain([model]))):
+            post = await scene.post("alice", GOAL)
+            reply = await scene.final(post)
+        asked = double.journal()
+    assert reply.card is not None
+    assert reply.card.state == "done", reply.raw
+    assert [step["op"] for step in record(scene, post)["steps"]] == [
+        "get_front_image",
+        "turn",
+        "move",
+        "get_front_image",
+    ]
+    assert len(asked) == 3
+    assert "go to the red ball" in json.dumps(asked[0]["body"])
+    assert "tell me what is beside it" not in json.dumps(asked[-1]["body"])

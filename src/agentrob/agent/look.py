@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from agentrob.agent.execute import LOOK_S, SILENT, Execution, Reins, Run, take_lease
@@ -41,6 +41,9 @@ _GOES_ON = frozenset({"", "obstacle", "fence", "deadline", "stalled", "invalid",
 _OF_A_STEP = ("limit.", "plan.", "ops.", "consent.")
 
 
+OnResult = Callable[[ActionResult], None]
+
+
 class Cut(Exception):
     """The loop must end now with this status."""
 
@@ -66,10 +69,13 @@ class Errand:
 class Looking(Run):
     """One loop under way; the hands of `agentrob.minds.loop`."""
 
-    def __init__(self, driver: DriverClient, command: Command, errand: Errand, reins: Reins) -> None:
+    def __init__(
+        self, driver: DriverClient, command: Command, errand: Errand, reins: Reins, on_result: OnResult
+    ) -> None:
         super().__init__(driver, command, Plan(), reins)
         self.mandate = errand.mandate
         self.errand = errand
+        self.on_result = on_result
         self.stepping = False
         self.loop = Loop(
             errand.eyes, errand.prompt, errand.told, errand.mandate, errand.capabilities, self, errand.budget,
@@ -98,6 +104,7 @@ class Looking(Run):
         finally:
             self.stepping = False
         self.results.append(result)
+        self.on_result(result)
         if result.reason in ("stop", "halt"):
             await self._ask_who()
         goes_on = result.reason in _GOES_ON or result.reason.startswith("limit_")
@@ -164,9 +171,11 @@ class Looking(Run):
         return Looked(self.errand.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
 
 
-async def look(driver: DriverClient, command: Command, errand: Errand, reins: Reins) -> Execution:
+async def look(
+    driver: DriverClient, command: Command, errand: Errand, reins: Reins, on_result: OnResult = lambda _: None
+) -> Execution:
     """Hold the robot's lease while a model works towards the goal. Never raises a `RobotError`."""
-    run = Looking(driver, command, errand, reins)
+    run = Looking(driver, command, errand, reins, on_result)
     end, status, message = LoopEnd("cut"), "failed", ""
     try:
         async with contextlib.AsyncExitStack() as stack:

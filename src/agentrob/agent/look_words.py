@@ -77,9 +77,9 @@ def _claims(looked: Looked, language: Language) -> list[str]:
     joint = "、" if language == "zh" else ", "
     said = []
     if end.saw:
-        said.append(say("saw", language, mind=mind, saw=joint.join(map(quote, end.saw))))
+        said.append(say("saw", language, mind=mind, saw=joint.join(quote(line.rstrip(" .。")) for line in end.saw)))
     if end.did:
-        said.append(say("did", language, mind=mind, did=quote(end.did)))
+        said.append(say("did", language, mind=mind, did=quote(end.did.rstrip(" .。"))))
     if said and not looked.contradicted:
         said.append(say("unchecked", language))
     if looked.contradicted:
