@@ -112,10 +112,12 @@ class LocalDriver:
         await asyncio.to_thread(self.guard.stop)
 
 
-def errand(model: Script, goal: Goal = BALL, most: Mandate = MOST, calls: int = 12, seconds: float = 60.0) -> Errand:
+def errand(
+    model: Script, goal: Goal = BALL, most: Mandate = MOST, calls: int = 12, seconds: float = 60.0, idle: int = 3
+) -> Errand:
     capabilities = Capabilities("fake", frozenset(Op), simulated=True)
     mandate = goal_mandate(goal, most, capabilities)
-    budget = LoopBudget(calls, seconds)
+    budget = LoopBudget(calls, seconds, idle)
     prompt = loop_prompt("fake", "en")
     steps = [str(step.op) for step in goal.steps]
     return Errand(goal, told(goal, "en", steps), prompt, model, mandate, capabilities, budget)  # type: ignore[arg-type]

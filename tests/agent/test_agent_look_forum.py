@@ -44,7 +44,9 @@ def looking(driver: Driver, tmp_path: Path) -> Scene:
 async def answered(
     scene: Scene, brain: Driving, text: str = GOAL, who: str = "alice", **mind: Any
 ) -> tuple[Post, Post]:
-    async with scene.agent(mind=brain.mind(scene.folder, **mind)):
+    model = brain.mind(scene.folder, **mind)
+    await model.prepare()
+    async with scene.agent(mind=model):
         post = await scene.post(who, text)
         return post, await scene.final(post)
 
@@ -299,6 +301,7 @@ async def test_the_double_of_both_dialects_steers_the_robot(
     with model_double(tmp_path, fixtures) as double:
         given = {"provider": provider_name, "model": "m", "key_env": "TEST_KEY", "base_url": double.url + path}
         model = ConfiguredModel("clever", MindConfig.model_validate(given), tmp_path / "minds.sqlite")
+        await model.prepare()
         async with scene.agent(mind=ModelMind(ChatChain([model]))):
             post = await scene.post("alice", GOAL)
             reply = await scene.final(post)

@@ -117,12 +117,8 @@ class Looking(Run):
         assert self.mandate is not None
         if (beyond := within(self.mandate, self.results, step)) is not None:
             return beyond
-        verdict, capabilities = await self.reins.permit(Plan((step,)))
-        if verdict.decision is not Decision.ALLOW or capabilities is None:
-            if verdict.rule.startswith(_OF_A_STEP):
-                return verdict.reason
-            self.verdict = verdict
-            raise Cut("cancelled" if verdict.rule.startswith("command.") else "refused")
+        if (step.moves or not self.results) and (reason := await self._denied(step)) is not None:
+            return reason
         if step.moves and not await self.reins.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
             raise Cut("interrupted")
@@ -130,6 +126,16 @@ class Looking(Run):
         if why := self.reins.ended():
             raise Cut(self._status_of_end(why))
         return None
+
+    async def _denied(self, step: Primitive) -> str | None:
+        """Why this step may not be done, judged on today's state; `Cut` when that ends the command."""
+        verdict, capabilities = await self.reins.permit(Plan((step,)))
+        if verdict.decision is Decision.ALLOW and capabilities is not None:
+            return None
+        if verdict.rule.startswith(_OF_A_STEP):
+            return verdict.reason
+        self.verdict = verdict
+        raise Cut("cancelled" if verdict.rule.startswith("command.") else "refused")
 
     def left_s(self) -> float:
         moved_s = sum(r.duration_s for r in self.results)

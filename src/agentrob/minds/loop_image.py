@@ -14,9 +14,11 @@ def shrunk(jpeg: bytes, most_px: int = MOST_PX) -> bytes:
 
     try:
         with Image.open(io.BytesIO(jpeg)) as picture:
+            if max(picture.size) <= most_px and picture.format == "JPEG":
+                return jpeg
             picture.draft("RGB", (most_px, most_px))
             small = picture.convert("RGB")
-            small.thumbnail((most_px, most_px))
+            small.thumbnail((most_px, most_px), Image.Resampling.BILINEAR)
             out = io.BytesIO()
             small.save(out, "JPEG", quality=QUALITY)
             return out.getvalue()
