@@ -503,7 +503,7 @@ class Laws(RuleBasedStateMachine):
     def _waits(self, job: Job) -> bool:
         """Whether it can go no further without us."""
         if job.command.text in self.gates.mind.held:
-            return True
+            return job.ended is None  # nobody waits for what is thought about a command that was ended
         assert self.agent is not None
         if not job.moving:
             return self.agent.line.place(job) > 0 and job.ended is None

@@ -14,7 +14,7 @@ import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene
 
 from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
-from agentrob.model import Post
+from agentrob.model import AccountKind, Post, Role
 
 sys.path.append(str(Path(__file__).parents[1] / "minds"))
 from brain import FINE, Brain, move, running_brain
@@ -138,8 +138,7 @@ def answered(reply: dict[str, Any]) -> Callable[[Any], None]:
     return raw(200, json.dumps(reply))
 
 
-FAULTS: dict[str, tuple[Callable[[Any], None] | None, str]] = {
-    "connection refused": (None, "it cannot be reached"),
+FAULTS: dict[str, tuple[Callable[[Any], None], str]] = {
     "401": (raw(401), "its key was refused"),
     "429": (raw(429, retry_after="30"), "it takes no more questions for now"),
     "500": (raw(500), "its server failed"),
@@ -154,31 +153,33 @@ FAULTS: dict[str, tuple[Callable[[Any], None] | None, str]] = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-async def test_whatever_a_model_does_the_rules_read_and_the_reply_says_so(
-    scene: Scene, brain: Brain, fault: str
-) -> None:
-    answer, why = FAULTS[fault]
-    settings: dict[str, Any] = {"timeout_s": 0.5, "total_s": 1.5}
-    if answer is None:
-        settings["base_url"] = "http://127.0.0.1:9/v1"
-    else:
-        brain.reads = brain.screens = answer
-    async with scene.agent(mind=brain.mind(scene.folder, **settings)):
-        began = time.monotonic()
-        plain, free = await scene.post("alice", PLAIN), await scene.post("alice", FREE)
-        done, asked = await scene.final(plain), await scene.final(free)
-        took_s = time.monotonic() - began
+async def told_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
+    """What the thread is told of a plain and of a free post while the model fails."""
+    began = time.monotonic()
+    plain, free = await scene.post("alice", PLAIN), await scene.post("alice", FREE)
+    done, asked = await scene.final(plain), await scene.final(free)
     sentence = f"`clever` did not read this post ({why}); my rules did."
-    assert done.card.state == "done", done.raw
-    assert sentence in done.raw
-    assert f"No model has looked at this command ({why})" in done.raw
-    assert asked.card.state in ("asks_back", "refused"), asked.raw
-    assert sentence in asked.raw
+    assert done.card.state == "done", (fault, done.raw)
+    assert sentence in done.raw, fault
+    assert f"No model has looked at this command ({why})" in done.raw, fault
+    assert asked.card.state == "asks_back", (fault, asked.raw)
+    assert sentence in asked.raw, fault
     assert brain.questions("screen") == [], "who did not read is not asked again"
-    assert took_s < 15
+    assert time.monotonic() - began < 15, fault
     kept = record(scene, plain)
-    assert (kept["mind"], kept["fallback"]) == ("rules", kept["models"][-1]["failed"])
+    assert (kept["mind"], kept["fallback"]) == ("rules", kept["models"][-1]["failed"]), fault
+
+
+async def test_whatever_a_model_does_the_rules_read_and_the_reply_says_so(scene: Scene, brain: Brain) -> None:
+    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=0.5, total_s=1.5)):
+        for fault, (answer, why) in FAULTS.items():
+            brain.reads = brain.screens = answer
+            await told_after(scene, brain, fault, why)
+
+
+async def test_when_nothing_answers_there_the_rules_read_and_the_reply_says_so(scene: Scene, brain: Brain) -> None:
+    async with scene.agent(mind=brain.mind(scene.folder, base_url="http://127.0.0.1:9/v1")):
+        await told_after(scene, brain, "connection refused", "it cannot be reached")
 
 
 # ---------------------------------------------------------------------- stops
@@ -258,6 +259,22 @@ async def test_law_7_a_model_adds_a_refusal(scene: Scene, brain: Brain, text: st
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
 
 
+async def test_law_7_of_two_robots_in_a_post_a_model_sees_only_its_own_part_and_the_scene_of_the_owner(
+    driver: Driver, tmp_path: Path, brain: Brain
+) -> None:
+    scene = make_scene(driver, tmp_path, scene="A sleeping cat, 2 m ahead.")
+    scene.person("humanoid", Role.MEMBER, AccountKind.ROBOT_AGENT)
+    brain.reads = FREE_READ
+    async with scene.agent(mind=brain.mind(scene.folder)):
+        post = await scene.post("alice", f"@humanoid dance upon the table 3 times. {FREE}")
+        reply = await scene.final(post)
+    assert reply.card.state == "done", reply.raw
+    assert [kind for kind, _ in brain.asked] == ["read", "screen"]
+    assert not any("dance" in told or "humanoid" in told for _, told in brain.asked)
+    assert "A sleeping cat, 2 m ahead." in brain.questions("screen")[0]
+    assert "cat" not in brain.questions("read")[0]
+
+
 async def test_law_7_what_the_rules_refuse_no_model_is_asked_about(scene: Scene, brain: Brain) -> None:
     brain.reads = move("walk forward 50 m", 50)
     async with scene.agent(mind=brain.mind(scene.folder)):
@@ -318,8 +335,6 @@ async def test_a_model_words_what_was_done_beside_what_was_measured(
     ("says", "failed"),
     [
         ("I walked forward 5 m as you wished.", "unfounded"),
-        ("I walked forward and did a backflip.", "unfounded"),
-        (raw(500), "server"),
         (lambda handler: handler.hang(), "timeout"),
     ],
 )
@@ -328,13 +343,12 @@ async def test_law_18_a_model_that_lies_or_is_down_leaves_the_structured_report(
 ) -> None:
     scene = make_scene(driver, tmp_path, summary=True)
     brain.reads, brain.says = FREE_READ, says
-    async with scene.agent(mind=brain.mind(scene.folder, retries=0, timeout_s=1.0)):
+    async with scene.agent(mind=brain.mind(scene.folder, retries=0, timeout_s=0.7)):
         post = await scene.post("alice", FREE)
         reply = await scene.final(post)
     assert reply.card.state == "done"
     assert "In the words of" not in reply.raw
     assert "5 m" not in reply.raw
-    assert "backflip" not in reply.raw
     assert "| 1 | walk forward 1 m |" in reply.raw
     assert record(scene, post)["summary"]["failed"] == failed
 

@@ -69,7 +69,7 @@ async def test_laws_4_5_and_14_what_was_ended_stays_ended_after_a_restart(scene:
                 await scene.until(lambda: scene.replies(said))
             case "removed":
                 scene.world.remove(post.id)
-                await scene.until(lambda: next(iter(agent.line)).ended)
+                await scene.until(lambda: all(job.ended for job in agent.line))
     if what == "removed":
         scene.world.posts[post.id] = replace(scene.world.posts[post.id], removed=False)
     stood = await place(scene.driver)

@@ -130,6 +130,30 @@ async def test_a_wish_that_only_the_model_sees_in_talk_is_asked() -> None:
     assert understood.intent is Intent.ASK_BACK
 
 
+@pytest.mark.parametrize("wants", [command(forward(2, "m", "walk forward 2 m")), {"intent": "unclear"}])
+@pytest.mark.parametrize(
+    "text", ["@quadruped why did you walk forward 2 m?", "@quadruped what happens when you walk forward 2 m?"]
+)
+async def test_a_question_that_a_model_takes_for_a_wish_moves_nothing(wants: dict[str, Any], text: str) -> None:
+    by_rules = await RulesMind().understand(text, LISTENER)
+    understood = await ModelMind(Scripted(wants)).understand(text, LISTENER)
+    assert (by_rules.intent, understood.intent) == (Intent.QUESTION, Intent.ASK_BACK)
+
+
+async def test_never_mind_asks_no_model() -> None:
+    model = Scripted({"intent": "unclear"})
+    understood = await ModelMind(model).understand("@quadruped never mind", LISTENER)
+    assert (understood.intent, understood.cancels) == (Intent.CANCEL, True)
+    assert model.told == []
+
+
+async def test_what_is_taken_back_stays_so_where_the_rest_is_asked() -> None:
+    text = "@quadruped never mind, turn right 50 degrees"
+    assert (await RulesMind().understand(text, LISTENER)).cancels
+    understood = await ModelMind(Scripted(NOTHING)).understand(text, LISTENER)
+    assert (understood.intent, understood.cancels) == (Intent.ASK_BACK, True)
+
+
 async def test_it_asks_back_in_the_language_of_the_post() -> None:
     wants = command(forward(50, "m", "溜达五十厘米"))
     understood = await ModelMind(Scripted(wants)).understand("@quadruped 往前溜达五十厘米", LISTENER)

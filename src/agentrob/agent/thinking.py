@@ -112,12 +112,11 @@ class Thinking:
             screened = Screened(self.mind.name, failed=thought.fallback)
         elif self.model is not None:
             part = part_for(job.command.text, listener.names, listener.others)
-            screened = await job.unless_ended(
-                screen_by_model(
-                    self.model, part, plan, capabilities, language, history, spent=thought.usage,
-                    goal=in_words(thought.goal, "en") if thought.goal else "",
-                )
-            )  # fmt: skip
+            told = in_words(thought.goal, "en") if thought.goal else ""
+            looking = screen_by_model(
+                self.model, part, plan, capabilities, language, history, settings.scene, spent=thought.usage, goal=told
+            )
+            screened = await job.unless_ended(looking)
         usage = (*thought.usage, *(screened.usage if screened else ()))
         verdict = narrowed(verdict, screened, language, settings.screen == "required")
         return replace(thought, verdict=verdict, usage=usage, screened=screened)

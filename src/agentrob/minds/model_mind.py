@@ -1,6 +1,6 @@
 """The mind that asks a model, and believes only what the post itself says.
 
-    post ── rules ──► stop, help, status: done without a model
+    post ── rules ──► stop, help, status, "never mind": done without a model
          ── model ──► closed schema ── grounding ──► the post's own numbers ── cross-check with the rules ──► plan
                                           └─► asks back                             └─► asks back
 
@@ -33,7 +33,7 @@ from agentrob.model import Intent, Language, Plan, Primitive, Understanding
 #: A post is read within this time, by all models of a chain together; then the rules answer.
 LIMIT_S = 50.0
 #: What the rules settle alone, at once and without cost.
-_SETTLED = (Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS)
+_SETTLED = (Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS, Intent.CANCEL)
 
 
 class ModelMind:
@@ -80,7 +80,14 @@ class ModelMind:
 
 
 def weigh(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan] = ()) -> Understanding:
-    """What a model says the post wants, against the post itself and against the rules. Pure."""
+    """What a model says the post wants, against the post itself and against the rules. Pure.
+
+    What the rules see taken back ("never mind, …") stays taken back, whatever becomes of the rest.
+    """
+    return replace(_weighed(wants, by_rules, part, history), cancels=by_rules.cancels)
+
+
+def _weighed(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan]) -> Understanding:
     language = by_rules.language
     parsed = by_rules.plan.steps if by_rules.intent is Intent.COMMAND else ()
     if wants.intent != "command" or not wants.steps:
@@ -95,7 +102,7 @@ def weigh(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Pl
         return _compare(found, wants, by_rules)
     if isinstance(found, Ungrounded):
         return _ask(language, say(found.lack, language), _shown(wants, language))
-    if by_rules.intent is Intent.NOTHING:  # the rules know every word of it, and none is a wish
+    if by_rules.intent is not Intent.ASK_BACK:  # the rules know every word of it, and none is a wish
         return _ask(language, say("not_a_command", language, steps=sentence(found.plan, language)))
     return Understanding(Intent.COMMAND, language, _noted(found, language))
 
