@@ -190,6 +190,23 @@ async def test_law_14_a_stop_post_ends_a_thought(looking: Scene, brain: Driving)
     assert len(brain.loops) == 2
 
 
+async def test_law_14_a_stop_post_ends_a_walk_that_a_model_called(looking: Scene, brain: Driving) -> None:
+    brain.drives = [("act_move", {"direction": "forward", "distance_m": 4, "speed_mps": 0.1}), DONE]
+    async with looking.agent(mind=brain.mind(looking.folder)), looking.driver.client() as client:
+        post = await looking.post("alice", GOAL)
+        async with asyncio.timeout(10):
+            while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.05:  # noqa: ASYNC110 (another process)
+                await asyncio.sleep(0.01)
+        await looking.post("bob", "stop", topic=post.topic_id)
+        reply = await looking.final(post)
+    assert reply.card is not None
+    assert reply.card.state == "stopped"
+    walked = record(looking, post)["steps"][1]
+    assert (walked["op"], walked["outcome"]) == ("move", "stopped")
+    assert walked["measured"]["distance_m"] < 3.5
+    assert len(brain.loops) == 1
+
+
 async def test_law_4_a_post_that_is_edited_while_a_model_thinks_moves_nothing_more(
     looking: Scene, brain: Driving
 ) -> None:

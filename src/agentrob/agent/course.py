@@ -350,7 +350,7 @@ class Course:
         model = self.thinking.model
         if not self.settings.summary or model is None or report.status != "done":
             return None
-        spent = job.thought.usage if job.thought else ()
+        spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
         return await summarise(model, report.results, report.command.language, spent)
 
 
