@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from look_scene import BALL, COMMAND, MOST, Call, LocalDriver, Script, errand, reins
 
+from agentrob.agent import look_words
 from agentrob.agent.execute import Execution
 from agentrob.agent.look import look
 from agentrob.config import RobotConfig
@@ -21,6 +23,8 @@ from agentrob.errors import LeaseLost
 from agentrob.judge.mandate import ROUNDING
 from agentrob.minds.chat import Returned, Said
 from agentrob.minds.faults import MindFault
+from agentrob.minds.loop_goal import goal_of
+from agentrob.minds.mind import Listener
 from agentrob.model import (
     Aim,
     Capabilities,
@@ -336,3 +340,10 @@ async def test_only_the_newest_pictures_are_sent_again(guard: Guard) -> None:
     _, _, model = await run(guard, [WALK], [WALK], [WALK], [DONE])
     pictures = [[bool(m.images) for m in asked if isinstance(m, Said | Returned)] for asked in model.asked]
     assert pictures == [[True], [True, True], [False, True, True], [False, False, True, True]]
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_the_example_that_it_gives_is_one_that_it_understands(language: str) -> None:
+    (example,) = re.findall(r"`([^`]+)`", look_words.say("ask", language))
+    listener = Listener(("quadruped",), (), Capabilities("go2", frozenset(Op)))
+    assert goal_of(f"@quadruped {example}", listener, language) == BALL

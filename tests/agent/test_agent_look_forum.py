@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -64,7 +65,7 @@ async def test_law_18_the_report_has_what_was_measured_and_the_model_s_words_as_
     assert reply.card is not None
     assert reply.card.state == "done", reply.raw
     assert "**Finished:** go to the red ball, then say what is beside the red ball." in reply.raw
-    assert "in 1 walks" in reply.raw
+    assert re.search(r"Measured in all: (0\.9|1\.0)\d m walked, 1\d° turned\. Pictures: 2\.", reply.raw)
     assert "The model `clever` says that it saw `a blue box`." in reply.raw
     assert "Nobody has checked that." in reply.raw
     assert "3 questions" in reply.raw or "4 questions" in reply.raw

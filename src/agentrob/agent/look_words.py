@@ -18,10 +18,9 @@ from agentrob.model import ActionResult, Language, Op, Outcome
 MOST_REFUSED = 3
 _SENTENCES = {
     "measured": (
-        "Measured: {metres:.2f} m walked in {walks} walks, {degrees:.0f}° turned in {turns} turns; "
-        "{pictures} pictures, {calls} calls by the model.",
-        "实测：{walks} 次行走共 {metres:.2f} 米，{turns} 次转动共 {degrees:.0f}°；"
-        "{pictures} 张图片，模型调用 {calls} 次。",
+        "Measured in all: {metres:.2f} m walked, {degrees:.0f}° turned. Pictures: {pictures}. "
+        "Calls by the model: {calls}.",
+        "实测合计：行走 {metres:.2f} 米，转动 {degrees:.0f}°。图片 {pictures} 张，模型调用 {calls} 次。",
     ),
     "saw": ("The model {mind} says that it saw {saw}.", "模型 {mind} 说看到了 {saw}。"),
     "did": ("The model {mind} says of what it did: {did}.", "模型 {mind} 说它做了：{did}。"),
@@ -55,10 +54,9 @@ def paragraphs(looked: Looked | None, results: Sequence[ActionResult], language:
     if looked is None:
         return []
     done = [r for r in results if r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED)]
-    count = {op: sum(r.primitive.op is op for r in done) for op in (Op.MOVE, Op.TURN, Op.GET_FRONT_IMAGE)}
     measured = say(
-        "measured", language, metres=walked_m(done), walks=count[Op.MOVE], degrees=turned_deg(done),
-        turns=count[Op.TURN], pictures=count[Op.GET_FRONT_IMAGE], calls=len(looked.turns),
+        "measured", language, metres=walked_m(done), degrees=turned_deg(done),
+        pictures=sum(r.primitive.op is Op.GET_FRONT_IMAGE for r in done), calls=len(looked.turns),
     )  # fmt: skip
     return [measured, *_claims(looked, language), *_refused(looked.turns, language)]
 
@@ -97,4 +95,6 @@ def _refused(turns: Sequence[Turn], language: Language) -> list[str]:
 
 
 def _call(turn: Turn) -> str:
+    if list(turn.arguments) == ["raw"]:
+        return f"{turn.tool} {turn.arguments['raw']}"
     return f"{turn.tool} {json.dumps(turn.arguments, ensure_ascii=False)}"
