@@ -17,7 +17,8 @@ demo: setup
 test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
-	$(BIN)/pytest -m "not slow" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -m "not slow and (sim or browser)" $(ARGS)
 
 test-slow: setup-dev
 	@scripts/system-packages render browser

@@ -46,14 +46,16 @@ from unittest import mock
 import httpx2
 
 from agentrob import app
-from agentrob.demo import FINAL, ROBOT, VISITOR, Demo, DemoSettings, sigterm_interrupts
+from agentrob.demo import VISITOR, Demo, DemoSettings, sigterm_interrupts
 from agentrob.forums.forum import Forum
 from agentrob.model import AccountKind, Post, Role
 from agentrob.sim.services import Node  # before any type of the SDK
+from agentrob.visit import FINAL
 
 # isort: split
 from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_
 
+ROBOT = "quadruped"
 CONDITIONS = ("quiet", "flood", "camera", "disk", "frozen")
 #: What p99 must not exceed: a stop post, and an agent that is gone (the lease of 1 s, and half a second to notice).
 LIMIT_MS = {"frozen": 1500.0}
@@ -171,7 +173,7 @@ class Scene:
         self.demo, self.forum = demo, forum
         self.domain = app.load(demo.data / "agentrob.toml").robot(ROBOT).domain
         self.wire = Wire(self.domain)
-        self.agent = next(child for child in demo.children if child.name == "agent").process
+        self.agent = next(child for child in demo.children if child.name == f"agent-{ROBOT}").process
         self._posts = 0
         self.late = 0  # stops that came only after what they should have come before
         self.unwritten = 0  # stops that the journal could not keep

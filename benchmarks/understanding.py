@@ -25,7 +25,7 @@ from agentrob.language.visible import visible_text
 from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Op, Role, Understanding
 
 Row = dict[str, Any]
-OPS = frozenset(Op)
+OPS = frozenset(Op) - {Op.SHAKE}  # "shake hands" is a hello then, as of a Go2
 #: Generous limits: what is measured is understanding and the words of harm, not how far a robot may walk.
 CAPABILITIES = Capabilities("any", OPS, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
 OPERATOR = Account("1", "operator", role=Role.OPERATOR)

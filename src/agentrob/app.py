@@ -285,30 +285,9 @@ def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
 
 def try_mind(config: Config, name: str, text: str, model: str) -> list[str]:
     """What a mind makes of a text and what that took, as lines for people. Nothing moves."""
-    from agentrob.language.render import sentence
-    from agentrob.language.visible import mentions, visible_text
-    from agentrob.minds.mind import Listener, LivingMind, Reading, read
+    from agentrob.minds.trial import trial
 
-    visible = visible_text(text)
-    called = (*mentions(visible), model)[0]
-    if called not in mentions(visible):
-        visible = f"@{called} {visible}"
-
-    async def ask() -> Reading:
-        mind = make_mind(name, config)
-        try:
-            return await read(mind, visible, Listener((called,), (), capabilities_of(model)))
-        finally:
-            if isinstance(mind, LivingMind):
-                await mind.close()
-
-    reading = asyncio.run(ask())
-    found = reading.understanding
-    lines = [f"{found.intent}: {sentence(found.plan, found.language)}".rstrip(": ")]
-    lines += [f"  note: {note}" for note in found.plan.notes]
-    lines += [f"  it would answer: {found.question}"] if found.question else []
-    lines += [f"  read by {reading.mind}" + (f" (instead of {name}: {reading.fallback})" if reading.fallback else "")]
-    return [*lines, *(f"  {usage.line()}" for usage in reading.usage)]
+    return asyncio.run(trial(make_mind(name, config), name, text, model, capabilities_of(model)))
 
 
 def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:

@@ -14,8 +14,8 @@ from agentrob.language.visible import visible_text
 from agentrob.minds.mind import Listener, Mind
 from agentrob.model import Capabilities, Limits, Op, Understanding
 
-#: A robot that can do all and is bound by nothing: what is measured is understanding.
-UNBOUND = Capabilities("any", frozenset(Op), Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
+#: A robot that is bound by nothing: what is measured is understanding. It offers its paw as its hello, as a Go2 does.
+UNBOUND = Capabilities("any", frozenset(Op) - {Op.SHAKE}, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
 
 
 def plans(path: Path, mind: str = "rules") -> Score:

@@ -33,11 +33,15 @@ asyncio.run(main())
 """
 
 
+_running: list[subprocess.Popen[str]] = []
+
+
 def start_agent(driver: Driver, folder: Path, board: RunningBoard) -> subprocess.Popen[str]:
-    """Started and listening; the caller ends it."""
+    """Started and listening; ended with its test, if that does not end it."""
     settings = driver.settings.model_dump_json()
     arguments = [ROBOT, settings, str(driver.socket), str(folder), board.url, board.tokens[ROBOT]]
     process = subprocess.Popen([sys.executable, "-c", _AGENT, *arguments], stdout=subprocess.PIPE, text=True)
+    _running.append(process)
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     return process
@@ -48,6 +52,13 @@ def end_agent(process: subprocess.Popen[str]) -> None:
     process.wait()
     assert process.stdout is not None
     process.stdout.close()
+    _running.remove(process)
+
+
+def end_agents() -> None:
+    """All that are left."""
+    for process in list(_running):
+        end_agent(process)
 
 
 class Poster:

@@ -30,10 +30,9 @@ FINAL = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "ca
 def robot_settings(**more: Any) -> RobotConfig:
     """A fake robot in a large room, ten times as fast as life."""
     options = {"time_scale": 10, "room": [-1000, 1000, -1000, 1000], **more.pop("options", {})}
-    domain = 1 + os.getpid() % 230  # other tests on this host may run drivers of the same name
     common = {
         "model": "fake",
-        "domain": domain,
+        "domain": int(os.environ["AGENTROB_TEST_DOMAIN"]),  # others on this host may drive one of the same name
         "simulated": True,
         "home_on_start": True,
         "fence": WIDE,

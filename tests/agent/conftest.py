@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from agent_process import end_agents
 from agent_scene import Driver, Scene, make_scene, robot_settings
 
 
@@ -20,3 +21,10 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 @pytest.fixture
 def scene(driver: Driver, tmp_path: Path) -> Scene:
     return make_scene(driver, tmp_path)
+
+
+@pytest.fixture(autouse=True)
+def no_agent_is_left() -> Iterator[None]:
+    """Not even by a test that failed."""
+    yield
+    end_agents()

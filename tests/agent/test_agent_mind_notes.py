@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import asyncio
+from datetime import UTC, datetime
 from typing import get_args
 
 import pytest
+from pydantic import TypeAdapter
 
 from agentrob.agent.extract import FAILED, OVER, Thought
+from agentrob.agent.line import Job
 from agentrob.agent.mind_notes import notes, usage_line
 from agentrob.agent.sentences import known
 from agentrob.minds.faults import Kind
 from agentrob.minds.screening import Screened
 from agentrob.minds.usage import Usage
-from agentrob.model import Intent, Understanding
+from agentrob.model import Account, Command, Intent, Understanding
 
+COMMAND = Command("1", "1", "", Account("1", "alice"), "quadruped", "walk", "en", datetime.now(UTC), "t")
 READ = Understanding(Intent.COMMAND)
 ONE = Usage("clever", "gpt-x", 812, 40, 852, 0.0031, "USD", 640.0)
 LOST = Usage("clever", "gpt-x", latency_ms=25_000.0, attempts=3, failed="timeout")
@@ -60,3 +65,34 @@ def test_who_answered_instead_and_who_did_not_look_are_told_in_one_paragraph() -
 def test_law_3_a_name_that_a_server_gives_is_shown_as_code() -> None:
     line = usage_line([Usage("clever", "`@bob` <img> [x](http://evil.example)", 1, 1)], "en")
     assert "`'(at)bob' <img> [x](http://evil.example)`" in line
+
+
+async def test_law_14_nobody_thinks_about_what_is_ended_and_nobody_waits_for_who_does() -> None:
+    job, begun = Job(COMMAND), asyncio.Event()
+
+    async def think() -> str:
+        begun.set()
+        await asyncio.Event().wait()
+        return "a thought"
+
+    thinking = asyncio.create_task(job.unless_ended(think()))
+    await asyncio.wait_for(begun.wait(), 5)
+    assert not thinking.done()
+    job.end("stop")
+    assert await asyncio.wait_for(thinking, 5) is None
+    begun.clear()
+    assert await job.unless_ended(think()) is None
+    assert not begun.is_set()
+
+
+async def test_what_is_thought_in_time_counts() -> None:
+    job = Job(COMMAND)
+    assert await job.unless_ended(asyncio.sleep(0, "a thought")) == "a thought"
+
+
+def test_a_thought_of_an_older_journal_is_still_read() -> None:
+    older = '{"understanding": {"intent": "command", "language": "zh"}, "mind": "rules", "verdict": null}'
+    thought = TypeAdapter(Thought).validate_json(older)
+    assert (thought.mind, thought.usage, thought.fallback, thought.screened) == ("rules", (), "", None)
+    full = Thought(READ, "rules", usage=(ONE,), fallback="timeout", screened=Screened("clever", failed="timeout"))
+    assert TypeAdapter(Thought).validate_json(TypeAdapter(Thought).dump_json(full)) == full

@@ -19,7 +19,7 @@ from agentrob.child import Child, end_all
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 LIMIT_S = 30.0
-DOMAIN = 1 + os.getpid() % 230
+DOMAIN = int(os.environ["AGENTROB_TEST_DOMAIN"])
 CONFIG = """
 data = "{data}"
 [board]

@@ -22,10 +22,11 @@ from typer.testing import CliRunner
 from agentrob import hostlock
 from agentrob.child import Child, end_all
 from agentrob.cli import cli
-from agentrob.demo import ROBOT, Demo, DemoSettings
+from agentrob.demo import Demo, DemoSettings
 from agentrob.robots.client import DriverClient
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
+ROBOT = "quadruped"
 LIMIT_S = 30.0
 STOPPED = r"zero velocity commanded after \d+ ms; stands still"
 CONFIG = """
@@ -84,7 +85,8 @@ def said(process: subprocess.Popen[str]) -> tuple[str, str, int]:
 @pytest.fixture
 def field(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
     names = f"a{uuid4().hex[:6]}", f"b{uuid4().hex[:6]}"
-    runtime, domain, config = tmp_path_factory.mktemp("r"), 1 + os.getpid() % 230, tmp_path / "agentrob.toml"
+    runtime, config = tmp_path_factory.mktemp("r"), tmp_path / "agentrob.toml"
+    domain = int(os.environ["AGENTROB_TEST_DOMAIN"])
 
     def write(port: int) -> None:
         robots = "".join(ROBOT_CONFIG.format(name=name, domain=domain) for name in names)
@@ -233,8 +235,8 @@ def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(tmp_path: P
         demo.start()
         assert demo.runtime is not None
         child = {child.name: child for child in demo.children}
-        kill(child["agent"], child["board"])
-        config, driver = str(demo.data / "agentrob.toml"), child["driver"]
+        kill(child[f"agent-{ROBOT}"], child["board"])
+        config, driver = str(demo.data / "agentrob.toml"), child[f"driver-{ROBOT}"]
         drive = shell(tmp_path, demo.runtime, "drive", ROBOT, "walk forward 2 metres", "--config", config)
         until_it_walks(client_of(ROBOT, driver))
         aim = [ROBOT] if how == "name" else ["--all"]

@@ -19,7 +19,7 @@ from typing import Any
 import httpx2
 from kill_process import AGENTROB, HERE, Mortal, environment, wait_for
 
-from agentrob import app, demo
+from agentrob import app, demo, visit
 from agentrob.config import BoardConfig, Config, FenceConfig, ForumConfig, RatesConfig, RobotConfig
 from agentrob.model import AccountKind, Role
 
@@ -228,7 +228,7 @@ class House:
         """The final reply, once it is there, the agent has closed its journal over it, and the robot stands."""
 
         def told() -> list[dict[str, Any]]:
-            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in demo.FINAL]
+            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in visit.FINAL]
 
         wait_for(f"a final reply to {asked.text!r}", told, END_S)
         wait_for("the journal is closed over the command", lambda: self.journal(asked), 15.0)

@@ -15,7 +15,7 @@ class WorldHouse(House):
     """`born` is how long the ledger was when the world of now was started."""
 
     def __init__(self, folder: Path) -> None:
-        self.domain = demo.free_domain()
+        self.domain = demo.free_domains(1)[0]
         self.born = 0
         super().__init__(folder)
         self.running["world"] = self.world

@@ -88,7 +88,9 @@ COMMANDS = [
     ("thank you, Henry. Turn left", "l90"),
     ("i think we should take a picture first", "photo"),
     ("would you mind waving?", "hello"),
-    ("shake hands", "hello"),
+    ("shake hands", "shake"),
+    ("clap your hands, then shake my hand", "clap shake"),
+    ("鼓掌，握个手", "clap shake"),
     ("wave to the class and turn left 90 degrees", "hello l90"),
     ("greet the visitors", "hello"),
     ("wave goodbye", "hello"),
@@ -264,6 +266,20 @@ def test_a_robot_is_called_by_its_name_without_an_at_too() -> None:
 def test_places_are_recognised_as_what_needs_eyes() -> None:
     assert "`go to the kitchen`: that needs eyes" in read("please go to the kitchen").question
     assert "不认得地点" in read("去厨房").question
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        ("shake hands", "`shake hands`: the nearest that I can do is to wave."),
+        ("握手", "`握手`：我会的里面最接近的是打个招呼。"),
+    ],
+)
+def test_a_gesture_that_a_robot_lacks_is_the_nearest_that_it_has_and_says_so(text: str, note: str) -> None:
+    plan = parse(text, ["quadruped"], [], frozenset({Op.MOVE, Op.HELLO})).plan
+    assert plan == Plan((Primitive(Op.HELLO),), (note,))
+    assert parse(text, ["quadruped"], [], frozenset({Op.SHAKE, Op.HELLO})).plan == Plan((Primitive(Op.SHAKE),))
+    assert parse(text, ["quadruped"], [], frozenset({Op.MOVE})).plan == Plan((Primitive(Op.SHAKE),))
 
 
 def test_words_are_repeated_shortly_and_disarmed() -> None:

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, cast
 
-#: The key that models are given here.
 KEY = "sk-test-0123456789-secret"
 
 

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 from faulty_server import FaultyServer, called, said
 
-from agentrob.config import MindConfig
+from agentrob import app
+from agentrob.config import MindConfig, parse
+from agentrob.errors import ConfigError
 from agentrob.minds.chain import ChatChain, configured_chain
 from agentrob.minds.configured import ConfiguredModel
 from agentrob.minds.faults import MindFault
@@ -101,3 +103,21 @@ async def test_a_chain_is_made_of_the_configuration(tmp_path: Path) -> None:
     with pytest.raises(MindFault) as caught:
         await configured_chain("one", minds, tmp_path / "x.sqlite").chat("", "Hello")
     assert [(u.mind, u.failed) for u in caught.value.usage] == [("one", "unreachable"), ("two", "unreachable")]
+
+
+async def test_a_mind_of_the_configuration_reads_at_the_shell_too(
+    server: FaultyServer, tmp_path: Path, key: str
+) -> None:
+    step = {"action": "move", "direction": "forward", "amount": 1, "unit": "m", "words": "stroll ahead 1 m"}
+    wants = {"intent": "command", "steps": [step]}
+    server.answer = lambda handler, _: handler.send(200, json.dumps(called("answer", wants)).encode())
+    clever = {"provider": "compatible", "model": "m", "base_url": server.url, "key_env": "TEST_KEY"}
+    config = parse({"data": str(tmp_path), "minds": {"clever": clever}})
+    understood = await app.understand("kindly stroll ahead 1 m", "go2", LISTENER.capabilities, "clever", config)
+    assert understood.plan.steps == (Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),)
+
+
+def test_a_robot_whose_commands_must_be_looked_at_needs_a_model() -> None:
+    with pytest.raises(ConfigError, match="needs a mind that is a model"):
+        parse({"robots": {"quadruped": {"screen": "required"}}})
+    assert parse({"robots": {"quadruped": {"screen": "required", "mind": "clever"}}})

@@ -98,14 +98,28 @@ async def test_what_is_wrong_is_said(server: FaultyServer, tmp_path: Path, key: 
 def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) -> None:
     step = {"action": "move", "direction": "forward", "amount": 2, "unit": "m", "words": "meander forward 2 m"}
     answer = {"name": "answer", "arguments": {"intent": "command", "steps": [step]}}
-    running = double([{"match": {"userMessage": "meander"}, "response": {"toolCalls": [answer]}}])
+    looked = {"name": "answer", "arguments": {"decision": "refuse", "harm": "people", "words": "the baby"}}
+    fine = {"name": "answer", "arguments": {"decision": "fine"}}
+    running = double(
+        [
+            {"match": {"systemMessage": "Looking at", "userMessage": "baby"}, "response": {"toolCalls": [looked]}},
+            {"match": {"systemMessage": "Looking at"}, "response": {"toolCalls": [fine]}},
+            {"match": {"userMessage": "meander"}, "response": {"toolCalls": [answer]}},
+        ]
+    )
     good = f'[minds.good]\nprovider = "openai"\nmodel = "m"\nbase_url = "{running.url}/v1"\nkey_env = "TEST_KEY"\n'
     (tmp_path / "agentrob.toml").write_text(good)
     tried = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m")
     assert tried.returncode == 0, tried.stderr
-    assert tried.stdout.startswith("command: walk forward 2 m\n  read by good\n  good (m): ")
+    begin = "command: walk forward 2 m\n  read by good\n  the rules have nothing against it; good neither\n  good (m): "
+    assert tried.stdout.startswith(begin)
+    against = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m, the baby is there")
+    refused = "\n  refuse: A model that looks at commands is against it, for the words `the baby`: somebody may be hurt"
+    assert refused in against.stdout
+    assert "(model.people)" in against.stdout
     failed = run_mind(tmp_path, "try", "good", "walk forward 1 m", TEST_KEY="")
     assert "command: walk forward 1 m\n  read by rules (instead of good: no_key)\n" in failed.stdout
+    assert "  the rules have nothing against it\n" in failed.stdout
 
 
 def run_check(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:

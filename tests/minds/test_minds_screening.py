@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agentrob.language.languages import known
+from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.prompt import system_prompt
 from agentrob.minds.screening import Judgement, Screened, harms, narrowed, refusal_of, screen_by_model
 from agentrob.model import Capabilities, Decision, Direction, Op, Plan, Primitive, Verdict

@@ -11,6 +11,7 @@ from brain import Brain, running_brain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.summary import MOST_CHARS, summarise, unfounded
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
 

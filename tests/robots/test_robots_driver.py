@@ -407,5 +407,5 @@ def test_an_unknown_model_or_option_says_what_would_be_valid(drivers: Drivers) -
         thread.start()
     for thread in threads:
         thread.join()
-    assert "there are: fake, go2" in results["model"]
+    assert "there are: fake, g1, go2" in results["model"]
     assert "valid: faults, obstacles, room, time_scale" in results["option"]

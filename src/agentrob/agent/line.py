@@ -58,6 +58,9 @@ class Job:
 
     async def unless_ended(self, work: Coroutine[Any, Any, T]) -> T | None:
         """What `work` gives; None, and `work` is cancelled, when the command is ended before (law 14)."""
+        if self.ended is not None:
+            work.close()
+            return None
         doing, ended = asyncio.ensure_future(work), asyncio.ensure_future(self._until_ended())
         try:
             await asyncio.wait({doing, ended}, return_when=asyncio.FIRST_COMPLETED)

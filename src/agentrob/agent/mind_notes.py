@@ -49,7 +49,7 @@ def usage_line(usage: Sequence[Usage], language: Language) -> str:
     groups: dict[tuple[str, str], list[Usage]] = {}
     for one in usage:
         groups.setdefault((one.mind, one.model), []).append(one)
-    return "; ".join(_taken(ones, language) for ones in groups.values())
+    return ("；" if language == "zh" else "; ").join(_taken(ones, language) for ones in groups.values())
 
 
 def _taken(ones: Sequence[Usage], language: Language) -> str:

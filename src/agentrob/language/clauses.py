@@ -91,7 +91,9 @@ class _Reader(Marks):
             self._amount(token)
         elif kind is Kind.OP:
             self._another()
-            self._new(token, Kind.OP).op = Op(str(token.value))
+            draft = self._new(token, Kind.OP)
+            draft.op, *others = map(Op, str(token.value).split("/"))
+            draft.or_else = tuple(others)
         elif kind is Kind.BEYOND:
             self._beyond(token)
         elif kind is Kind.AGAIN:

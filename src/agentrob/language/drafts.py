@@ -19,6 +19,7 @@ class Draft:
     end: int
     verb: Kind | None = None
     op: Op | None = None
+    or_else: tuple[Op, ...] = ()  # what a robot that lacks this gesture does instead
     direction: Direction | None = None
     amount: Token | None = None
     speed_mps: float | None = None

@@ -53,7 +53,7 @@ def parse(
     if len(part) > MAX_CHARS:
         return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
     sentences, mistyped = _sentences(part, names, language)
-    reading = read(sentences, part, language, background)
+    reading = read(sentences, part, language, ops, background)
     if reading.problem:
         return _without_command(sentences, language) or _ask(reading, ops, language, background.can)
     if reading.steps:

@@ -24,7 +24,7 @@ class Kind(StrEnum):
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
-    OP = "op"  # a whole gesture or picture: "wave"
+    OP = "op"  # a whole gesture or picture: "wave"; value "shake/hello": this, or for who lacks it that
     BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), wait
     AGAIN = "again"  # what was done before, once more; value "back": the way back
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back

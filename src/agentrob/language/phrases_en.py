@@ -61,6 +61,7 @@ PHRASES = {
     "ask.shared": "Please say once for each of us what to do.",
     # ---------------------------------------------------------------- assumptions that the reply states
     "note.turn_90": "{words} had no angle: taken as 90°.",
+    "note.instead": "{words}: the nearest that I can do is to {step}.",
     "note.own_speed": "I walk at my own speed; say one in m/s if you want another.",
     "note.duration": "{words} is taken as {metres} m at {by} m/s.",
     "note.steps": "{words} is taken as {metres} m, with {by} m a step.",

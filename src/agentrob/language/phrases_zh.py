@@ -55,6 +55,7 @@ PHRASES = {
     "ask.shared": "请分别告诉我们每一个要做什么。",
     # ---------------------------------------------------------------- assumptions that the reply states
     "note.turn_90": "{words}没有说角度：按90°处理。",
+    "note.instead": "{words}：我会的里面最接近的是{step}。",
     "note.own_speed": "我按自己的速度走；要别的速度请用米每秒来说。",
     "note.duration": "{words}按{by}米每秒算，即{metres}米。",
     "note.steps": "{words}按每步{by}米算，即{metres}米。",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 #: What such slips would make of them, and what people may mean by them.
-_WORDS = frozenset("ever mere mete ford feat riot rotes step steps taps trod".split())  # noqa: SIM905
+_WORDS = frozenset("ever mere mete ford feat riot rotes sake step steps taps trod".split())  # noqa: SIM905
 _SHORTEST, _SHORTEST_WITH_GAP = 4, 5
 
 

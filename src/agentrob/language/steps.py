@@ -13,6 +13,7 @@ from agentrob.language.again import MAX_STEPS, SLOW_MPS, Background, Unclear, on
 from agentrob.language.drafts import Draft, Sentence
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
+from agentrob.language.render import step_sentence
 from agentrob.language.repairs import corrected, settled
 from agentrob.model import Direction, Language, Op, Primitive
 
@@ -40,9 +41,11 @@ class Reading:
             self.notes.append(note)
 
 
-def read(sentences: Sequence[Sentence], text: str, language: Language, background: Background) -> Reading:
-    """Turn the drafts of a whole post into steps."""
-    return _Maker(text, language, background).read(sentences)
+def read(
+    sentences: Sequence[Sentence], text: str, language: Language, ops: frozenset[Op], background: Background
+) -> Reading:
+    """Turn the drafts of a whole post into steps; `ops` are those of the robot."""
+    return _Maker(text, language, ops, background).read(sentences)
 
 
 def _is_question(sentence: Sentence) -> bool:
@@ -74,9 +77,10 @@ _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 class _Maker:
     """Makes steps of drafts, one after the other."""
 
-    def __init__(self, text: str, language: Language, background: Background) -> None:
+    def __init__(self, text: str, language: Language, ops: frozenset[Op], background: Background) -> None:
         self.text = text
         self.language = language
+        self.ops = ops
         self.background = background
         self.reading = Reading([], [])
 
@@ -154,7 +158,7 @@ class _Maker:
     def _one(self, draft: Draft, said: str) -> None:
         reading = self.reading
         step: Primitive | None
-        step, problem = (Primitive(draft.op), "") if draft.op else self._motion(draft, said)
+        step, problem = (self._gesture(draft.op, draft, said), "") if draft.op else self._motion(draft, said)
         if draft.bare_picture:
             step, problem = _PICTURE, ""
         if step is None:
@@ -168,6 +172,16 @@ class _Maker:
             pass  # "take a picture, take a picture": said twice, meant once
         elif len(reading.steps) <= MAX_STEPS:
             reading.steps += [step] * draft.times
+
+    def _gesture(self, op: Op, draft: Draft, said: str) -> Primitive:
+        """ "Shake hands": what was asked for, or what this robot has in its place."""
+        if op in self.ops or not (others := [other for other in draft.or_else if other in self.ops]):
+            return Primitive(op)
+        step = Primitive(others[0])
+        self.reading.note(
+            say("note.instead", self.language, words=quote(said), step=step_sentence(step, self.language))
+        )
+        return step
 
     # -------------------------------------------------------------- walks and turns
     def _motion(self, draft: Draft, said: str) -> tuple[Primitive | None, str]:

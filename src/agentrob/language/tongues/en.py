@@ -49,8 +49,8 @@ TABLE = {
     "move dir=forward": "move up|go up|come up|walk up|move down|go down|come down|walk down|move along|walk along",
     "along": "down|up|along",
     # ---------------------------------------------------------------- deeds
-    "op=hello": """shake hands|shake my hand|give me your paw|give paw|give me a paw|shake paws|shake paw|high five
-        |give me five|wave|wave hello|say hello|say hi|wave at me|wave to me|wave your paw|wave your hand|wave at us
+    "op=hello": """high five|give me five|give me a high five|wave|wave hello|say hello
+        |say hi|wave at me|wave to me|wave your paw|wave your hand|wave at us
         |wave at everyone|wave to everyone|give a wave|greet me|greet us|greet everyone|do a wave
         |say hello to everyone|wave to everybody|do the hello gesture|wave goodbye|say goodbye|wave bye|wave hi
         |give us a wave|give me a wave|give everyone a wave""",
@@ -60,6 +60,11 @@ TABLE = {
         |give me a heart|do a heart for me|make a heart|show a heart|heart gesture|finger heart|draw a heart
         |do a heart|make a heart shape|make a heart sign|make the heart|do the heart|do the heart gesture
         |do a heart gesture|show me a heart|show heart""",
+    "op=clap": """clap|clap your hands|clap hands|clap for me|clap for us|applaud|give a clap|give us a clap
+        |give me a clap|give applause|do a clap|clap along|give a round of applause|a round of applause""",
+    "op=shake/hello": """shake hands|shake hands with me|shake my hand|shake hand|shake a hand|give a handshake
+        |do a handshake|give me a handshake|handshake|offer your hand|give me your hand|shake|shake paws|shake paw
+        |give me your paw|give paw|give me a paw|offer your paw""",
     "op=backflip": """backflip|back flip|do a backflip|do a back flip|flip|do a flip|make a backflip|make a flip
         |somersault|do a somersault|perform a backflip""",
     "op=sit": "sit|sit down|take a seat|have a seat",
