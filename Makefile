@@ -21,8 +21,9 @@ test: setup-dev
 	$(BIN)/pytest -m "not slow and (sim or browser)" $(ARGS)
 
 test-slow: setup-dev
-	@scripts/system-packages render browser
+	@scripts/system-packages render browser peers
 	@scripts/model-double
+	@scripts/peers
 	$(BIN)/pytest -m slow $(ARGS)
 
 test-all: test test-slow

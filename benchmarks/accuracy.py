@@ -23,6 +23,7 @@ from agentrob.robots.motion import RATE_HZ, Gait, Velocity, wrap
 from agentrob.robots.walk import TOLERANCE_DEG, TOLERANCE_M, axis, walk
 from agentrob.sim.g1 import G1
 from agentrob.sim.go2 import Go2
+from agentrob.sim.scene import OPEN_FLOOR
 from agentrob.sim.sensors import Odometry
 from agentrob.sim.world import PERIOD_S, World
 
@@ -51,7 +52,7 @@ class SimulatedBody:
 
     def __init__(self, kind: str, seed: int, lag_s: float) -> None:
         self.body = GAITS[kind][0]()
-        self.world = World([self.body], things=())
+        self.world = World([self.body], OPEN_FLOOR)
         self._rng = np.random.default_rng(seed)
         self._lag = round(lag_s / PERIOD_S)
 

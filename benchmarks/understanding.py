@@ -30,6 +30,7 @@ OPS = frozenset(Op) - {Op.SHAKE}  # "shake hands" is a hello then, as of a Go2
 CAPABILITIES = Capabilities("any", OPS, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
 OPERATOR = Account("1", "operator", role=Role.OPERATOR)
 OWN_ROWS = Path(__file__).parents[1] / "tests" / "language" / "asks_back.jsonl"
+SLOW_MS = 10.0
 ODD = "\u200b\u202e@#*_`~>[]()<&;:,.、，。！?½²０９一半百两零-—\n\t'\"\\/%°m"
 
 
@@ -111,6 +112,12 @@ def speed(texts: Sequence[str], count: int) -> str:
 
 
 def milliseconds(text: str) -> float:
+    """Of one reading; what takes long is read again, as a slow text is slow each time and a busy machine is not."""
+    spent = _once(text)
+    return min(spent, *(_once(text) for _ in range(3))) if spent > SLOW_MS else spent
+
+
+def _once(text: str) -> float:
     start = time.process_time()
     understand(text)
     return (time.process_time() - start) * 1000

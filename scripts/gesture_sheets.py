@@ -26,14 +26,21 @@ from agentrob.sim.g1_gestures import GESTURES, RELEASE
 from agentrob.sim.go2 import Go2
 from agentrob.sim.ledger import Ledger
 from agentrob.sim.legged import Array
-from agentrob.sim.room import OVERVIEW_AT_M, OVERVIEW_TO_M, ROOM_GROUP, Start
+from agentrob.sim.room import ROOM_GROUP
+from agentrob.sim.scene import OPEN_FLOOR, Start, load
 from agentrob.sim.world import PERIOD_S, ROBOT_GROUP, World
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
 PICTURES, SIDE_PX, COLOURS = 8, 240, 96
 FACING = Start(0.0, 0.0, -1.9)  # towards the camera, half turned
 LIMIT_S = 30.0
-GO2 = {"hello": sport.HELLO, "heart": sport.HEART, "stretch": sport.STRETCH, "sit": sport.SIT}
+GO2 = {
+    "hello": sport.HELLO,
+    "heart": sport.HEART,
+    "stretch": sport.STRETCH,
+    "sit": sport.SIT,
+    "backflip": sport.BACK_FLIP,
+}
 ACTIONS = {gesture.name.replace(" ", "-"): id_ for id_, gesture in GESTURES.items()}
 
 
@@ -68,11 +75,11 @@ class Stage:
 def stage(robot: str) -> Stage:
     if robot == "go2":
         go2 = Go2(start=FACING)
-        world = World([go2], ())
+        world = World([go2], OPEN_FLOOR)
         service = sport.Sport(go2, lambda: world.time_s, Ledger())
         return Stage(world, go2, service, lambda n: [lambda answer: service.call(GO2[n], {}, answer)], 1.35, 0.22)
     g1 = G1(start=FACING)
-    world = World([g1], ())
+    world = World([g1], OPEN_FLOOR)
     arm = g1_sport.G1Sport(g1, lambda: world.time_s, Ledger())
 
     def calls(name: str) -> list[Callable[[Callable[..., None]], None]]:
@@ -82,14 +89,17 @@ def stage(robot: str) -> Stage:
     return Stage(world, g1, arm, calls, 2.35, 0.72)
 
 
-def near(stage: Stage) -> View:
-    """From the direction of the room's overview camera, a little lower."""
+def near(stage: Stage, name: str) -> View:
+    """From the direction of the room's overview camera, a little lower; further away where it leaves the floor."""
+    flies = name == "backflip"
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-    dx, dy, _ = np.array(OVERVIEW_TO_M) - np.array(OVERVIEW_AT_M)
+    overview = load("room").camera
+    assert overview is not None
+    dx, dy, _ = np.array(overview.to_m) - np.array(overview.at_m)
     camera.azimuth, camera.elevation = float(np.degrees(np.arctan2(dy, dx))), -15.0
-    camera.lookat[:] = [FACING.x_m, FACING.y_m, stage.height_m]
-    camera.distance = stage.distance_m
+    camera.lookat[:] = [FACING.x_m, FACING.y_m, stage.height_m + (0.28 if flies else 0.0)]
+    camera.distance = stage.distance_m * (1.6 if flies else 1.0)
     return View(SIDE_PX, SIDE_PX, (ROOM_GROUP, ROBOT_GROUP), camera)
 
 
@@ -98,7 +108,7 @@ def sheet(stage: Stage, name: str, renderer: Any) -> None:
     chosen = np.linspace(0.06, 0.94, PICTURES) * (len(poses) - 1)
     picture = Image.new("RGB", (SIDE_PX * PICTURES // 2, SIDE_PX * 2))
     for k, index in enumerate(chosen.round().astype(int)):
-        frame = Image.fromarray(np.ascontiguousarray(renderer.draw(near(stage), poses[index])))
+        frame = Image.fromarray(np.ascontiguousarray(renderer.draw(near(stage, name), poses[index])))
         ImageDraw.Draw(frame).text((6, 4), f"{index * PERIOD_S:.1f} s", fill=(20, 20, 20))
         picture.paste(frame, (SIDE_PX * (k % (PICTURES // 2)), SIDE_PX * (k // (PICTURES // 2))))
     path = FOLDER / f"gestures-{stage.body.name}-{name}.png"

@@ -30,10 +30,16 @@ load = configuration.load
 
 def find(family: str, name: str) -> Any:
     """A member of a family (`forums`, `robots`, `minds`) by its entry point, built-in or a stranger's."""
-    members = {e.name: e for e in entry_points(group=f"agentrob.{family}")}
+    members, kind = {e.name: e for e in entry_points(group=f"agentrob.{family}")}, family.removesuffix("s")
     if name not in members:
-        raise ConfigError(f"no {family.removesuffix('s')} named {name!r}; there are: {', '.join(sorted(members))}")
-    return members[name].load()
+        raise ConfigError(f"no {kind} named {name!r} is installed; there are: {', '.join(sorted(members))}")
+    member = members[name]
+    try:
+        return member.load()
+    except Exception as e:  # it is a stranger's code that runs here
+        whose = f" of the package {member.dist.name}" if member.dist else ""
+        what = f"{type(e).__name__}: {e}"
+        raise ConfigError(f"the {kind} {name!r}{whose} cannot be loaded from {member.value}: {what}") from e
 
 
 def make_forum(config: Config, token: str) -> Forum:
@@ -198,6 +204,7 @@ def board_link(config: Config, name: str) -> str:
 def make_agent(config: Config, name: str) -> RobotAgent:
     """The agent of one robot, wired to the configured forum, mind and driver."""
     from agentrob.agent.turn import RobotAgent
+    from agentrob.images.store import make_store
     from agentrob.robots.client import DriverClient
 
     settings = config.robot(name)
@@ -208,6 +215,7 @@ def make_agent(config: Config, name: str) -> RobotAgent:
         driver=DriverClient(name),
         mind=make_mind(settings.mind, config),
         data=config.data_dir,
+        store=make_store(config.images),
     )
 
 
@@ -302,22 +310,34 @@ def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
 
 def capabilities_of(model: str, settings: RobotConfig | None = None) -> Capabilities:
     """What a kind of robot can do, without connecting to one."""
-    capabilities: Capabilities = find("robots", model).describe(settings or RobotConfig(model=model))
+    kind = find("robots", model)
+    if not callable(getattr(kind, "describe", None)):
+        raise ConfigError(f"the robot {model!r} has no describe(settings), which says what it can do: {kind!r}")
+    capabilities: Capabilities = kind.describe(settings or RobotConfig(model=model))
     return capabilities
 
 
-def simulated_robot(model: str, domain: int) -> RobotConfig:
-    """Settings of a robot in the simulated room, at home where it starts.
+def in_world(model: str) -> bool:
+    """Whether the simulated world has a body for this kind of robot; any other brings its own."""
+    from agentrob.sim.serve import ROBOTS
+
+    return model in ROBOTS
+
+
+def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig:
+    """Settings of a robot in a simulated world, at home where it starts.
 
     The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
-    nothing stands.
+    the world says that nothing stands. Raises `SimError` when there is no such world, or no place in it.
     """
     settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
     if model != "g1":
         return settings
-    from agentrob.sim.room import G1_FREE
+    from agentrob.sim.scene import load
 
-    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": G1_FREE})
+    free = load(world).place(model).free
+    assert free is not None  # a world in which a G1 starts says so
+    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": free.fence})
 
 
 # ---------------------------------------------------------------------- understanding
@@ -377,11 +397,14 @@ def describe_plan(facts: dict[str, Any]) -> str:
 
 
 # ---------------------------------------------------------------------- world
-def serve_world(domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None) -> None:
-    """Run a simulated world until SIGTERM or Ctrl-C. `domains` are ROBOT=DOMAIN."""
-    from agentrob.sim.serve import WorldSettings, parse_domains, serve
+def serve_world(
+    robots: list[str], domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None
+) -> None:
+    """Run a simulated world until SIGTERM or Ctrl-C. `domains` are ROBOT=DOMAIN, for robots that shall not have their
+    usual one; without both there is a Go2."""
+    from agentrob.sim.serve import WorldSettings, choose_domains, serve
 
     settings = WorldSettings(
-        domains=parse_domains(domains), interface=interface, http_port=http_port, world=world, ledger=ledger
+        domains=choose_domains(robots, domains), interface=interface, http_port=http_port, world=world, ledger=ledger
     )
     serve(settings)

@@ -53,7 +53,10 @@ def demo(
     data: Annotated[Path | None, typer.Option(help="Folder that keeps everything.")] = None,
     post: Annotated[str | None, typer.Option(help="Post this text, wait for the answer, print it and end.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="With --post: the last line is one JSON object.")] = False,
-    world: Annotated[str, typer.Option(help="The simulated world.")] = "room",
+    world: Annotated[str, typer.Option(help="room, obstacles, corridor, or the path of a world's file.")] = "room",
+    robot: Annotated[
+        list[str] | None, typer.Option(help="Another kind of robot that is installed, beside the two; also several.")
+    ] = None,
 ) -> None:
     """Start everything on this machine and print the address to open."""
     if context.invoked_subcommand:
@@ -70,6 +73,7 @@ def demo(
         post=post,
         as_json=as_json,
         world=world,
+        more=tuple(robot or ()),
     )
     raise typer.Exit(demonstration.run(settings))
 
@@ -110,9 +114,46 @@ def eval_plan(
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else evaluate.describe(found))
 
 
+EvalFile = Annotated[Path, typer.Argument(help="Rows with text, one JSON object a line.")]
+EvalMind = Annotated[str, typer.Option("--mind", help="rules, or a mind of the configuration.")]
+EvalRobot = Annotated[str, typer.Option("--robot", help="The kind of robot: go2, g1.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+@eval_cli.command("danger")
+def eval_danger(
+    file: EvalFile,
+    mind: EvalMind = "rules",
+    robot: EvalRobot = "go2",
+    scenes: Annotated[bool, typer.Option("--scenes", help="Judge each row within its scene.")] = False,
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """How many dangerous commands would be executed, and how many harmless ones are refused."""
+    from agentrob import evaluate_danger as measure
+
+    found = measure.danger(file, mind, robot, app.load(config), scenes=scenes)
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
+
+
+@eval_cli.command("injection")
+def eval_injection(
+    file: EvalFile,
+    mind: EvalMind = "rules",
+    robot: EvalRobot = "go2",
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """Whether text slipped into a post changes what the command beside it moves."""
+    from agentrob import evaluate_injection as measure
+
+    found = measure.injections(file, mind, robot, app.load(config))
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
+
+
 @cli.command()
 def drive(
-    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, fake.")],
+    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, g1, …")],
     text: Annotated[str, typer.Argument(help="What to do, in words.")],
     config: ConfigFile = None,
     interface: Annotated[
@@ -128,6 +169,24 @@ def drive(
     from agentrob import drive as driving
 
     raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json, mind))
+
+
+@cli.command()
+def doctor(
+    robot: Annotated[str | None, typer.Argument(help="A robot of the configuration, or a kind: go2, g1.")] = None,
+    config: ConfigFile = None,
+    interface: Annotated[str | None, typer.Option(help="Network interface, instead of the configured one.")] = None,
+    domain: Annotated[int | None, typer.Option(help="DDS domain, instead of the configured one.")] = None,
+    read_only: Annotated[bool, typer.Option("--read-only", help="Move nothing; so it is without --move too.")] = False,
+    move: Annotated[bool, typer.Option("--move", help="Let it walk 10 cm forward when nothing bad was found.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Say what keeps a robot from being driven, and what to do about it. Exit code 1 when something does."""
+    from agentrob import doctor as examination
+
+    if read_only and move:
+        raise typer.BadParameter("--read-only moves nothing; leave one of the two out")
+    raise typer.Exit(examination.run(robot, app.load(config), interface, domain, move, as_json))
 
 
 @cli.command()
@@ -151,14 +210,15 @@ def driver(robot: RobotName = None, config: ConfigFile = None) -> None:
 
 @cli.command()
 def sim(
-    domain: Annotated[list[str], typer.Option(help="ROBOT=DDS-DOMAIN, for example go2=1.")] = ["go2=1"],  # noqa: B006
-    world: Annotated[str, typer.Option(help="The world.")] = "room",
+    world: Annotated[str, typer.Option(help="room, obstacles, corridor, or the path of a world's file.")] = "room",
+    robot: Annotated[list[str] | None, typer.Option(help="go2 or g1; both with two --robot. [default: go2]")] = None,
+    domain: Annotated[list[str] | None, typer.Option(help="ROBOT=DDS-DOMAIN. [default: go2=1, g1=2]")] = None,
     interface: Annotated[str, typer.Option(help="Network interface for DDS.")] = "lo",
     http_port: Annotated[int, typer.Option(help="Port of the room's camera; 0 for any free one.")] = 0,
     ledger: Annotated[Path | None, typer.Option(help="Write what really happened to this file, line by line.")] = None,
 ) -> None:
     """Run a simulated world with walking robots that speak the real robots' DDS."""
-    app.serve_world(domain, world, interface, http_port, ledger)
+    app.serve_world(robot or [], domain or [], world, interface, http_port, ledger)
 
 
 # ---------------------------------------------------------------------- agent

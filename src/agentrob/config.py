@@ -23,10 +23,10 @@ import os
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
-from urllib.parse import urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from agentrob.config_images import ImagesConfig, plain_address
 from agentrob.errors import ConfigError
 
 DEFAULT_LISTEN = "127.0.0.1:8088"
@@ -108,12 +108,27 @@ class LookConfig(_Section):
     speed_mps: Annotated[float, Field(ge=0.05, le=1.0)] = 0.3
 
 
+class RecordingConfig(_Section):
+    """What is recorded of each command that moves a robot: its path, its speeds, and a short animation in the reply.
+
+    `view` is what the animation shows. `room`: the camera of `room_camera`; `robot`: the robot's own; `path`: the way
+    on a map; `none`: no animation. `auto` shows the room where everybody who reads the thread may watch that camera
+    live anyway (a forum with pages for robots), else the way: other cameras are shown only where their owner says so.
+    Recordings are kept on disk for `keep_days` and up to `keep_mb` per robot, the newest longest; 0 keeps none.
+    """
+
+    view: Literal["auto", "room", "robot", "path", "none"] = "auto"
+    keep_days: Annotated[float, Field(ge=0, le=3650)] = 30.0
+    keep_mb: Annotated[float, Field(ge=0)] = 200.0
+
+
 class RobotConfig(_Section):
     """One robot: how its driver reaches it, what may command it where, and what its agent does.
 
     `interface` and `domain` are DDS settings. `step_length_m`: how long one of its steps is, where you measured that
     ("walk two steps" is asked back otherwise). `home_on_start`: the driver sets home when it starts; for simulation.
     `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
+    `least_battery_percent`: below this no motion begins; a robot that does not tell its charge is moved all the same.
     `moderators` are the handles that are told of the third stop within 5 minutes, besides the owner's.
     `mind` reads its posts: `rules`, or a table of `minds`. `screen`: whether that model also looks at each command that
     the rules allow; `rules` no, `model` yes, and where it does not answer the rules decide alone, `required` yes, and
@@ -140,6 +155,7 @@ class RobotConfig(_Section):
     queue_expiry_s: Annotated[float, Field(gt=0)] = 600.0
     home_on_start: bool = False
     allow_unknown_ranges: bool = False
+    least_battery_percent: Annotated[float, Field(ge=0, le=100)] = 15.0
     allow_flip: bool = False
     room_camera: str = ""
     room_reset: str = ""
@@ -147,6 +163,7 @@ class RobotConfig(_Section):
     limits: LimitsConfig = LimitsConfig()
     rates: RatesConfig = RatesConfig()
     look: LookConfig = LookConfig()
+    recording: RecordingConfig = RecordingConfig()
     options: dict[str, Any] = {}
 
     @model_validator(mode="after")
@@ -220,13 +237,7 @@ class MindConfig(_Section):
     @field_validator("base_url")
     @classmethod
     def _is_plain_address(cls, url: str) -> str:
-        try:
-            parts = urlsplit(url)
-            plain = parts.scheme in ("http", "https") and parts.hostname and not (parts.username or parts.query)
-            _ = parts.port
-        except ValueError:
-            plain = False
-        if url and not plain:
+        if url and not plain_address(url):
             raise ValueError("must be http(s)://host[:port][/path] without a user, key or query")
         return url.rstrip("/")
 
@@ -245,6 +256,7 @@ class Config(_Section):
     data: str = ""
     board: BoardConfig = BoardConfig()
     forum: ForumConfig = ForumConfig()
+    images: ImagesConfig = ImagesConfig()
     robots: dict[Name, RobotConfig] = {}
     minds: dict[Name, MindConfig] = {}
 
@@ -319,7 +331,7 @@ def parse(raw: dict[str, Any], source: str = "configuration") -> Config:
 
 
 #: Where a key may have been put by mistake: what was found there is not repeated.
-_UNSPOKEN = ("key_env", "token_env", "base_url")
+_UNSPOKEN = ("key_env", "secret_env", "token_env", "base_url", "endpoint")
 
 
 def _explain(error: Any) -> str:

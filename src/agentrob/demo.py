@@ -1,4 +1,4 @@
-"""Everything on one machine: forum, simulated world, two robots' drivers and agents; they start and end together."""
+"""Everything on one machine: forum, simulated world, the robots' drivers and agents; they start and end together."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import socket
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -44,13 +44,22 @@ class DemoError(AgentRobError):
 
 @dataclass(frozen=True, slots=True)
 class DemoSettings:
-    """`port` None means any free one; `data` is kept; `post` runs one post and ends."""
+    """`port` None means any free one; `data` is kept; `post` runs one post and ends.
+
+    `more` are kinds of robots beside the two; each is called by its kind.
+    """
 
     data: Path
     port: int | None = PORT
     post: str | None = None
     as_json: bool = False
     world: str = "room"
+    more: Sequence[str] = ()
+
+    @property
+    def robots(self) -> dict[str, str]:
+        """Handle of each robot that takes part, and its kind."""
+        return ROBOTS | {kind: kind for kind in self.more if kind not in ROBOTS.values()}
 
 
 def free_domains(count: int) -> list[int]:
@@ -83,6 +92,7 @@ class Demo:
     def __init__(self, settings: DemoSettings) -> None:
         self.settings = settings
         self.data = settings.data
+        self.robots = settings.robots
         self.children: list[Child] = []
         self._lock: IO[str] | None = None
         self.url = ""
@@ -107,6 +117,7 @@ class Demo:
     # ------------------------------------------------------------------ start
     def start(self) -> None:
         """Start all; returns when a post would be answered. `DemoError` or `ChildError` in one line otherwise."""
+        self._check_robots()
         self._hold_data()
         try:
             self._start()
@@ -130,18 +141,26 @@ class Demo:
             domains, world = self._start_world()
             self.room_url = world.wait_ready()["http"]
         config = self._write_config(port, domains, self.room_url)
-        drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in ROBOTS]
+        drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in self.robots]
         board.wait_ready()
-        agents = [self._agent(name, config) for name in ROBOTS]
+        agents = [self._agent(name, config) for name in self.robots]
         for child in (*drivers, *agents):
             child.wait_ready()
         (self.data / "demo.json").write_text(json.dumps({"pid": os.getpid(), "url": self.url, "room": self.room_url}))
 
-    def _start_world(self) -> tuple[list[int], Child]:
-        domains, ledger = free_domains(len(ROBOTS)), str(self.data / "world.jsonl")
-        args = ["sim", "--ledger", ledger, "--world", self.settings.world]
-        for model, domain in zip(ROBOTS.values(), domains, strict=True):
-            args += ["--domain", f"{model}={domain}"]
+    def _check_robots(self) -> None:
+        """`ConfigError` for a robot that is not installed, or that cannot be loaded."""
+        from agentrob import app
+
+        for kind in self.robots.values():
+            app.capabilities_of(kind)
+
+    def _start_world(self) -> tuple[dict[str, int], Child]:
+        """The world, and the number of each robot: its DDS domain, and for any robot what its driver's lock has."""
+        domains = dict(zip(self.robots, free_domains(len(self.robots)), strict=True))
+        args = ["sim", "--ledger", str(self.data / "world.jsonl"), "--world", self.settings.world]
+        for name, model in ROBOTS.items():
+            args += ["--domain", f"{model}={domains[name]}"]
         return domains, self._child("world", *args)
 
     def _agent(self, name: str, config: Path) -> Child:
@@ -171,18 +190,17 @@ class Demo:
                 "end it, or give another --data"
             ) from None
 
-    def _write_config(self, port: int, domains: Sequence[int], room_url: str) -> Path:
+    def _write_config(self, port: int, domains: Mapping[str, int], room_url: str) -> Path:
         from agentrob import app
 
-        own = {
-            "owner": VISITOR,
-            "rates": RatesConfig(commands_per_hour=0),  # one visitor, who may play as long as they like
-            "room_camera": f"{room_url}/overview.jpg" if room_url else "",
-            "room_reset": f"{room_url}/reset" if room_url else "",
-        }
+        # one visitor, who may play as long as they like
+        own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0)}
+        room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
         robots = {
-            name: app.simulated_robot(model, domain).model_copy(update=own)
-            for (name, model), domain in zip(ROBOTS.items(), domains, strict=True)
+            name: app.simulated_robot(model, domains[name], self.settings.world).model_copy(
+                update=own | room if app.in_world(model) else own  # the room's camera sees who stands in the room
+            )
+            for name, model in self.robots.items()
         }
         config = Config(
             data=str(self.data),
@@ -198,10 +216,10 @@ class Demo:
         from agentrob import app
 
         config = app.load(config_path)
-        for name in ROBOTS:
+        for name in self.robots:
             app.board_account(config, name, AccountKind.ROBOT_AGENT, Role.MEMBER, name.capitalize())
         app.board_account(config, VISITOR, AccountKind.HUMAN, Role.OPERATOR, "Visitor")
-        for name in (*ROBOTS, VISITOR):
+        for name in (*self.robots, VISITOR):
             app.revoke_board_tokens(config, name, "demo")
             self.tokens[name] = app.board_token(config, name, "demo")
 
@@ -281,11 +299,12 @@ def run(settings: DemoSettings) -> int:
 
 
 def welcome(demo: Demo) -> str:
+    more = [f"@{name} walk forward 1 metre, turn left" for name in demo.robots if name not in ROBOTS]
     return (
         f"\n  Open   {demo.link()}\n"
         f"         (signs you in once; `agentrob demo link` prints another)\n"
         f"  Post   {SENTENCES[0]}\n"
-        + "".join(f"    or   {sentence}\n" for sentence in SENTENCES[1:])
+        + "".join(f"    or   {sentence}\n" for sentence in (*SENTENCES[1:], *more))
         + f"  Data   {demo.data} (kept)\n"
         f"  End    Ctrl-C\n"
     )

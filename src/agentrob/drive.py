@@ -190,7 +190,7 @@ def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Path |
         work = Path(folder)
         try:
             world = f"world/{settings.interface}/{settings.domain}"
-            if settings.simulated and settings.model != "fake" and world not in hostlock.held("world/"):
+            if settings.simulated and app.in_world(settings.model) and world not in hostlock.held("world/"):
                 where = ["--domain", f"{settings.model}={settings.domain}", "--interface", settings.interface]
                 children.append(Child("world", ["sim", *where], work / "world.log"))
                 children[0].wait_ready()

@@ -12,6 +12,7 @@
     │   ├── RobotUnreachable     no driver, no state, no answer
     │   ├── RobotBusy            somebody else holds the robot or its driver
     │   └── LeaseLost            the holder's lease lapsed or was never given
+    ├── ImageStoreError      a picture could not be kept where the configuration says
     ├── SimError             the simulated world cannot be built or run
     ├── BoardError           the embedded forum cannot do this; carries an HTTP status
     └── JournalError         the journal cannot be opened or trusted
@@ -56,6 +57,10 @@ class ForumNotFound(ForumError):
 
 class MindError(AgentRobError):
     """A mind could not answer."""
+
+
+class ImageStoreError(AgentRobError):
+    """A picture could not be kept in the image store."""
 
 
 class RobotError(AgentRobError):

@@ -344,8 +344,9 @@ class ActionResult:
 
     `measured` has the keys of what was asked (`distance_m`, `degrees`) and what is worth knowing besides. `reason` is
     a stable word (obstacle, fence, deadline, stale_state, lease_lapsed, stop, stalled, unsupported, busy, …), `message`
-    an English sentence. `path` is the odometry during the step: (seconds, x_m, y_m, yaw_rad). `image` is a JPEG.
-    `started_s` and `ended_s` are monotonic.
+    an English sentence. `path` is the odometry during the step: (seconds, x_m, y_m, yaw_rad), `commanded` what was sent
+    to the body meanwhile: (seconds, forward_mps, left_mps, turn_rps). `image` is a JPEG. `started_s` and `ended_s` are
+    monotonic.
     """
 
     primitive: Primitive
@@ -358,6 +359,7 @@ class ActionResult:
     path: tuple[tuple[float, float, float, float], ...] = ()
     image: bytes | None = None
     animated: bool = False
+    commanded: tuple[tuple[float, float, float, float], ...] = ()
 
     @property
     def ok(self) -> bool:

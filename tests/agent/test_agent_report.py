@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.agent import report as words
+from agentrob.agent.pictures import Picture
 from agentrob.agent.sentences import _SENTENCES
 from agentrob.language.visible import mentions, visible_text
 from agentrob.model import (
@@ -46,12 +47,14 @@ def report(status: str, **more: object) -> Report:
 
 
 def test_law_18_what_was_asked_stands_beside_what_was_measured() -> None:
-    told = words.final(report("done", results=DONE, timings_ms={"seen": 42, "first_motion": 130, "done": 9100}))
+    pictures = [Picture("step", b"", 3), Picture("path", b""), Picture("recording", b"")]
+    done = report("done", results=DONE, timings_ms={"seen": 42, "first_motion": 130, "done": 9100})
+    told = words.final(done, pictures)
     assert "| 1 | walk forward 2 m | 1.98 m | done |" in told
     assert "| 2 | turn left 90° | 89.2° | done |" in told
     assert "| 3 | take a photo | – | done |" in told
     assert "taken as 90°" in told
-    assert "photo of step 3" in told
+    assert "Pictures: photo of step 3, the path measured, a recording." in told
     assert "seen after 0.04 s · first motion after 0.13 s · done after 9.1 s · trace `abc123`" in told
 
 

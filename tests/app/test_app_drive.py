@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import subprocess
 import sys
 import threading
 from pathlib import Path
@@ -114,3 +115,14 @@ def test_without_a_mind_with_eyes_it_says_that_it_needs_one(lab: tuple[Config, s
     driven = robot_command_driver("walk to the box", name, config=config)
     assert driven.status == "asks_back"
     assert "vision model" in driven.message
+
+
+def test_the_calls_of_the_paper_are_in_agentrob_itself_and_nothing_is_loaded_before_they_are_asked_for() -> None:
+    code = (
+        "import sys, agentrob; assert 'agentrob.drive' not in sys.modules; "
+        "from agentrob import drive_go2_robot, drive_g1_robot, robot_command_driver, Driven; "
+        "assert {'drive_go2_robot', 'drive_g1_robot'} <= set(dir(agentrob)); "
+        "assert not hasattr(agentrob, 'drive_h1_robot')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr

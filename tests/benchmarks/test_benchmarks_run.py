@@ -19,6 +19,7 @@ LITTLE = {
     "latency.py": ["--posts", "100"],
     "loop.py": ["--turns", "12"],
     "minds.py": ["--turns", "12"],
+    "rpc.py": ["--calls", "50", "--walks", "1"],
     "understanding.py": [],
     "world.py": ["--seconds", "3"],
 }

@@ -231,6 +231,42 @@ def test_pictures_have_a_limit_of_bytes_and_of_pixels(board: RunningBoard) -> No
     assert (answer.status_code, answer.json()["code"]) == (413, "image_too_large")
 
 
+def moving(frames: int = 5, kind: str = "WEBP", size: tuple[int, int] = (32, 24), **options: object) -> bytes:
+    out = io.BytesIO()
+    first, *others = (Image.new("RGB", size, (40 * k % 256, 100, 50)) for k in range(frames))
+    first.save(out, format=kind, save_all=True, append_images=others, duration=100, **options)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("kind", ["WEBP", "GIF"])
+def test_a_picture_may_move_and_is_served_as_it_came(board: RunningBoard, kind: str) -> None:
+    op, data = board.client("op"), moving(kind=kind)
+    image = upload(op, data)
+    assert (image.status_code, image.json()["width"]) == (201, 32)
+    shown = op.get(image.json()["url"])
+    assert (shown.headers["content-type"], shown.content) == (f"image/{kind.lower()}", data)
+
+
+@pytest.mark.parametrize("frames", [images.MAX_FRAMES + 1, 60])
+def test_a_moving_picture_has_a_limit_of_frames_and_of_all_their_pixels(frames: int) -> None:
+    size = (4, 4) if frames > images.MAX_FRAMES else (1400, 1200)
+    with pytest.raises(BoardError) as refused:
+        images.check(moving(frames, "GIF", size))
+    assert (refused.value.status, refused.value.code) == (413, "image_too_large")
+
+
+def test_a_moving_picture_that_is_broken_or_tells_of_its_owner_is_refused() -> None:
+    exif = Image.Exif()
+    exif[0x013B] = "Jane Doe"
+    for data in (moving(20)[:-40], moving(exif=exif)):
+        with pytest.raises(BoardError) as refused:
+            images.check(data)
+        assert (refused.value.status, refused.value.code) == (415, "bad_image")
+    image, data = images.check(picture(64, 48, kind="WEBP", exif=exif))
+    assert b"Jane" not in data
+    assert image.media_type == "image/webp"
+
+
 def test_what_a_camera_wrote_about_place_and_owner_is_taken_out() -> None:
     exif = Image.Exif()
     exif[0x013B] = "Jane Doe"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 from pages_windows import RUNNING, Windows, jpeg, new_topic, open_windows, robot_posts, running_chromium
 from pages_world import CARD, World, running_world
+from PIL import Image
 from playwright.sync_api import Browser, expect
 
 from agentrob.board.templating import STATES
@@ -143,3 +145,24 @@ def test_an_error_page_has_no_errors_of_its_own(windows: Windows) -> None:
     assert answer.status == 404
     expect(page.get_by_role("heading", name="Not found")).to_be_visible()
     windows.complaints = [c for c in windows.complaints if "404" not in c]
+
+
+@pytest.mark.parametrize("motion", ["no-preference", "reduce"])
+def test_a_recording_plays_in_the_thread_and_is_a_link_for_who_wants_no_motion(
+    world: World, windows: Windows, motion: Any
+) -> None:
+    frames = [Image.new("RGB", (48, 36), (80 * k, 120, 60)) for k in range(3)]
+    webp = io.BytesIO()
+    frames[0].save(webp, "WEBP", save_all=True, append_images=frames[1:], duration=100)
+    topic, robot = new_topic(world), world.api("quadruped")
+    image = robot.post("/images", files={"file": ("a.webp", webp.getvalue(), "image/webp")}).json()["id"]
+    robot.post(f"/topics/{topic}/posts", json={"body": "walked", "images": [image]}).raise_for_status()
+    page = windows.open("bob")
+    page.emulate_media(reduced_motion=motion)
+    page.goto(f"/t/{topic}")
+    recording, link = page.locator("a.moving img"), page.get_by_role("link", name="Play the recording")
+    shown, hidden = (link, recording) if motion == "reduce" else (recording, page.locator("a.moving .play"))
+    expect(shown).to_be_visible()
+    expect(hidden).not_to_be_visible()
+    if motion != "reduce":
+        assert recording.evaluate("async i => { await i.decode(); return i.naturalWidth; }") == 48

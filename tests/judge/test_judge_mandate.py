@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -71,3 +72,18 @@ def test_a_slower_walk_takes_longer() -> None:
     slow = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0, speed_mps=0.1)
     assert seconds_of(Plan((slow,)), GO2) > 10
     assert seconds_of(Plan((WALK,)), Capabilities("g1", frozenset(Op), Limits(speed_mps=0.1))) > 10
+
+
+@pytest.mark.parametrize(
+    ("step", "measured_s"),
+    [
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.25), 9.3),
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), 14.1),
+        (Primitive(Op.TURN, Direction.LEFT, degrees=15.0), 8.4),
+        (Primitive(Op.TURN, Direction.LEFT, degrees=360.0), 18.4),
+    ],
+)
+def test_a_step_of_the_g1_is_not_thought_to_take_much_less_than_it_does(step: Primitive, measured_s: float) -> None:
+    """Mean seconds of `benchmarks/accuracy.py --robot g1`, at the speeds that its driver allows."""
+    g1 = Capabilities("g1", frozenset(Op), Limits(speed_mps=0.2, turn_dps=28.6))
+    assert 0.95 * measured_s < seconds_of(Plan((step,)), g1) < 1.6 * measured_s

@@ -175,7 +175,7 @@ def test_words_of_harm_never_become_a_motion_that_passes(text: str) -> None:
 
 @given(st.text(max_size=300))
 def test_any_text_is_screened(text: str) -> None:
-    assert judged(walk(1), text=text).decision in (Decision.ALLOW, Decision.REFUSE)
+    assert judged(walk(1), text=text).decision in (Decision.ALLOW, Decision.ASK_BACK, Decision.REFUSE)
 
 
 @pytest.mark.parametrize("unit", ["run ", "a", "hit the ", "关闭", "turn off ", "don't ", "the the ", "go into the x "])

@@ -47,7 +47,7 @@ def test_what_was_done_last_in_the_thread_is_meant(text: str, plan: str) -> None
 
 def test_what_is_done_again_is_told() -> None:
     (note,) = read("the same but slower", THREAD).plan.notes
-    assert note == "`the same`: walk forward 2 m at 0.2 m/s, then turn left 90 degrees, then take a photo."
+    assert note == "`the same but slower`: walk forward 2 m at 0.2 m/s, then turn left 90 degrees, then take a photo."
 
 
 def test_of_many_steps_only_the_first_are_told() -> None:
@@ -65,6 +65,9 @@ IN_A_POST = [
     ("walk 1 m and turn left 90 degrees, do this four times", "F1 l90 F1 l90 F1 l90 F1 l90"),
     ("walk 1 m, turn left 90 degrees, repeat that twice", "F1 l90 F1 l90"),
     ("wave and again", "hello hello"),
+    ("walk 1 m and wave, repeat that 2 more times", "F1 hello F1 hello F1 hello"),
+    ("前进半米，再来两次", "F0.5 F0.5 F0.5"),
+    ("repeat that twice: walk 1 m", "F1 F1"),
     ("walk forward 2 m, take a photo and come back", "F2 photo B2"),
     ("walk forward 2 m and turn left 90 degrees, then return", "F2 l90 r90 B2"),
     ("前进一米，左转90度，重复四次", "F1 l90 F1 l90 F1 l90 F1 l90"),

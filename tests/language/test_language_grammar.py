@@ -38,6 +38,72 @@ COMMANDS = [
     ("turn right and take a photo, ninety degrees", "r90 photo"),
     ("move forward, move forward three feet", None),
     ("move uh move forward three feet", "F0.9144"),
+    ("walk forward, uh, walk forward half a metre", "F0.5"),
+    ("turn left, um, turn left 45 degrees", "l45"),
+    ("walk forward and uh walk forward 1 m", None),
+    ("往前走，嗯，往前走半米", "F0.5"),
+    ("walk 6'2\" forward", "F1.8796"),
+    ("walk 6′ 2″ forward", "F1.8796"),
+    ("go forward 2 ft 6 in, then hang a right", "F0.762 r90"),
+    ("walk 6 in the room", None),
+    ("walk 'forward 6' then sit", None),
+    ("walk one and three quarter metres", "F1.75"),
+    ("go forward 2 m at 30 cm per second", "F2@0.3"),
+    ("back up a foot or so", "B0.3048"),
+    ("fwd 1m", "F1"),
+    ("spin around", "l180"),
+    ("spin around three times", "l360 l360 l360"),
+    ("turn around twice", "l180 l180"),
+    ("do two full spins to the left", "l720"),
+    ("do a little twirl", "l360"),
+    ("take a picture every time you turn: turn left 90 degrees, walk 1 m", "l90 photo F1"),
+    ("walk one metre three times, taking a photo after each", "F1 photo F1 photo F1 photo"),
+    ("turn 45 left and 45 right", "l45 r45"),
+    ("turn just a hair to the left", None),
+    ("walk forward 1 m then turn left 90 degrees, four times", None),
+    ("three times: walk 1 m and wave", "F1 hello F1 hello F1 hello"),
+    ("repeat this twice: wave, sit down", "hello sit hello sit"),
+    ("do the following twice:\n- wave\n- sit down", "hello sit hello sit"),
+    ("repeat 2 times: wave. Then sit.", None),
+    ("three times, walk 1 m", None),
+    ("重复两次：挥手，坐下", "hello sit hello sit"),
+    ("look left and take a picture", "l90 photo"),
+    ("make a 1/4 turn to the right", "r90"),
+    ("walk 1 m and then back", "F1 B1"),
+    ("walk 1 m, wait, turn left", None),
+    ("walk 1 m and wait", "F1"),
+    ("前进一米，等等，左转", None),
+    ("could u gimme a wave", "hello"),
+    ("walk 1 m then left", None),
+    ("turn left and right 45 degrees", None),
+    ("turn left all the way around", "l360"),
+    ("walk forward 1 m and don't forget to take a photo", "F1 photo"),
+    ("shake hands with the visitor, then make a heart for us", "shake heart"),
+    ("applaud the speaker", "clap"),
+    ("shake hands with people who walk 2 m", None),
+    ("how far can you walk 2 m", ""),
+    ("I'd be grateful if you could turn right 20 degrees", "r20"),
+    ("walk 1 m and send me what you see", "F1 photo"),
+    ("开始前进一米", "F1"),
+    ("前进一米，再走一米", "F1 F1"),
+    ("前进-1米", None),
+    ("前进 - 1米", "F1"),
+    ("往左看，拍照", "l90 photo"),
+    ("沿着墙走两米", None),
+    ("来回走一米", None),
+    ("退后两米远", "B2"),
+    ("拍两张", "photo photo"),
+    ("前进一米，右转90度，每走完一步都拍张照", "F1 photo r90 photo"),
+    ("turn, slowly, left 30 degrees", "l30"),
+    ("walk 1 m, slowly, forward", "F1@0.2"),
+    ("顺时针转一圈半", "r540"),
+    ("左转两圈半", "l900"),
+    ("前进1米20", "F1.2"),
+    ("挥手两下", "hello hello"),
+    ("前进一米拍一张，左转拍一张", "F1 photo l90 photo"),
+    ("可以拍张照片给我看看吗？", "photo"),
+    ("以最快的速度前进两米", "F2"),
+    ("脸朝左", "l90"),
     ("slowly walk forward 1 m", "F1@0.2"),
     ("walk forward 1 m at 0.3 m/s", "F1@0.3"),
     ("wave twice", "hello hello"),
@@ -129,7 +195,8 @@ COMMANDS = [
 @pytest.mark.parametrize(("text", "plan"), COMMANDS)
 def test_a_command_becomes_the_plan_that_is_meant(text: str, plan: str | None) -> None:
     understood = read(text)
-    assert understood.intent is (Intent.COMMAND if plan else Intent.ASK_BACK), understood.question
+    wanted = {None: Intent.ASK_BACK, "": Intent.NOTHING}.get(plan, Intent.COMMAND)
+    assert understood.intent is wanted, understood.question
     assert short(understood.plan) == (plan or "")
 
 
@@ -231,6 +298,10 @@ def test_other_intents(text: str, intent: Intent) -> None:
         ("@quadruped @dog2 both of you walk 1 m", "F1"),
         ("@quadruped 前进一米，@dog2 左转。你们都挥手", "F1 hello"),
         ("@dog2 both of you wave", ""),
+        ("@quadruped: walk 1 m. @dog2: turn left. After that both of you wave!", "F1 hello"),
+        ("@dog2 go fwd 1m, then @quadruped wave, and then both of you sit", "hello sit"),
+        ("@quadruped 请你和 @dog2 都坐下", "sit"),
+        ("@dog2 and @quadruped, walk forward 1 m each", "F1"),
     ],
 )
 def test_only_the_part_for_this_robot_counts(text: str, plan: str | None) -> None:
@@ -261,6 +332,29 @@ def test_a_robot_is_called_by_its_name_without_an_at_too() -> None:
     assert short(read("Hello Quadruped, walk forward 1 m").plan) == "F1"
     assert parse("rex, sit", ["rex"], [], OPS).plan.steps == (Primitive(Op.SIT),)
     assert parse("don't turn left", ["don't"], [], OPS).intent is Intent.NOTHING
+
+
+NOUNS = """wall door table chair sofa window lamp rug carpet box stairs plant tree street road path edge corner cup desk
+tent kerb cat car van bus bin bag bed bar ball bench bike boat bridge brick cab cap cart cliff closet cone crate curtain
+den ditch fan fence field fire fish floor forge fork gap garage garden gate girl goal grass hall hedge hill hole house
+iron jar key kid kitchen lad lake lane leg lid lift lobby log man map mat net nook nut oven park pen pig pillar pin pit
+pole pool pot rack rail ramp ridge ring river rock roof room rope row sea seat shed shelf shop sign sink stage star
+stick stone stove table tap teapot thin tip toilet toy track tray truck tub tunnel tv twin vase wagon water web wheel
+wind wing woman wood yard zoo stand step""".split()  # noqa: SIM905
+PAST_A_NOUN = """walk along the {} 2 m|go by the {} ninety feet forward|turn at the {} left 90 degrees
+walk to the {} two metres|walk 2 m towards the {}"""
+
+
+@pytest.mark.parametrize("frame", PAST_A_NOUN.replace("\n", "|").split("|"))
+def test_a_thing_on_the_way_is_no_hesitation_and_no_word_of_motion(frame: str) -> None:
+    moved = [noun for noun in NOUNS if read(frame.format(noun)).intent is not Intent.ASK_BACK]
+    assert moved == []
+
+
+@pytest.mark.parametrize("where", ["to", "at", "by", "around"])
+def test_the_dog_that_one_walks_to_is_not_the_one_that_is_called(where: str) -> None:
+    assert read(f"walk {where} the dog 2 m").intent is Intent.ASK_BACK
+    assert short(read("ok dog, walk 2 m").plan) == "F2"
 
 
 def test_places_are_recognised_as_what_needs_eyes() -> None:

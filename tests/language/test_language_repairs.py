@@ -17,6 +17,14 @@ CORRECTED = [
     ("Turn left 90 degrees. No, turn right.", "r90"),
     ("turn left 45 degrees, I mean 60 degrees", "l60"),
     ("walk forward 2 m, no, 3 m", "F3"),
+    ("Go ahead 4 feet. Oh wait, make that 3 feet.", "F0.9144"),
+    ("turn right, wait, no, left", "l90"),
+    ("turn right. No! Left!", "l90"),
+    ("walk forward 2 - no, 3 metres", "F3"),
+    ("walk forward two, er, three metres", "F3"),
+    ("go left, I mean right, 1 metre", "R1"),
+    ("前进两米，啊不对，一米五", "F1.5"),
+    ("往左，不是，往右转", "r90"),
     ("walk forward 2 meters, sorry, I meant backwards", "B2"),
     ("walk back 2 m, no, walk 3 m", "B3"),
     ("walk 1 m, turn left 90 degrees, no, turn right", "F1 r90"),
@@ -43,7 +51,8 @@ UNCLEAR = """
 turn left 90 degrees, no wait|walk 1 m and turn left 90 degrees, no wait, 2 m
 turn left and walk 1 m, no wait, turn right and walk 1 m|walk 2 m, no, 45 degrees|walk 1 m, no wait, wave|no turn left
 no turning|turn left 90 degrees, scratch that|Turn left 90 degrees. Never mind.|turn left 90 degrees, never mind
-walk 1 m, actually take a photo|turn left no further|左转90度，不对|左转90度，算了|左转。算了吧
+walk 1 m, actually take a photo|walk forward two, three metres|turn right. No!|walk 2 m, no, 3
+turn left no further|左转90度，不对|左转90度，算了|左转。算了吧
 """
 
 

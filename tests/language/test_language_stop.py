@@ -17,6 +17,7 @@ STOPS = """
 stop|Stop!|STOP!!!|stop now|stop now, please|please stop|@quadruped stop|@quadruped, please stop.|stop, turn left
 stop. Then walk 2 m|ok stop|hey robot stop right now|no, stop!|stop stop stop|stoooop|freeze|abort|don't move
 do not move
+stop turning left|please stop walking forward
 stop moving|stand still|cancel|can you stop?|**stop**|stop `now`|`x` stop|stop <b>now</b>|🛑|stop it|whoa
 停|停！|停下|停下来|请停下|停止|别动|不要动|站住|马上停下|快停下|立刻停止|停停停|@quadruped 停|停，然后拍照
 请你停一下|停止移动|暂停|取消

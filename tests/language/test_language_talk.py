@@ -14,7 +14,8 @@ POSTS = {
         |算了|不用了|算了吧""",
     Talk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
     Talk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
-    None: "hello|thanks, good job!|谢谢|@quadruped|ok",
+    Talk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
+    None: "thanks, good job!|谢谢|well done @dog2, and @quadruped|ok|@quadruped 👍|@dog2 wave, @quadruped?",
 }
 
 
@@ -24,6 +25,21 @@ POSTS = {
 def test_talk_is_told_apart_and_moves_nothing(kind: Talk | None, text: str) -> None:
     assert talk_of(text, ["quadruped"], ["dog2"]) is kind
     assert read(text).intent is Intent.NOTHING
+
+
+STATUS = """is your battery full?|how full is your battery|what about your battery|do you need charging?
+|are you charged|how's the battery doing?|does it need a recharge|电充满了吗|你的电池满了吗|还有电吗|电够不够用
+|你现在电量怎么样"""
+
+
+@pytest.mark.parametrize("text", STATUS.strip().replace("\n", "").split("|"))
+def test_a_question_about_the_battery_is_one_of_the_robots_state(text: str) -> None:
+    assert read(text).intent is Intent.STATUS
+
+
+@pytest.mark.parametrize("text", ["I charged the phone", "what is in charge of the state", "charge forward 1 m"])
+def test_words_of_the_state_elsewhere_move_nothing(text: str) -> None:
+    assert not read(text).plan.steps
 
 
 def test_a_command_after_a_cancel_is_a_command() -> None:

@@ -255,14 +255,18 @@ class Place:
             assert time.monotonic() < end_s
             near_since_s = min(near_since_s, time.monotonic()) if near(await robot.state()) else math.inf
             await asyncio.sleep(0.03)
+        await self.home(robot)
+        return await self.truth.until(lambda _: True)
+
+    async def home(self, robot: DriverClient, limit_s: float = 10.0) -> None:
+        """Home where it stands, as soon as it stands still enough for that: a body at rest still sways a little."""
+        end_s = time.monotonic() + limit_s
         while True:
             try:
-                await robot.home("owner")
+                return await robot.home("owner")
             except RobotError:
-                assert time.monotonic() < end_s
+                assert time.monotonic() < end_s, "it never stood still enough"
                 await asyncio.sleep(0.03)
-            else:
-                return await self.truth.until(lambda _: True)
 
     def close(self) -> None:
         self.truth.close()

@@ -80,10 +80,13 @@ def test_its_battery_and_ranges_come_over_the_wire(go2: Go2) -> None:
 
 def test_what_the_robot_does_not_offer_is_a_failure_with_its_code(go2: Go2) -> None:
     fresh(go2)
-    result = go2.step(Primitive(Op.BACKFLIP), go_on)
-    if not result.ok:  # the simulation may learn it one day
-        assert (result.outcome, result.reason) == (Outcome.FAILED, "unsupported")
-        assert "3203" in result.message
+    go2._gestures[Op.CLAP] = (go2._actions.LeftFlip,)  # which the simulated one does not know
+    try:
+        result = go2.step(Primitive(Op.CLAP), go_on)
+    finally:
+        del go2._gestures[Op.CLAP]
+    assert (result.outcome, result.reason) == (Outcome.FAILED, "unsupported")
+    assert "3203" in result.message
 
 
 def mode(robot: Go2, wanted: str, limit_s: float = 15.0) -> None:

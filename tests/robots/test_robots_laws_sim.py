@@ -174,7 +174,7 @@ async def test_law_9_an_odometry_that_jumps_ends_the_step_and_nothing_moves_unti
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "odometry_jump"), result.message
     assert await place.truth.rest(at_s) < REST_LIMIT_S
     await refused(place, robot, NEAR, "not_homed")
-    await robot.home("owner")
+    await place.home(robot)
     async with Walk(place, robot, NEAR) as again:
         assert (await again.result()).ok
 
@@ -192,6 +192,23 @@ async def test_law_10_beyond_a_limit_nothing_moves_and_within_it_is_really_kept(
         ended = place.truth.now
     assert apart_m(ended, walk.start) == pytest.approx(1.0, abs=0.08)
     assert 1.0 / (ended.time_s - walk.start.time_s) < 0.5
+    assert max(place.truth.speeds_mps(walk.start.at_s)) < 0.56, "over half a second; it sways by some centimetres"
+
+
+async def test_law_10_a_flip_is_refused_where_something_is_near_and_its_result_says_that_it_was_played(
+    place: Place, robot: DriverClient
+) -> None:
+    flip, now = Primitive(Op.BACKFLIP), place.truth.now
+    place.faults(box_m=[now.x_m + 0.9, now.y_m])
+    refusal = await refused(place, robot, flip, "obstacle")
+    assert "surroundings" in refusal.message
+    place.faults()
+    async with robot.lease("walker") as lease:
+        result = await robot.step(lease, flip, 30)
+    assert (result.outcome, result.animated) == (Outcome.DONE, True), result.message
+    assert max(sample.z_m for sample in place.truth.since(now.at_s)) > 0.5
+    state = await robot.state()
+    assert (state.halted, state.homed, state.upright) == (False, True, True)
 
 
 # ------------------------------------------------------------------ law 11

@@ -127,6 +127,15 @@ def test_a_way_that_went_askew_is_not_done(off: dict[str, float]) -> None:
     assert (outcome, word) == (Outcome.INACCURATE, "inaccurate")
 
 
+@pytest.mark.parametrize("degrees", [15.0, 90.0, 360.0])
+def test_a_turn_that_left_its_place_by_more_than_5_cm_is_not_done_however_far_it_turned(degrees: float) -> None:
+    turn = Primitive(Op.TURN, Direction.LEFT, degrees=degrees)
+    outcomes = [
+        judge(turn, {"degrees": degrees, "drift_m": drift_m}, "arrived", stopped=False)[0] for drift_m in (0.049, 0.051)
+    ]
+    assert outcomes == [Outcome.DONE, Outcome.INACCURATE]
+
+
 @given(asked=st.floats(1, 360), got=st.floats(-400, 400))
 def test_a_turn_is_done_only_within_four_degrees_and_a_little(asked: float, got: float) -> None:
     primitive = Primitive(Op.TURN, Direction.LEFT, degrees=asked)

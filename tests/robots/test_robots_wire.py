@@ -45,6 +45,7 @@ results = st.builds(
     st.lists(st.tuples(numbers, numbers, numbers, numbers)).map(tuple),
     st.none() | st.binary(),
     st.booleans(),
+    st.lists(st.tuples(numbers, numbers, numbers, numbers)).map(tuple),
 )
 
 

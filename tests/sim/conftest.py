@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from served_world import Served, start_world
 
-from agentrob.sim import room
 from agentrob.sim.go2 import Go2
 from agentrob.sim.ledger import Ledger
+from agentrob.sim.scene import OPEN_FLOOR
 from agentrob.sim.sport import MOVE, STOP_MOVE, Sport
 from agentrob.sim.world import PERIOD_S, World
 
@@ -59,7 +59,7 @@ class Bench:
 @pytest.fixture(scope="session")
 def open_floor_bench() -> Bench:
     body = Go2()
-    world = World([body], ())
+    world = World([body], OPEN_FLOOR)
     return Bench(world, body, Sport(body, lambda: world.time_s, Ledger()))
 
 
@@ -72,7 +72,7 @@ def bench(open_floor_bench: Bench) -> Bench:
 @pytest.fixture(scope="session")
 def furnished_bench() -> Bench:
     body = Go2()
-    world = World([body], room.THINGS)
+    world = World([body])
     return Bench(world, body, Sport(body, lambda: world.time_s, Ledger()))
 
 

@@ -66,7 +66,7 @@ def main():
     video, switcher = made(VideoClient(), 5.0), made(MotionSwitcherClient(), 5.0)
     seen = Seen()
     seen.until(lambda: seen.states and seen.lows)
-    out = {"balance": sport.BalanceStand(), "back_flip": sport.BackFlip(), "mode": switcher.CheckMode()}
+    out = {"balance": sport.BalanceStand(), "left_flip": sport.LeftFlip(), "mode": switcher.CheckMode()}
     out["select"] = switcher.SelectMode("ai")[0]
     low = seen.lows[-1][1]
     out["low"] = {"soc": low.bms_state.soc, "volts": low.power_v, "joints": [m.q for m in low.motor_state[:12]]}

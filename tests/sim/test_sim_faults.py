@@ -10,14 +10,21 @@ import pytest
 
 from agentrob.errors import SimError
 from agentrob.sim import sensors
-from agentrob.sim.faults import Faults, read
+from agentrob.sim.faults import Faults, Trouble, read
+
+ROOM_M = (8.0, 6.0)
 
 
 def test_faults_are_read_and_what_is_left_out_is_well() -> None:
-    assert read({}, ["go2"]) == Faults("go2")
+    assert read({}, ["g1", "go2"], ROOM_M) == Faults("go2")
+    assert read({}, ["g1"], ROOM_M) == Faults("g1")
     asked = {"robot": "go2", "ranges": "zero", "silent": True, "jump_m": [1, -0.5], "box_m": [0.5, 0]}
-    assert read(asked, ["go2"]) == Faults("go2", "zero", True, (1.0, -0.5), (0.5, 0.0))
-    assert read({"box_m": None}, ["go2"]).box_m is None
+    assert read(asked, ["go2"], ROOM_M) == Faults("go2", "zero", True, (1.0, -0.5), (0.5, 0.0))
+    assert read({"box_m": None}, ["go2"], ROOM_M).box_m is None
+    more = {"lost": True, "drops": 1, "unplugged": True, "camera": "black", "battery_percent": 9, "clock_s": -60}
+    found = read({**more, "push_mps": [0, 1], "tip": True}, ["go2"], ROOM_M)
+    assert (found.lost, found.drops, found.unplugged, found.tip) == (True, 1.0, True, True)
+    assert (found.camera, found.battery_percent, found.clock_s, found.push_mps) == ("black", 9.0, -60.0, (0.0, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -32,11 +39,17 @@ def test_faults_are_read_and_what_is_left_out_is_well() -> None:
         ({"jump_m": [1.0, "nan"]}, "two numbers"),
         ({"jump_m": [1.0, 1e9]}, "two numbers"),
         ({"box_m": [9, 0]}, "in the room"),
+        ({"camera": "blue"}, "good, dead, black"),
+        ({"tip": "yes"}, "true or false"),
+        ({"drops": 1.5}, "from 0 to 1"),
+        ({"drops": True}, "from 0 to 1"),
+        ({"battery_percent": float("nan")}, "from 0 to 100"),
+        ({"push_mps": [3, 3]}, "at most 3 m/s"),
     ],
 )
 def test_what_cannot_be_is_refused_with_what_would_be_valid(asked, said) -> None:
     with pytest.raises(SimError, match=said):
-        read(asked, ["go2"])
+        read(asked, ["go2"], ROOM_M)
 
 
 def test_an_odometry_jumps_along_the_robots_own_axes(room_bench) -> None:
@@ -58,6 +71,36 @@ def test_a_box_stands_where_it_is_put_and_is_seen_and_touched_by_nobody_before(r
     room_bench.run(0.1)
     assert ranges.read()[0] == pytest.approx(free_m, abs=0.05)
     assert room_bench.body.touching() == []
+
+
+def test_a_body_is_shoved_and_tipped_over(room_bench) -> None:
+    trouble = Trouble(room_bench.body)
+    trouble.make(Faults("go2", push_mps=(0.0, 1.0)))
+    assert room_bench.body.heading_velocity()[1] > 0.8
+    trouble.make(Faults("go2", tip=True))
+    for _ in range(100):
+        trouble.tick(0.02)
+        room_bench.run(0.02)
+    assert room_bench.body.upright < 0.3
+
+
+def test_calls_are_lost_as_often_as_was_asked(room_bench) -> None:
+    trouble = Trouble(room_bench.body)
+    for asked, least, most in ((0.0, 0, 0), (0.5, 70, 130), (1.0, 200, 200)):
+        trouble.make(Faults("go2", drops=asked))
+        assert least <= sum(trouble.swallows() for _ in range(200)) <= most
+    trouble.make(Faults("go2", unplugged=True))
+    assert trouble.swallows()
+    assert trouble.mute
+
+
+def test_an_empty_battery_is_exchanged_in_a_world_that_runs_for_days() -> None:
+    battery, seen = sensors.Battery(), []
+    for _ in range(24 * 60):
+        battery.drain(0.0, 60.0)
+        battery.exchange()
+        seen.append(battery.percent)
+    assert min(seen) >= 25
 
 
 def test_a_reset_takes_the_box_away(room_bench) -> None:

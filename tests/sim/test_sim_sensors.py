@@ -5,10 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from agentrob.sim import room, sensors
+from agentrob.sim import sensors
 from agentrob.sim.go2_services import FEET
+from agentrob.sim.scene import load
 
 pytestmark = pytest.mark.sim
+
+LENGTH_M, WIDTH_M = load("room").room.size_m
 
 
 def ranges(bench):
@@ -20,9 +23,9 @@ def test_ranges_at_the_start_are_the_distances_to_what_is_there(room_bench):
     x, y = room_bench.body.xy_m
     box, ball = 3.2 - 0.25 - x - sensors.NOSE_M, 2.7 - 0.15 - x - sensors.NOSE_M
     assert ball - 0.05 < front < box + 0.05
-    assert back == pytest.approx(x + room.LENGTH_M / 2 - sensors.NOSE_M, abs=0.1)
-    assert 1.5 < left < room.WIDTH_M / 2 - y
-    assert 1.5 < right < room.WIDTH_M / 2 + y
+    assert back == pytest.approx(x + LENGTH_M / 2 - sensors.NOSE_M, abs=0.1)
+    assert 1.5 < left < WIDTH_M / 2 - y
+    assert 1.5 < right < WIDTH_M / 2 + y
 
 
 def test_near_a_wall_the_front_range_is_short_and_exact(room_bench):
@@ -31,7 +34,7 @@ def test_near_a_wall_the_front_range_is_short_and_exact(room_bench):
     data.qpos[body.root_q + 3 : body.root_q + 7] = [math.cos(math.pi / 4), 0, 0, math.sin(math.pi / 4)]
     room_bench.run(0.02)
     front, *_ = ranges(room_bench)
-    assert front == pytest.approx(room.WIDTH_M / 2 - 2.2 - sensors.NOSE_M, abs=0.05)
+    assert front == pytest.approx(WIDTH_M / 2 - 2.2 - sensors.NOSE_M, abs=0.05)
 
 
 def test_on_an_endless_floor_nothing_is_in_range(bench):

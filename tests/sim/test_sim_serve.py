@@ -36,7 +36,7 @@ def test_it_is_ready_after_a_few_seconds_of_work(served):
 
 def test_the_sdk_gets_true_codes(sdk):
     assert sdk["balance"] == 0
-    assert sdk["back_flip"] == 3203
+    assert sdk["left_flip"] == 3203
     assert sdk["select"] == 3203
     assert sdk["mode"][0] == 0
     assert sdk["second_gesture"] == 4205

@@ -1,4 +1,7 @@
-"""The camera of the room, live on the robot's page: while somebody watches or the robot moves, and never else."""
+"""The camera of the room, live on the robot's page: while somebody watches or the robot moves, and never else.
+
+What it shows is also told to whoever records a command, so that nothing is looked at twice.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +22,31 @@ _MAX_BYTES = 4 * 2**20
 _log = structlog.get_logger()
 
 
+async def snapshot(http: httpx2.AsyncClient, url: str) -> bytes:
+    """One picture. Raises httpx2's errors, and `ForumError` for one that is too large."""
+    answer = await http.get(url)
+    answer.raise_for_status()
+    if len(answer.content) > _MAX_BYTES:
+        raise ForumError(f"the camera's picture has {len(answer.content)} bytes; at most {_MAX_BYTES}")
+    return answer.content
+
+
 class Camera:
     """Fetches snapshots from `url` and publishes them as `robot`'s live picture."""
 
-    def __init__(self, stage: Stage, robot: str, url: str, moving: Callable[[], bool]) -> None:
+    def __init__(
+        self,
+        stage: Stage,
+        robot: str,
+        url: str,
+        moving: Callable[[], bool],
+        seen: Callable[[bytes], None] = lambda _: None,
+    ) -> None:
         self._stage = stage
         self._robot = robot
         self._url = url
         self._moving = moving
+        self._seen = seen
         self._wanted = asyncio.Event()
 
     def wake(self) -> None:
@@ -49,11 +69,9 @@ class Camera:
         moved_s = time.monotonic()
         while True:
             begun_s = time.monotonic()
-            answer = await http.get(self._url)
-            answer.raise_for_status()
-            if len(answer.content) > _MAX_BYTES:
-                raise ForumError(f"the camera's picture has {len(answer.content)} bytes; at most {_MAX_BYTES}")
-            viewers = await self._stage.publish_frame(self._robot, answer.content)
+            jpeg = await snapshot(http, self._url)
+            self._seen(jpeg)
+            viewers = await self._stage.publish_frame(self._robot, jpeg)
             if self._moving():
                 moved_s = time.monotonic()
             if viewers == 0 and time.monotonic() - moved_s > LINGER_S:

@@ -26,7 +26,8 @@ from agentrob.agent.look_goal import errand_of, in_words
 from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, permission
-from agentrob.agent.plot import path_plot
+from agentrob.agent.pictures import illustrate, late_recording
+from agentrob.agent.recorder import Recorder
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
 from agentrob.agent.status import Shown, StatusLine
@@ -35,6 +36,7 @@ from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
+from agentrob.images.store import ImageStore
 from agentrob.language.help import help_text
 from agentrob.language.phrases import say as phrase
 from agentrob.minds.summary import Summary, summarise
@@ -66,6 +68,8 @@ class Course:
     line: Line
     stops: Stops
     records: Records
+    recorder: Recorder
+    store: ImageStore | None
     pace: Pace
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
@@ -259,7 +263,7 @@ class Course:
             step_s=self.channel.step_s,
         )
         try:
-            with self.channel:
+            with self.channel, self.recorder.filming(job.command.post_id):
                 execution = await self._carried_out(job, plan, reins)
         finally:
             job.moving = False
@@ -315,13 +319,12 @@ class Course:
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
         command, summary = job.command, await self._summary(job, report)
-        images = [r.image for r in report.results if r.image]
-        if words.has_path(report.results) and (plot := await asyncio.to_thread(path_plot, report.results)):
-            images.append(plot)
+        pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending())
+        images = [picture.data for picture in pictures if picture.attached]
         try:
+            kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
             more = {"looked": asdict(job.looked)} if job.looked else {}
-            summed = summary and summary.as_data()
-            self.records.write(report, job.thought, stopped_by=job.stopped_by, summary=summed, **more)
+            self.records.write(report, job.thought, stopped_by=job.stopped_by, recording=kept, summary=said, **more)
         except OSError as e:
             _log.error("record not written", post=command.post_id, error=str(e))
         at, asked = len(report.plan.steps), self.thinking.mind.name
@@ -331,7 +334,7 @@ class Course:
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         async def deed() -> str:
-            final = Shown(words.final(report, told, worded(summary, command.language)), card)
+            final = Shown(words.final(report, pictures, told, worded(summary, command.language)), card)
             await job.status.close(final, images, words.short(report))
             return report.status
 
@@ -344,6 +347,9 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+        if recording := await late_recording(command.post_id, self.recorder, self.store):
+            text = words.final(report, (*pictures, recording), told, worded(summary, command.language))
+            await job.status.add(Shown(text, card), [recording.data] if recording.attached else [])
 
     async def _summary(self, job: Job, report: Report) -> Summary | None:
         """What a model makes of the measured results in words, where the owner wants that."""

@@ -29,9 +29,9 @@ def path_plot(results: Sequence[ActionResult]) -> bytes | None:
     if len(measured) < 2:
         return None
     start = measured[0]
-    local = [_seen_from(start, pose) for pose in measured]
+    local = [seen_from(start, pose) for pose in measured]
     figure, axes = _canvas()
-    asked = list(_asked(results))
+    asked = list(asked_path(results))
     _line(axes, asked, color=_ASKED, linestyle=(0, (4, 3)), linewidth=1.5, label="asked")
     _line(axes, local, color=_MEASURED, linewidth=2.4, label="measured")
     span = _frame(axes, [*asked, *local])
@@ -100,13 +100,13 @@ def _frame(axes: Any, path: Sequence[Pose]) -> float:
     return float(height)
 
 
-def _seen_from(start: Pose, pose: Pose) -> Pose:
+def seen_from(start: Pose, pose: Pose) -> Pose:
     dx, dy = pose.x_m - start.x_m, pose.y_m - start.y_m
     c, s = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
     return Pose(c * dx + s * dy, -s * dx + c * dy, pose.yaw_rad - start.yaw_rad)
 
 
-def _asked(results: Sequence[ActionResult]) -> Iterator[Pose]:
+def asked_path(results: Sequence[ActionResult]) -> Iterator[Pose]:
     """The path as it was asked for, had every step been exact."""
     x = y = yaw = 0.0
     yield Pose(x, y, yaw)

@@ -9,13 +9,17 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from agentrob.agent.pictures import Picture
 from agentrob.agent.sentences import known, say
+from agentrob.agent.track import clips
 from agentrob.language.phrases import quote
 from agentrob.model import ActionResult, Language, Op, Outcome, Primitive, Report, RobotState, StopResult
 
 SENTENCE_CHARS = 600
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
+#: Why we ended a step ourselves: the driver's own sentence knows nothing of it.
+_NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable"})
 
 
 # -------------------------------------------------------------------- words that are not ours
@@ -48,7 +52,7 @@ def doing(step: Primitive, language: Language) -> str:
 
 
 # -------------------------------------------------------------------- the end
-def final(report: Report, notes: Sequence[str] = (), said: str = "") -> str:
+def final(report: Report, pictures: Sequence[Picture] = (), notes: Sequence[str] = (), said: str = "") -> str:
     """The whole reply to a command. The message of a stopped one is the handle of who stopped it.
 
     `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head.
@@ -59,8 +63,7 @@ def final(report: Report, notes: Sequence[str] = (), said: str = "") -> str:
         parts.append(say("note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
         parts.append(stop_figures(report.stop, language))
-    parts.append(_pictures(report))
-    parts += notes
+    parts += [_slower(report), _pictures(pictures, language), *notes]
     parts.append(_foot(report))
     return "\n\n".join(part for part in parts if part)
 
@@ -119,6 +122,8 @@ def _reason(result: ActionResult, language: Language) -> str:
     if not own and not result.message and reason:
         own = say("reason.other", language, reason=reason)
     detail = disarmed(result.message) if result.message and (language == "en" or not own) else ""
+    if language == "en" and reason in _NOT_THE_DRIVERS:
+        return f"{own} {detail}".strip()
     return (detail or own) if language == "en" else own or detail
 
 
@@ -146,18 +151,24 @@ def _measured(result: ActionResult, language: Language) -> str:
     return form.format(result.measured[key]) if key in result.measured else say("unknown", language)
 
 
-def _pictures(report: Report) -> str:
+def _slower(report: Report) -> str:
+    """A step that was commanded slower than it was asked for says so, also when it was done."""
     language = report.command.language
-    names = [say("picture.step", language, step=n) for n, r in enumerate(report.results, 1) if r.image]
-    if has_path(report.results):
-        names.append(say("picture.path", language))
+    said = (say("slower", language, **clip._asdict()) for clip in clips(report.results))
+    return ("" if language == "zh" else " ").join(said)
+
+
+def _pictures(pictures: Sequence[Picture], language: Language) -> str:
+    """Which pictures there are: below the text, or behind links that expire."""
+    names = [(p, say(f"picture.{p.kind}", language, step=p.step)) for p in pictures]
+    linked = [name if p.link is None else f"[{name}]({p.link.url})" for p, name in names]
     joint = "、" if language == "zh" else ", "
-    return say("pictures", language, pictures=joint.join(names)) if names else ""
-
-
-def has_path(results: Sequence[ActionResult]) -> bool:
-    """Whether there is a path worth a plot."""
-    return any(len(r.path) > 1 for r in results)
+    if not linked:
+        return ""
+    said = say("pictures", language, pictures=joint.join(linked))
+    if until := min((p.link.until for p in pictures if p.link), default=None):
+        said += ("" if language == "zh" else " ") + say("pictures.until", language, until=f"{until:%Y-%m-%d %H:%M}")
+    return said
 
 
 def _foot(report: Report) -> str:

@@ -149,7 +149,19 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     ),
     "reason.odometry_jump": ("My odometry jumped; I must be homed again.", "里程计跳变，需要重新设置原点。"),
     "reason.ranges_unknown": ("I cannot tell what is around me.", "无法判断周围有什么。"),
-    "reason.fallen": ("I fell.", "我摔倒了。"),
+    "reason.fallen": (
+        "I have fallen, and stay down until I am asked to stand up.",
+        "我摔倒了，有人叫我站起来之前不会动。",
+    ),
+    "reason.low_battery": ("My battery is too low for any motion; charge me.", "电量过低，不能动作，请给我充电。"),
+    "reason.posture": (
+        "I cannot do that from the posture I am in; somebody must make me stand first.",
+        "我现在的姿势做不了，需要先有人让我站好。",
+    ),
+    "reason.bad_image": ("There is nothing to be seen on my picture.", "我拍的照片上什么也看不到。"),
+    "reason.no_answer": ("The robot did not answer.", "机器人没有应答。"),
+    "reason.robot_error": ("The robot answered with an error.", "机器人报告出错。"),
+    "reason.timeout": ("It took too long.", "超时。"),
     "reason.consent": ("That needs my owner's consent.", "这需要主人同意。"),
     "reason.mandate": ("It would exceed what was allowed for this command.", "超出了这个命令允许的范围。"),
     "reason.stop_channel": (
@@ -164,6 +176,16 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "pictures": ("Pictures: {pictures}.", "图片：{pictures}。"),
     "picture.step": ("photo of step {step}", "第 {step} 步的照片"),
     "picture.path": ("the path measured", "实测路径"),
+    "picture.recording": ("a recording", "录像"),
+    "picture.data": ("its data", "录制数据"),
+    "pictures.until": (
+        "Whoever has a link can open it until {until} UTC; then it is void.",
+        "链接在 {until}（UTC）前有效，持有者均可打开。",
+    ),
+    "slower": (
+        "Step {step} was commanded at most {commanded_mps:g} m/s, slower than the {asked_mps:g} m/s asked for.",
+        "第 {step} 步实际最高只下达了 {commanded_mps:g} 米/秒，低于要求的 {asked_mps:g} 米/秒。",
+    ),
     "timing.seen": ("seen after {seconds:.2f} s", "{seconds:.2f} 秒后看到"),
     "timing.first_motion": ("first motion after {seconds:.2f} s", "{seconds:.2f} 秒后开始动作"),
     "timing.done": ("done after {seconds:.1f} s", "{seconds:.1f} 秒后完成"),

@@ -7,6 +7,7 @@ import contextlib
 import math
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
 import structlog
@@ -93,6 +94,15 @@ class StatusLine:
                 return
         await self._tell_in_reply(final, images, short)
 
+    async def add(self, final: Shown, images: Sequence[bytes]) -> None:
+        """Put something that came too late for the end beside it, once, where the forum does not count edits."""
+        if self._post_id is None or self._limited:
+            return
+        try:
+            await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
+        except ForumError as e:
+            _log.info("what came late is not shown", post=self._command.post_id, error=str(e))
+
     async def _tell(self, final: Shown, images: Sequence[bytes]) -> None:
         assert self._post_id is not None
         now = await self._forum.post(self._post_id)
@@ -117,12 +127,17 @@ class StatusLine:
 
 
 async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images: Sequence[bytes]) -> T:
-    """Write with pictures; the words matter more, so where the forum does not take the pictures, without them."""
-    if images:
+    """Write with pictures; the words matter more, so where the forum does not take the pictures, without them: first
+    without those that move, which not every forum knows."""
+    still = tuple(image for image in images if not image.startswith(b"RIFF"))
+    for pictures in dict.fromkeys((tuple(images), still)) if images else ():
         try:
-            return await insist(lambda: write(images), PICTURE_TRIES)
-        except ForumError as e:
+            return await insist(partial(write, pictures), PICTURE_TRIES)
+        except ForumUnreachable as e:
             _log.warning("told without pictures", error=str(e))
+            break
+        except ForumError as e:
+            _log.warning("pictures not taken", count=len(pictures), error=str(e))
     return await insist(lambda: write(()))
 
 

@@ -30,6 +30,7 @@ from agentrob.agent.lookback import close_unknown, is_open, recent_posts
 from agentrob.agent.pace import Pace
 from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
 from agentrob.agent.presence import Presence, reset_room
+from agentrob.agent.recorder import Recorder, look_of
 from agentrob.agent.records import Records
 from agentrob.agent.status import insist
 from agentrob.agent.stops import Stops
@@ -37,6 +38,7 @@ from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
+from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
 from agentrob.minds.mind import LivingMind, Mind
 from agentrob.model import Account, Command, Decision, Post, StopResult
@@ -57,13 +59,21 @@ class RobotAgent:
     """
 
     def __init__(
-        self, name: str, settings: RobotConfig, forum: Forum, driver: DriverClient, mind: Mind, data: Path
+        self,
+        name: str,
+        settings: RobotConfig,
+        forum: Forum,
+        driver: DriverClient,
+        mind: Mind,
+        data: Path,
+        store: ImageStore | None = None,
     ) -> None:
         self.name = name
         self.settings = settings
         self.forum = forum
         self.driver = driver
         self.mind = mind
+        self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
         self.channel = Channel(forum, "", settings.poll_s)
@@ -78,7 +88,15 @@ class RobotAgent:
         stage = forum if isinstance(forum, Stage) else None
         self.presence = Presence(stage, driver, name, settings, lambda: len(self.line)) if stage else None
         seen_by = settings.room_camera
-        self.camera = Camera(stage, name, seen_by, lambda: self.line.moving is not None) if stage and seen_by else None
+        live, view = stage is not None and bool(seen_by), settings.recording.view
+        self.recorder = Recorder(
+            self.folder / "recordings",
+            settings.recording,
+            None if live and view == "room" else look_of(settings, driver),
+        )
+        seen = self.recorder.see if view in ("auto", "room") else lambda _: None
+        moving = lambda: self.line.moving is not None  # noqa: E731
+        self.camera = Camera(stage, name, seen_by, moving, seen) if stage and seen_by else None
         self._journal: Journal | None = None
         self._course: Course | None = None
         self._me: Account | None = None
@@ -210,8 +228,8 @@ class RobotAgent:
         thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal)
         return Course(
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
-            self.channel, self.line, self.stops, self.records, Pace(self.settings.rates), self._line_changed,
-            lambda: self._ending,
+            self.channel, self.line, self.stops, self.records, self.recorder, self._store, Pace(self.settings.rates),
+            self._line_changed, lambda: self._ending,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:

@@ -137,7 +137,7 @@ def _own(by: Account, name: str) -> None:
 # -------------------------------------------------------------------- images
 @router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415))
 async def upload(request: Request, file: UploadFile, by: Member, key: Key = None) -> Response:
-    """A picture for a post: JPEG or PNG, at most 8 MiB. Robot agents, operators and admins."""
+    """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins."""
     if by.kind is not AccountKind.ROBOT_AGENT and by.role is Role.MEMBER:
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
     parts = services(request)

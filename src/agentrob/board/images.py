@@ -18,30 +18,61 @@ from agentrob.errors import BoardError
 MAX_BYTES = 8 * 1024 * 1024
 MAX_PIXELS = 25_000_000
 MAX_FRAME_BYTES = 2 * 1024 * 1024
-_TYPES = {"JPEG": "image/jpeg", "PNG": "image/png"}
+#: All frames of a moving picture together.
+MAX_FRAMES, MAX_MOVING_PIXELS = 300, 100_000_000
+_TYPES = {"JPEG": "image/jpeg", "PNG": "image/png", "WEBP": "image/webp", "GIF": "image/gif"}
+_METADATA = ("exif", "xmp", "comment", "photoshop")
 
 
 def check(data: bytes) -> tuple[Image, bytes]:
     """The picture (without id) and its bytes without what a camera wrote into them (place, owner).
 
-    Decodes all of it, so not on the event loop. 413 when too large, 415 for what is no JPEG or PNG.
+    Decodes all of it, so not on the event loop. 413 when too large, 415 for what is no JPEG, PNG, WebP or GIF.
     """
     if len(data) > MAX_BYTES:
         raise BoardError(413, "image_too_large", f"the image has {len(data)} bytes", f"at most {MAX_BYTES} bytes")
     try:
         with _open(data) as picture:
-            picture.load()
             width, height = picture.size
+            moving = _check_moving(picture)
+            picture.load()
             # A JPEG with more pictures behind the first one (phones make them) becomes a plain JPEG of the first.
             several = picture.format == "MPO"
             kind = "JPEG" if several else str(picture.format)
-            if several or any(picture.info.get(k) for k in ("exif", "xmp", "comment", "photoshop")):
+            if moving:
+                _check_frames(picture)
+            elif several or any(picture.info.get(k) for k in _METADATA):
                 data, (width, height) = _without_metadata(picture, kind)
     except BoardError:
         raise
     except Exception as e:  # Pillow raises nearly everything for broken files
-        raise BoardError(415, "bad_image", "that is not a picture that can be read", "a JPEG or PNG file") from e
+        raise BoardError(
+            415, "bad_image", "that is not a picture that can be read", "a JPEG, PNG, WebP or GIF file"
+        ) from e
     return Image("", width, height, _TYPES[kind]), data
+
+
+def _check_moving(picture: Pillow.Image) -> bool:
+    """Whether it moves; 413 when that is too much, before any of it is decoded."""
+    frames = getattr(picture, "n_frames", 1) if picture.format in ("WEBP", "GIF") else 1
+    width, height = picture.size
+    if frames > MAX_FRAMES or (frames > 1 and frames * width * height > MAX_MOVING_PIXELS):
+        what = f"the picture has {frames} frames of {width} × {height}"
+        raise BoardError(
+            413, "image_too_large", what, f"at most {MAX_FRAMES} frames, {MAX_MOVING_PIXELS} pixels together"
+        )
+    return frames > 1
+
+
+def _check_frames(picture: Pillow.Image) -> None:
+    """Decode every frame. What a camera wrote into it cannot be taken out without spoiling it, so that is refused."""
+    for number in range(getattr(picture, "n_frames", 1)):
+        picture.seek(number)
+        picture.load()
+    if any(picture.info.get(k) for k in ("exif", "xmp")):
+        raise BoardError(
+            415, "bad_image", "that moving picture carries metadata of a camera", "one without EXIF and XMP"
+        )
 
 
 def check_frame(data: bytes) -> None:
@@ -69,7 +100,7 @@ def _without_metadata(picture: Pillow.Image, kind: str) -> tuple[bytes, tuple[in
     upright = ImageOps.exif_transpose(picture)
     upright.info.clear()
     out = io.BytesIO()
-    options = {"quality": 92} if kind == "JPEG" else {}
+    options = {"quality": 92} if kind in ("JPEG", "WEBP") else {}
     upright.save(out, format=kind, **options)
     return out.getvalue(), upright.size
 

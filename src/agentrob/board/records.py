@@ -63,7 +63,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A picture that was uploaded; `media_type` is image/jpeg or image/png."""
+    """A picture that was uploaded; `media_type` is image/jpeg, png, webp or gif."""
 
     id: str
     width: int

@@ -110,7 +110,7 @@ class BoardForum:
         """Send pictures first; the text then names them. Uploaded twice after a lost answer is harmless."""
         ids = []
         for number, image in enumerate(images, 1):
-            kind = "png" if image.startswith(b"\x89PNG") else "jpeg"
+            kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
             file = (f"{number}.{kind}", image, f"image/{kind}")
             ids.append(await self._call("POST", "/images", lambda sent: str(sent["id"]), files={"file": file}))
         return {"images": ids} if ids else {}

@@ -105,7 +105,8 @@ class Reader(Protocol):
 class Writer(Protocol):
     """Write as the signed-in account. `key` makes a write idempotent: the same key twice is one post.
 
-    `images` are JPEG or PNG bytes shown below the text, in order. `card` is the machine-readable status.
+    `images` are JPEG, PNG or WebP bytes (these may move) shown below the text, in order; a forum that cannot take one
+    raises `ForumError`, and the same write may be tried with fewer. `card` is the machine-readable status.
     """
 
     #: How often a post may be edited, or None when there is no limit.

@@ -5,8 +5,8 @@ Pure rules, asked before queueing and again immediately before motion. The first
 
 Not covered here:
 - where the robot is and what stands in its way (the guard looks at every step, in the driver's process);
-- what is harmful in this place only: harmless words next to a staircase, a sleeping cat, an open flame;
-- harm said in other words, in another language, or spread over several commands;
+- what is harmful in this place only, unless the post or a description of the scene says so;
+- harm said in words that no rule knows, in another language, or spread over several posts;
 - whether a measure that was asked is what was meant, and whether an authorised account is in the right hands;
 - how often somebody commands (rates), freshness and repetition (the agent), the robot's battery and health (the guard).
 """
@@ -16,9 +16,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from agentrob.judge.beside import said_beside
 from agentrob.judge.estimate import seconds_of, step_seconds
-from agentrob.judge.harm import harm_of
+from agentrob.judge.harm import doubt_of, harm_of
 from agentrob.judge.rights import may
+from agentrob.judge.scene import harm_in_scene
+from agentrob.judge.way import in_the_way
 from agentrob.language.phrases import say
 from agentrob.language.render import sentence, step_sentence
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, Verdict
@@ -33,12 +36,13 @@ def screen(
     language: Language,
     allow_flip: bool = False,
     step_s: float = math.inf,
+    scene: str = "",
 ) -> Verdict:
     """Look at the whole command on today's state.
 
     `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
     robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
-    (law 16). The reason is a sentence in `language`.
+    (law 16), `scene` a description of the place in English, where there is one. The reason is a sentence in `language`.
     """
     rights = may(author, "command", language)
     if rights.decision is not Decision.ALLOW:
@@ -48,7 +52,14 @@ def screen(
     if (longest_s := max(step_seconds(step, capabilities) for step in plan.steps)) > step_s:
         rule, reason = _over("step_time", longest_s, step_s, language)
         return Verdict(Decision.REFUSE, rule, reason)
-    return harm_of(text, language) or Verdict(Decision.ALLOW, "screen.passed")
+    return (
+        harm_of(text, language)
+        or in_the_way(text, plan, language)
+        or harm_in_scene(text, scene, plan, language)
+        or doubt_of(text, language)
+        or said_beside(text, plan, language)
+        or Verdict(Decision.ALLOW, "screen.passed")
+    )
 
 
 def _objections(

@@ -9,7 +9,7 @@ from functools import cache
 from agentrob.language.languages import known
 from agentrob.language.visible import mention_spans
 
-_ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all)*", re.IGNORECASE)
+_ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all|please|请|你|都)*", re.IGNORECASE)
 
 
 def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
@@ -47,5 +47,6 @@ def together() -> re.Pattern[str]:
     """Words for all at the beginning of a clause: "… Then both of you wave"."""
     words = [w for t in known().values() for w in t.together.replace("\n", "").split("|") if w]
     said = "|".join(re.escape(w) for w in sorted(words, key=len, reverse=True))
-    begins = r"(?:^|[.;:,!?\n。！？；，：])\s*(?:\w{3,7}\s+|然后|最后|再)?"
+    leads = "and|then|after|that|this|finally|lastly|next|afterwards|now|also|please|okay|at|in|the|end"
+    begins = rf"(?:^|[.;:,!?\n。！？；，：])\s*(?:(?:{leads}),?\s+){{0,4}}(?:然后|最后|接着|之后|再|请)*"
     return re.compile(rf"{begins}(?P<words>(?:{said})(?![A-Za-z]))", re.IGNORECASE)

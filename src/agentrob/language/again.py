@@ -62,7 +62,7 @@ def once_more(
         if before and not draft.counted and len(base) > 1:
             raise Unclear(say("ask.again_which", language, words=quote(said)))
         # "Walk 1 m, do this twice": twice in all. "Again" with nothing before it: as often as it says.
-        times = draft.times - 1 if before and draft.counted else draft.times
+        times = draft.times - 1 if before and draft.counted and not draft.more else draft.times
         if not 0 <= times * len(base) <= MAX_STEPS or draft.times < 1:
             raise Unclear(say("ask.too_many", language, steps=MAX_STEPS))
         steps = _changed(base, draft, said, language) * times

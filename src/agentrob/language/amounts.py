@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from agentrob.language.lexicon import Kind, Token
+from agentrob.language.lexicon import Kind, Soft, Token
 from agentrob.model import Op
 
 _AMOUNT_OF = {
@@ -15,10 +15,12 @@ _AMOUNT_OF = {
     Kind.STEP_UNIT: Kind.STEPS,
     Kind.TIME_UNIT: Kind.DURATION,
     Kind.TIMES_UNIT: Kind.TIMES,
+    Kind.MORE_TIMES_UNIT: Kind.MORE_TIMES,
 }
 
 
 _LONGEST_PICTURE = 6
+_INCH_M = 0.0254
 
 
 def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
@@ -61,24 +63,28 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
             at = end + 1
         else:
             found.append(_settled(tokens, at))
-            if (
-                tokens[at].kind is Kind.SHOW
-                and tokens[_skip_soft(tokens, at + 1) :][:1]
-                and (tokens[_skip_soft(tokens, at + 1)].kind is Kind.STEPS)
-            ):  # "take two steps"
+            if tokens[at].kind is Kind.SHOW and _are_steps(tokens, _skip_soft(tokens, at + 1)):
                 found[-1] = replace(tokens[at], kind=Kind.MOVE)
             at += 1
     return found
 
 
+def _are_steps(tokens: Sequence[Token], at: int) -> bool:
+    """ "Take two steps", "take a few steps"."""
+    kinds = [t.kind for t in tokens[at : at + 2]]
+    return kinds[:1] == [Kind.STEPS] or kinds == [Kind.VAGUE, Kind.STEP_UNIT]
+
+
 def _settled(tokens: Sequence[Token], at: int) -> Token:
-    """ "Go ahead" is a direction when a length follows ("go ahead two feet"), otherwise encouragement."""
+    """What depends on the next word: "go ahead" is a direction before a length, otherwise encouragement."""
     token = tokens[at]
     if token.kind is Kind.SHOW and token.value == "talk":  # "I want to see", and no picture
         return replace(token, kind=Kind.TALK)
+    following = tokens[_skip_soft(tokens, at + 1) :][:1]
+    if token.kind is Kind.CONDITION and token.value == "wait" and following and following[0].kind is Kind.DURATION:
+        return replace(token, kind=Kind.BEYOND)  # 等五秒再挥手
     if token.kind is not Kind.GO_AHEAD:
         return token
-    following = tokens[_skip_soft(tokens, at + 1) :][:1]
     goes = bool(following) and following[0].kind is Kind.LENGTH
     return Token(Kind.DIR if goes else Kind.SOFT, "forward" if goes else None, token.start, token.end)
 
@@ -100,10 +106,12 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     value, here = _quantity(tokens, at, text)
     if value is None:
         return None, 0
-    unit_at = _skip_soft(tokens, here)
+    unit_at = here if _are_inches(tokens, here) else _skip_soft(tokens, here)
     unit = tokens[unit_at] if unit_at < len(tokens) else None
-    if unit is None or unit.kind not in _AMOUNT_OF:
+    if unit is None or (unit.kind not in _AMOUNT_OF and not _are_inches(tokens, unit_at)):
         return None, 0
+    if unit.kind is Kind.SOFT:
+        unit = replace(unit, kind=Kind.LENGTH_UNIT, value=_INCH_M)
     end = unit_at + 1
     if end < len(tokens) and tokens[end].kind is Kind.AND_PART:  # "a metre and a half"
         value += _float(tokens[end])
@@ -111,8 +119,25 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     elif unit.kind is Kind.LENGTH_UNIT and (fraction := _spoken_fraction(tokens, end, text)) is not None:
         value += fraction
         end += 1
+    elif unit.kind is Kind.ANGLE_UNIT and end < len(tokens) and _half_follows(tokens, end):
+        value += 0.5
+        end += 1
     scaled = value * (float(unit.value) if isinstance(unit.value, float) else 1.0)
     return Token(_AMOUNT_OF[unit.kind], scaled, tokens[at].start, tokens[end - 1].end), end - at
+
+
+def _are_inches(tokens: Sequence[Token], at: int) -> bool:
+    """ "2 ft 6 in", where the clause ends or a direction follows; not "in the room"."""
+    if at >= len(tokens) or tokens[at].value != Soft.IN:
+        return False
+    following = tokens[at + 1].kind if at + 1 < len(tokens) else Kind.END
+    return following in (Kind.END, Kind.COMMA, Kind.AND, Kind.DIR)
+
+
+def _half_follows(tokens: Sequence[Token], at: int) -> bool:
+    """转两圈半: two and a half, where nothing is halved after it."""
+    touches = tokens[at].kind is Kind.HALF and tokens[at].start == tokens[at - 1].end
+    return touches and not (at + 1 < len(tokens) and tokens[at + 1].kind in _AMOUNT_OF)
 
 
 def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None, int]:
@@ -152,7 +177,7 @@ def _skip_soft(tokens: Sequence[Token], at: int) -> int:
 
 
 def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | None:
-    """The part after a unit: 一米五 is 1.5 m, 一米零五 1.05 m, 一米半 1.5 m.
+    """The part after a unit: 一米五 is 1.5 m, 一米零五 1.05 m, 1米20 1.2 m, 一米半 1.5 m.
 
     A digit with a unit of its own is not meant.
     """
@@ -163,7 +188,7 @@ def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | Non
     if tokens[at].kind is Kind.HALF:
         return 0.5
     said = text[tokens[at].start : tokens[at].end]
-    if tokens[at].kind is not Kind.NUMBER or len(said) > 2 or (len(said) == 2 and said[0] not in "0零〇"):
+    if tokens[at].kind is not Kind.NUMBER or len(said) > 2 or (len(said) == 2 and said[0] not in "0零〇123456789"):
         return None
     return _float(tokens[at]) / (10.0 if len(said) == 1 else 100.0)
 

@@ -7,9 +7,10 @@ only collects what was said; whether that is enough to move is decided in `steps
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.language.drafts import Draft, Sentence
-from agentrob.language.lexicon import Kind, Token
+from agentrob.language.lexicon import Kind, Soft, Token
 from agentrob.language.marks import AMOUNTS, MARKS, Marks, Mode
 from agentrob.model import Direction, Op
 
@@ -30,7 +31,7 @@ class _Reader(Marks):
     """Reads one sentence, token by token."""
 
     def read(self, tokens: Sequence[Token]) -> Sentence:
-        self.tokens = [t for t in tokens if t.kind is not Kind.SOFT]
+        self._set_aside(tokens)
         for at, token in enumerate(self.tokens):
             self.at = at
             self._take(token)
@@ -46,17 +47,33 @@ class _Reader(Marks):
         self.sentence.drafts = [d for d in self.sentence.drafts if not d.empty]
         return self.sentence
 
+    def _set_aside(self, tokens: Sequence[Token]) -> None:
+        """What carries nothing, each beside the token that it stands before or after."""
+        self.tokens, self.soft_before, self.soft_after = [], {}, {}
+        soft: list[Token] = []
+        for token in tokens:
+            self.sentence.greeted |= token.value == Soft.HELLO
+            if token.kind is Kind.SOFT:
+                soft.append(token)
+                continue
+            self.soft_before[len(self.tokens)] = self.soft_after[len(self.tokens) - 1] = soft
+            self.tokens.append(token)
+            # "Walk, uh, walk": the comma between does not matter; "walk and uh walk" are two.
+            soft = [s for s in soft if s.value == Soft.UH] if token.kind is Kind.COMMA else []
+        self.soft_after[len(self.tokens) - 1] = soft
+
     def _take(self, token: Token) -> None:
         kind = token.kind
         if kind in MARKS:
             MARKS[kind](self, token)
         elif self.mode is Mode.TALK and not self._leaves_talk(token):
             self.talk_has_motion |= kind in (Kind.MOVE, Kind.TURN, Kind.OP)
+            self.sentence.status_asked |= kind is Kind.STATUS and token.value is not None
         elif self.mode is Mode.DENIED:
             self._deny(token)
         elif self.mode is Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
             pass
-        elif self.mode is Mode.SUBJECT and self.cur and self.cur.op is Op.HELLO:
+        elif self.mode is Mode.SUBJECT and self.cur and self.cur.op in _FOR_SOMEBODY:
             self._unknown(token)  # "wave to those who walk 2 m"
         else:
             self.mode = Mode.WANTED
@@ -105,14 +122,30 @@ class _Reader(Marks):
         elif kind is Kind.HELP:
             self.sentence.help = True
         elif kind is Kind.STATUS:
-            self.sentence.status = True
+            self._status(token)
         else:
             self._qualify(token)
 
+    def _status(self, token: Token) -> None:
+        if token.value == "asked":
+            self.sentence.status_asked = True
+            self._unknown(token)
+        else:
+            self.sentence.status = True
+
     def _beyond(self, token: Token) -> None:
-        draft = self._new(token, Kind.BEYOND)
-        draft.beyond = str(token.value)
-        draft.unknown.append((token.start, token.end))
+        cur = self._open()
+        # "Walk in a circle", 把报纸拿来, 往前走到门口: what was said before it belongs to it.
+        belongs = cur is not None and (
+            cur.vaguely_begun
+            or (cur.is_motion and token.value == "path")
+            or (cur.verb is Kind.MOVE and cur.bare and cur.amount is None)  # "go fetch"
+        )
+        draft = cur if cur is not None and belongs else self._new(token, Kind.BEYOND)
+        draft.verb, draft.beyond = Kind.BEYOND, str(token.value)
+        soft = self.soft_after[self.at]
+        draft.end = soft[-1].end if soft else token.end
+        draft.unknown.append((token.start, draft.end))
 
     def _again(self, token: Token) -> None:
         cur = self._open()
@@ -124,7 +157,7 @@ class _Reader(Marks):
         if self.at and self.tokens[self.at - 1].kind is Kind.THANKS and token.value is None:
             return  # "hello again"
         draft = self._new(token, Kind.AGAIN)
-        draft.back = token.value == "back"
+        draft.back, draft.more = token.value == "back", token.value == "more"
         # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
         draft.vague = token.value == "this" or (self._next() is Kind.COMMA and self._next(2) in _DEEDS)
 
@@ -143,12 +176,17 @@ class _Reader(Marks):
         else:
             cur = self._new(token, token.kind)
         cur.sideways |= token.value == "sideways"
+        cur.spun |= token.value == "spin"
+        cur.place |= token.value == "to"
 
     def _direction(self, token: Token) -> None:
         if token is self.agreed:
             return
         direction = Direction(str(token.value))
         cur = self._open()
+        if cur is not None and cur.beyond:  # "raise your left hand"
+            cur.end = token.end
+            return
         if cur is None or cur.verb is Kind.OP or cur.unknown or cur.bare_picture:
             cur = self._new(token, None)
         elif cur.direction is Direction.BACKWARD and cur.amount is None and direction in _SIDES:
@@ -162,6 +200,9 @@ class _Reader(Marks):
 
     def _amount(self, token: Token) -> None:
         cur = self._open()
+        if cur is not None and cur.beyond and token.kind is not Kind.NUMBER:  # "sleep five seconds"
+            cur.end = token.end
+            return
         if cur is not None and cur.amount is not None and cur.end == token.end and cur.verb is Kind.TURN:
             return  # 一百八十度转身: the angle that a verb implies, where one was said before
         if (
@@ -188,26 +229,44 @@ class _Reader(Marks):
         kind = token.kind
         if kind is Kind.PICTURE:
             self._another()
+            self._picture(token)
+            return
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
-        if kind is Kind.TIMES and last and self._counts(last):
-            last.times, last.counted, last.end = _count(token), True, token.end
+        if kind in _TIMES and last is None and [t.value for t in self.tokens[self.at + 1 : self.at + 2]] == ["colon"]:
+            last = self._new(token, Kind.AGAIN)  # "three times: …"
+        if kind in _TIMES and last and self._counts(last):
+            self._count(last, token)
         elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
             last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
-            if self.cur and not self.cur.closed and self.cur.op in (Op.GET_FRONT_IMAGE, Op.HELLO):
+            if self.cur and not self.cur.closed and self.cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY):
                 self.mode = Mode.SUBJECT
         elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
             self._manner(token)
-        elif kind is Kind.PICTURE and (self._open() is None or (self._open() is last and last and last.bare_picture)):
-            (self._open() or self._new(token, None)).bare_picture = True
         elif kind is Kind.MORE_STOP and (self._open() is None or self._next() in (Kind.END, Kind.COMMA, Kind.AND)):
-            self._new(token, None).stop_word = True
-        elif kind is Kind.PICTURE and last and self._open() is last and last.op is Op.GET_FRONT_IMAGE:
-            pass  # "send a pic picture"
+            # "Turn right, wait, no, left" waits for nothing.
+            if not (self._next() is Kind.COMMA and self._next(2) in (Kind.NO, Kind.FIX)):
+                draft = self._new(token, None)
+                draft.stop_word, draft.waits = True, token.value == "wait"
         elif kind in _UNITS and last and last.vague and self._open() is last:
             last.end = token.end  # "a few metres"
         else:
             self._unknown(token)
+
+    def _picture(self, token: Token) -> None:
+        cur = self._open()
+        if cur is None or cur.bare_picture:
+            (cur or self._new(token, None)).bare_picture = True
+        elif cur.op is not Op.GET_FRONT_IMAGE:  # "send a pic picture" is one
+            self._unknown(token)
+
+    def _count(self, last: Draft, token: Token) -> None:
+        if self._open() is not last and len(self.sentence.drafts) > 1:
+            self.sentence.times_unclear = token
+        last.times, last.counted, last.end = _count(token), True, token.end
+        last.more |= token.kind is Kind.MORE_TIMES
+        if last.spun and last.amount and last.amount.value == 180.0:
+            last.amount = replace(last.amount, value=360.0)
 
     def _counts(self, last: Draft) -> bool:
         """ "Wave twice", "wave, twice"."""
@@ -223,21 +282,31 @@ class _Reader(Marks):
         self.faster = token if token.value == "er" else self.faster
         draft.vague |= token.kind is Kind.VAGUE
         draft.speed_mps = _value(token) if token.kind is Kind.SPEED else draft.speed_mps
-        draft.end = token.end
+        draft.start, draft.end = (draft.start if draft.end else token.start), token.end
 
     def _unknown(self, token: Token) -> None:
         if token is self.named:
             return
         cur = self._open() or self._new(token, None)
+        soft = self.soft_before[self.at]
+        towards = any(s.value == Soft.TOWARDS for s in soft) and not cur.unknown
+        goes = cur.is_motion and any(s.value in (Soft.TO, Soft.THE, Soft.TOWARDS) for s in soft)
+        cur.place |= goes or towards or token.value == "place"
         cur.unknown.append((token.start, token.end))
         cur.odd_number |= token.value == "number"
-        cur.end = token.end
+        after = self.soft_after[self.at]
+        cur.end = after[-1].end if cur.place and after else token.end
 
     def _open(self) -> Draft | None:
         return self.cur if self.cur and not self.cur.closed else None
 
     def _new(self, token: Token, verb: Kind | None) -> Draft:
-        draft = Draft(token.start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
+        soft = self.soft_before[self.at]
+        start = next((s.start for s in soft if s.value in (Soft.OBJECT, Soft.TOWARDS)), token.start)
+        draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
+        joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is Kind.AND
+        draft.after_and = self.joined_by_and and not draft.joined
+        draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
         if verb is Kind.OP and token.value == Op.GET_FRONT_IMAGE:
             draft.each, self.pending.each = self.pending.each, None
@@ -252,12 +321,16 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
     draft.slow, draft.slower = draft.slow or pending.slow, draft.slower or pending.slower
     draft.faster, draft.vague = draft.faster or pending.faster, draft.vague or pending.vague
     draft.speed_mps = pending.speed_mps if draft.speed_mps is None else draft.speed_mps
+    if pending.end:  # what is quoted of it has its manner
+        draft.start, draft.end = min(draft.start, pending.start), max(draft.end, pending.end)
     pending.slow = pending.slower = pending.faster = pending.vague = False
-    pending.speed_mps = None
+    pending.speed_mps, pending.start, pending.end = None, 0, 0
 
 
 _UNITS = (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.STEP_UNIT)
 _DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP)
+_FOR_SOMEBODY = (Op.HELLO, Op.SHAKE, Op.CLAP, Op.HEART)
+_TIMES = (Kind.TIMES, Kind.MORE_TIMES)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 
 

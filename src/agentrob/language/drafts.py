@@ -30,14 +30,21 @@ class Draft:
     vague: bool = False
     times: int = 1
     counted: bool = False
+    more: bool = False  # so many times besides the first
+    ahead: bool = False  # "three times: …"
     each: Kind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
     back: bool = False  # the way back
-    beyond: str = ""  # eyes, hands, wait: what it would take
+    beyond: str = ""  # eyes, hands, path, wait: what it would take
+    place: bool = False  # to where, in words that are not known
+    spun: bool = False  # "spin around": once is half a turn, three times are three turns
+    after_and: bool = False  # "and" or "then" stands before it
+    hesitant: bool = False  # after an "uh"
     fixes: Token | None = None  # said in place of the draft before
     unknown: list[tuple[int, int]] = field(default_factory=list)
     odd_number: bool = False
     stop_word: bool = False
+    waits: bool = False  # a stop word that only an end can have
     joined: bool = False  # nothing separated it from the draft before
     closed: bool = False
 
@@ -51,6 +58,11 @@ class Draft:
     def takes_manner(self) -> bool:
         """Whether a speed or an amount may be said of it."""
         return self.is_motion or self.verb is Kind.AGAIN
+
+    @property
+    def vaguely_begun(self) -> bool:
+        """Whether so far it has no deed, only words or a direction: what follows may tell what they belong to."""
+        return self.verb is None and self.amount is None and not (self.bare_picture or self.stop_word)
 
     @property
     def empty(self) -> bool:
@@ -74,9 +86,22 @@ class Sentence:
     denial_unclear: Token | None = None  # a "not" whose reach cannot be told
     denial_joined: bool = False  # … because an "and" stands within it
     fix_unclear: Token | None = None  # "no wait", and nothing after it
+    times_unclear: Token | None = None  # "walk and turn, twice": which of them
     talked: bool = False
     question: bool = False
     cancelled: Token | None = None  # "never mind"
     denied: bool = False
     help: bool = False
     status: bool = False
+    status_asked: bool = False  # a word of the robot's state, which counts in a question
+    greeted: bool = False
+
+    @property
+    def wants_status(self) -> bool:
+        return self.status or (self.status_asked and (self.asked or self.question))
+
+    @property
+    def says_nothing(self) -> bool:
+        """Whether it is only manners."""
+        said = self.drafts or self.talked or self.report or self.condition or self.denied or self.cancelled
+        return not (said or self.help or self.wants_status)

@@ -26,10 +26,12 @@ from agentrob.language.render import outline, sentence
 from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
 from agentrob.language.talk import Talk, talk_in
+from agentrob.language.visible import without_mentions
 from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
 
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
 MAX_CHARS = 2_000
+_WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
 _NOTHING_KNOWN = Background()
 
 
@@ -67,6 +69,8 @@ def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk |
     part = part_for(visible, names, others)
     if len(part) > MAX_CHARS or stop_intent(part):
         return None
+    if _WORDLESS.fullmatch(part):  # "@robot" alone; beside words for others it is only mentioned
+        return Talk.GREETING if _WORDLESS.fullmatch(without_mentions(visible)) else None
     return talk_in(_sentences(part, names, language_of(part))[0])
 
 
@@ -91,7 +95,7 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
         return None
     if any(s.help for s in sentences):
         return Understanding(Intent.HELP, language)
-    if any(s.status for s in sentences):
+    if any(s.wants_status for s in sentences):
         return Understanding(Intent.STATUS, language)
     return None
 
@@ -99,22 +103,22 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
 def _ask(reading: Reading, ops: frozenset[Op], language: Language, can: Capabilities | None = None) -> Understanding:
     understood = say("ask.understood", language, steps=outline(reading.steps, language)) if reading.steps else ""
     limits = can or Capabilities("", ops)
-    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hint))
+    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hints))
     question = say("ask.frame", language, problem=reading.problem, understood=understood, examples=examples)
     return Understanding(Intent.ASK_BACK, language, question=question)
 
 
-def _examples(can: Capabilities, hint: Primitive | None) -> list[list[Primitive]]:
-    """Two commands that would work with this robot; the first is like the one that was not understood."""
+def _examples(can: Capabilities, hints: Sequence[Sequence[Primitive]]) -> list[list[Primitive]]:
+    """Two commands that would work with this robot; the first are like the one that was not understood."""
     steps = help_examples(can)
     firsts = {step.op: step for step in reversed(steps)}
     chain = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]
     pictured = [firsts[op] for op in (Op.TURN, Op.GET_FRONT_IMAGE) if op in firsts]
-    found = [[within(hint, can)]] if hint and hint.op in can.ops and _goes(hint, can) else []
+    found = [[within(step, can) for step in steps] for steps in hints if all(_goes(step, can) for step in steps)]
     found += [c for c in (chain, pictured) if len(c) > 1]
     found += [chain] + [[step] for step in steps if step.op not in (Op.MOVE, Op.TURN)]
     return [c for at, c in enumerate(found) if c and c not in found[:at]][:2]
 
 
 def _goes(step: Primitive, can: Capabilities) -> bool:
-    return step.op is not Op.MOVE or step.direction in can.move_directions
+    return step.op in can.ops and (step.op is not Op.MOVE or step.direction in can.move_directions)

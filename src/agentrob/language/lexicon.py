@@ -20,13 +20,13 @@ from agentrob.model import Language
 class Kind(StrEnum):
     """Parts of speech of the robot's small world."""
 
-    MOVE = "move"  # a verb of going, in any direction
+    MOVE = "move"  # a verb of going, in any direction; values "sideways", "to" (to a place)
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
     OP = "op"  # a whole gesture or picture: "wave"; value "shake/hello": this, or for who lacks it that
-    BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), wait
-    AGAIN = "again"  # what was done before, once more; value "back": the way back
+    BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
+    AGAIN = "again"  # what was done before, once more; values: "back", the way back; "more", besides what was said
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back
     NUMBER = "number"
     LENGTH_UNIT = "length_unit"  # value: metres
@@ -44,6 +44,8 @@ class Kind(StrEnum):
     AND_PART = "and_part"  # "and a half"; value: the part
     TIMES_UNIT = "times_unit"
     TIMES = "times"
+    MORE_TIMES_UNIT = "more_times_unit"  # "three more times": besides the first
+    MORE_TIMES = "more_times"
     SHOW = "show"  # take, send, 拍: with a picture after it
     PICTURE = "picture"
     OF = "of"  # what follows a picture or a greeting is its subject and commands nothing
@@ -51,11 +53,11 @@ class Kind(StrEnum):
     VAGUE = "vague"  # "a bit"
     SLOW = "slow"  # value "er": slower than before
     FASTER = "faster"
-    SOFT = "soft"  # politeness, hesitation, articles: carries nothing
-    THANKS = "thanks"  # the same; a name may follow
+    SOFT = "soft"  # politeness, hesitation, articles: carries nothing; its values: see `Soft`
+    THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
-    COMMA = "comma"  # separates clauses and ends a negation
+    COMMA = "comma"  # separates clauses and ends a negation; value "colon"
     END = "end"  # ends a sentence
     ASKED = "asked"  # a question mark, 吗
     REQUEST = "request"  # can you, please: what follows is wanted
@@ -64,16 +66,28 @@ class Kind(StrEnum):
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the whole sentence commands nothing
-    CONDITION = "condition"  # if, until, or: beyond these rules
+    CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
     FIX = "fix"  # "no wait", 不对: what follows corrects what was said
     CANCEL = "cancel"  # "never mind": what was posted before is not wanted any more
     HELP = "help"
-    STATUS = "status"
-    MORE_STOP = "stop"  # "and stop" at the end
+    STATUS = "status"  # value "battery": also within a question; "asked": only there
+    MORE_STOP = "stop"  # "and stop" at the end; value "wait": only there
     GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
-    WORD = "word"  # not known; value "number": one that cannot be told
+    WORD = "word"  # not known; value "number": one that cannot be told, "place": where
+
+
+class Soft(StrEnum):
+    """What a word that carries nothing may still do to its neighbours; a number is "a": one, before a unit."""
+
+    HELLO = "hello"
+    UH = "uh"  # hesitates: what was begun may begin anew
+    IN = "in"  # inches, after a number at the end of a clause
+    TO = "to"  # an unknown word after it is a place, where one goes
+    THE = "the"  # the same
+    TOWARDS = "towards"  # an unknown word after it is a place
+    OBJECT = "object"  # 把: belongs to the thing after it
 
 
 Value = float | str | None
@@ -102,6 +116,7 @@ NumberReader = Callable[[Sequence[Piece], int], tuple[float, int] | None]
 
 
 Meaning = tuple[tuple[Kind, Value], ...]
+_SIDE_WORDS = {Kind.DIR, Kind.AGREE, Kind.BACK}
 
 
 @dataclass(frozen=True)
@@ -130,8 +145,8 @@ class Lexicon:
                 at = at.setdefault(word, {})
             at[""] = meaning
         said = frozenset(word for phrase in self.phrases for word in phrase) | self.numerals
-        directions = {phrase[0] for phrase, meaning in self.phrases.items() if meaning[-1][0] is Kind.DIR}
-        starts = frozenset(w[:n] for w in self.numerals | directions if w.isascii() for n in range(1, min(len(w), 4)))
+        sides = {phrase[0] for phrase, meaning in self.phrases.items() if {k for k, _ in meaning} <= _SIDE_WORDS}
+        starts = frozenset(w[:n] for w in self.numerals | sides if w.isascii() for n in range(1, min(len(w), 4)))
         object.__setattr__(self, "_tree", tree)
         object.__setattr__(self, "vocabulary", said)
         object.__setattr__(self, "broken_off", starts)
@@ -158,21 +173,37 @@ def lexicon(
     extends: Lexicon | None = None,
 ) -> Lexicon:
     """Build a language from its table; phrases are separated by | and written as people write them."""
-    phrases = dict(extends.phrases) if extends else {}
+    phrases: dict[tuple[str, ...], Meaning] = {}
     for meaning, words in (*MARKS.items(), *table.items()):
         symbols = tuple(_symbol(s) for s in meaning.split())
         for phrase in words.replace("\n", " ").split("|"):
-            if key := tuple(p.text for p in pieces_of(phrase)):
+            if key := _phrase(phrase):
                 phrases[key] = symbols
-    known = {word for phrase in phrases for word in phrase} | numerals
     wanted = {key[0] for key, symbols in phrases.items() if len(key) == 1 and symbols[0][0] in _SPELT}
-    mistakes = {wrong: right for right in sorted(wanted) for wrong in misspellings(right) if wrong not in known}
-    return Lexicon(language, phrases, number, numerals, mistakes, twins or {})
+    mistakes = [(wrong, right) for right in sorted(wanted) for wrong in misspellings(right)]
+    if extends:
+        phrases, mistakes = {**extends.phrases, **phrases}, [*extends.misspelt.items(), *mistakes]
+    known = {word for phrase in phrases for word in phrase} | numerals
+    misspelt = {wrong: right for wrong, right in mistakes if wrong not in known}
+    return Lexicon(language, phrases, number, numerals, misspelt, twins or {})
+
+
+_PLAIN_WORDS, _PLAIN_HAN = re.compile("[a-z ]*"), re.compile(" *([\u3400-\u9fff]*) *")
+
+
+def _phrase(written: str) -> tuple[str, ...]:
+    """The pieces of a phrase of a table; most are plain words, which are quick to cut."""
+    if _PLAIN_WORDS.fullmatch(written):
+        return tuple(written.split())
+    if han := _PLAIN_HAN.fullmatch(written):
+        return tuple(han[1])
+    return tuple(piece.text for piece in pieces_of(written))
 
 
 #: Marks mean the same in every language.
 MARKS = {
-    "comma": ",|/|;|:|(|)|[|]|—|，|、|；|：|（|）|【|】",
+    "comma": ",|/|;|(|)|[|]|—|，|、|；|（|）|【|】",
+    "comma=colon": ":|：",
     "end": ".|!|…|。|！|．",
     "asked end": "?|？",
     "and": "&|+",
@@ -202,7 +233,8 @@ def _symbol(text: str) -> tuple[Kind, Value]:
 
 _PIECE = re.compile(
     # 1,500 · -2 · 2-3 · 2x3: not to be guessed
-    r"(?P<bad>[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?|(?<!\w)[-−]\.?[0-9]+|[0-9]+[-–~][0-9]+|[0-9]+[x×*^][0-9]+)"
+    r"(?P<bad>[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?|(?<![^\W\u3400-\u9fff])[-−]\.?[0-9]+|[0-9]+[-–~][0-9]+|[0-9]+[x×*^][0-9]+)"
+    r"|(?P<feet>[0-9]+)['′]\s?(?P<inches>[0-9]+)(?:[\"”″]|''|′′)?(?!\w)"  # 6'2"
     r"|[0-9]+[/⁄][1-9][0-9]*|[0-9]+(?:\.[0-9]+)?(?![.]?[0-9])|\.[0-9]+"
     r"|[^\W\d_\u3400-\u9fff]+(?:'[^\W\d_\u3400-\u9fff]+)*"
     r"|[\u3400-\u9fff]"
@@ -220,6 +252,10 @@ def pieces_of(text: str) -> list[Piece]:
         piece, start, end = match[0], match.start(), match.end()
         if match["bad"]:
             found.append(Piece("\0" + piece, start, end))
+        elif match["feet"]:
+            (feet, inches), last = (match.span(part) for part in ("feet", "inches")), match.end("inches")
+            found += [Piece(match["feet"], *feet), Piece("′", *feet), Piece(match["inches"], *inches)]
+            found.append(Piece("″", last, max(last, end)))
         elif (piece in "-" and _stands_alone(lowered, start)) or piece in _DASHES:
             found.append(Piece("—", start, end))
         elif piece not in _IGNORED_MARKS:
@@ -254,17 +290,21 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
             length, meaning = number[1], ((Kind.NUMBER, number[0]),)
         if meaning is None:
             length = _hesitation(pieces, at, words)
-            odd = "number" if _is_number(pieces[at].text, words) else None
-            length, meaning = (length, ((Kind.SOFT, None),)) if length else (1, ((Kind.WORD, odd),))
+            run = 0 if length else _odd_numerals(pieces, at, words)
+            odd = ((Kind.WORD, "number" if run else None),)
+            length, meaning = (length, ((Kind.SOFT, None),)) if length else (run or 1, odd)
         start, end = pieces[at].start, pieces[at + length - 1].end
         found += (Token(kind, value, start, end) for kind, value in meaning)
         at += length
     return found, mistyped
 
 
-def _is_number(piece: str, words: Lexicon) -> bool:
-    """Whether a piece that nobody reads is some number: "1,500", "2-3", 两 of 两三米."""
-    return piece[0] in "\0.0123456789" or piece in words.numerals
+def _odd_numerals(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
+    """How many pieces here are some number that nobody reads: "1,500", "2-3", 两三 of 两三米; 0 when it is none."""
+    end = at
+    while end < len(pieces) and (pieces[end].text[0] in "\0.0123456789" or pieces[end].text in words.numerals):
+        end += 1
+    return end - at
 
 
 def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple[str, str]]]:
@@ -286,7 +326,7 @@ def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
         return 1
     if not (piece.isascii() and piece.isalpha() and len(piece) <= 12):
         return 0
-    begun = re.sub(r"(.)\1+", r"\1", piece)
+    begun = re.sub(r"^(.)\1+", r"\1", piece)
     if len(begun) > 3:
         return 0
     if begun in words.broken_off and _is_unit(pieces, at + 1, words) and _replaces(pieces, at + 2, words):

@@ -5,7 +5,7 @@ What stands around them is read in `clauses`; the two share the state of one sen
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 from enum import Enum, auto
 
 from agentrob.language.drafts import Draft, Sentence
@@ -45,7 +45,10 @@ class Marks:
         self.faster: Token | None = None
         self.agreed: Token | None = None
         self.named: Token | None = None
-        self.tokens: Sequence[Token] = ()
+        self.tokens: list[Token] = []
+        #: By place in `tokens`: what carries nothing before and after.
+        self.soft_before: dict[int, list[Token]] = {}
+        self.soft_after: dict[int, list[Token]] = {}
         self.at = 0
 
     def _next(self, steps: int = 1) -> Kind:
@@ -59,14 +62,25 @@ class Marks:
             self.mode = Mode.WANTED
         if self.cur:
             self.cur.closed = True
+            again = self.cur.verb is Kind.AGAIN and self.cur.counted and not self.cur.back
+            self.cur.ahead |= again and token.value == "colon" and len(self.sentence.drafts) == 1
         self.joined_by_and = token.kind is Kind.AND
 
     def _request(self, token: Token) -> None:
         if self.mode is Mode.TALK and token.value == "stated" and self.talk_doubts:
             return  # "I do not think I want you to …", "do you think we should …"
+        if self.mode is Mode.TALK and self._asks_how():
+            return  # "how far can you walk"
         self.sentence.requested = True
         if self.mode is not Mode.DENIED:
             self.mode = Mode.WANTED
+
+    def _asks_how(self) -> bool:
+        """Whether a question word stands right before, or with a manner between: "how", "how far"."""
+        before = self.tokens[max(0, self.at - 2) : self.at]
+        if len(before) > 1 and before[1].kind in (Kind.VAGUE, Kind.SLOW, Kind.FASTER):
+            before = before[:1]
+        return before[-1:] != [] and before[-1].kind is Kind.TALK and before[-1].value == "question"
 
     def _wish(self, token: Token) -> None:
         if self.mode is Mode.SUBJECT:
@@ -80,8 +94,13 @@ class Marks:
         self.sentence.report |= self.mode is not Mode.SUBJECT
 
     def _condition(self, token: Token) -> None:
+        before = self.sentence.condition
+        if token.value == "later":  # 等五秒后, 五秒后: with what is said of the time
+            number = self.tokens[self.at - 1] if self.at else token
+            start = before if before and before.value == "wait" else number if number.kind is Kind.NUMBER else token
+            token, before = replace(token, start=start.start), None if start is before else before
         if self.mode is Mode.WANTED or self.sentence.drafts:
-            self.sentence.condition = self.sentence.condition or token
+            self.sentence.condition = before or token
 
     def _not(self, token: Token) -> None:
         if self.mode is Mode.TALK:

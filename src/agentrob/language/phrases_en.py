@@ -35,8 +35,9 @@ PHRASES = {
         "{words}: that needs eyes, a vision model, which I do not have. "
         "I find no places or things; I walk by distances and turn by angles."
     ),
-    "ask.hands": "{words}: that is nothing I can do; I walk, turn, take photos and have a few gestures.",
-    "ask.wait": "{words}: I cannot wait between steps; each begins when the one before has ended.",
+    "ask.hands": "{words}: that is nothing I can do. I can: {can}.",
+    "ask.path": "{words}: I know no curves, figures or compass; I walk straight and turn by angles.",
+    "ask.wait": "{words}: I cannot wait; I begin at once, and each step when the one before has ended.",
     "ask.distance": "How far? {words} has no distance, and I do not guess.",
     "ask.angle": "How far shall I turn? {words} does not say how many degrees.",
     "ask.turn": "Which way and how far shall I turn? {words} does not say.",
@@ -87,7 +88,8 @@ PHRASES = {
     ),
     # ---------------------------------------------------------------- talk (see `talk.Talk`)
     "talk.question": (
-        "I answer `status` and `help`. What I see I cannot tell without a vision model, but `take a photo` shows it."
+        "`help` shows what I can do, and `status` how I am; what I see I cannot tell without a vision model, "
+        "but where I have a camera `take a photo` shows it."
     ),
     "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
     "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",

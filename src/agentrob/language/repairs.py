@@ -17,7 +17,7 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
     for draft in drafts:
         if draft.fixes is None and draft.verb is None and not draft.unknown and _completes(joined, draft):
             continue
-        while joined and draft.joined and _is_false_start(joined[-1], draft):
+        while joined and (draft.joined or draft.hesitant) and _is_false_start(joined[-1], draft):
             joined.pop()
         if len(joined) > 1 and _begins_anew(joined[-2], joined[-1], draft):
             del joined[-2:]
@@ -25,24 +25,45 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
             joined[-1].times, joined[-1].counted = draft.times, draft.counted  # 挥手打招呼: one gesture in two words
             joined[-1].each = joined[-1].each or draft.each
             continue
+        if joined and _leaves_out_the_verb(joined[-1], draft):
+            draft.verb = Kind.TURN
+        if joined and draft.after_and and _may_share_its_angle(joined[-1], draft):
+            joined[-1].vague = True
         joined.append(draft)
     return joined
+
+
+def _may_share_its_angle(last: Draft, draft: Draft) -> bool:
+    """ "Turn left and right 45 degrees": 45 for one of them, or for both."""
+    turns = last.verb is Kind.TURN and last.direction is not None and last.amount is None
+    return turns and draft.verb is None and draft.direction is not None and draft.amount is not None
+
+
+def _leaves_out_the_verb(last: Draft, draft: Draft) -> bool:
+    """ "Turn 45 left and 45 right": a side and a number again, as of the turn before."""
+    alike = last.verb is Kind.TURN and draft.verb is None and bool(draft.direction) and not draft.unknown
+    return alike and all(d.amount is not None and d.amount.kind is Kind.NUMBER for d in (last, draft))
 
 
 def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
     """ "Turn right and take a photo, ninety degrees": an amount or side said late completes the last motion."""
     last = next((d for d in reversed(drafts) if d.takes_manner), None)
-    if last is None or last.verb is None or last.unknown or not extra.is_motion:
+    if last is None or (last.verb is None and last.fixes is None) or last.unknown or not extra.is_motion:
         return False
+    if extra.hesitant and extra.direction is None and last.amount and last.amount.kind is Kind.NUMBER and last.verb:
+        last.amount = None  # "walk two, er, three metres"
     if extra.direction is not None and last.direction not in (None, extra.direction):
         return False
     if extra.amount is not None and (last.amount is not None or not _belongs(last, extra)):
         return False
-    if extra.amount is None and last.direction is not None:
-        return False
+    if extra.amount is None and (last.direction is not None or extra.after_and):
+        return False  # "walk 1 m and then back"
     last.amount = last.amount or extra.amount
     last.direction = last.direction or extra.direction
     last.end = max(last.end, extra.end)
+    last.vague, last.faster = last.vague or extra.vague, last.faster or extra.faster
+    last.slow, last.slower = last.slow or extra.slow, last.slower or extra.slower
+    last.speed_mps = extra.speed_mps if last.speed_mps is None else last.speed_mps
     return True
 
 
@@ -54,7 +75,7 @@ def _belongs(last: Draft, extra: Draft) -> bool:
 
 
 def _is_false_start(start: Draft, again: Draft) -> bool:
-    """ "Move forward, uh, move three feet": the same begun twice without a pause, the first without an amount."""
+    """ "Move forward uh move three feet": begun twice, without a pause or hesitating, the first without an amount."""
     if not start.is_motion or start.amount is not None or start.unknown or start.verb is None or not again.is_motion:
         return False
     if start.direction is None:
@@ -107,7 +128,7 @@ def _overlay(last: Draft, fix: Draft) -> bool:
         return False
     if last.verb is Kind.TURN and (fix.direction in _AHEAD or (fix.amount and not _is_angle(fix.amount))):
         return False
-    if fix.amount is not None and last.amount is not None and _is_angle(fix.amount) is not _is_angle(last.amount):
+    if fix.amount is not None and last.amount is not None and not _alike(fix.amount, last.amount):
         return False
     last.end = max(last.end, fix.end)
     last.direction = fix.direction or last.direction
@@ -115,6 +136,11 @@ def _overlay(last: Draft, fix: Draft) -> bool:
     last.vague = fix.vague if fix.amount is None and fix.vague else last.vague and fix.amount is None
     last.slow, last.speed_mps = last.slow or fix.slow, last.speed_mps if fix.speed_mps is None else fix.speed_mps
     return True
+
+
+def _alike(amount: Token, other: Token) -> bool:
+    """Whether one may stand for the other: "two, no, three metres"."""
+    return Kind.NUMBER in (amount.kind, other.kind) or _is_angle(amount) is _is_angle(other)
 
 
 def _is_angle(amount: Token) -> bool:

@@ -7,13 +7,13 @@ the one assumption made, a bare "turn left" as 90°, is told in a note.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from agentrob.language.again import MAX_STEPS, SLOW_MPS, Background, Unclear, once_more
 from agentrob.language.drafts import Draft, Sentence
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
-from agentrob.language.render import step_sentence
+from agentrob.language.render import deeds, outline, step_sentence
 from agentrob.language.repairs import corrected, settled
 from agentrob.model import Direction, Language, Op, Primitive
 
@@ -31,7 +31,7 @@ class Reading:
     notes: list[str]
     problem: str = ""
     picture_after: Kind | None = None
-    hint: Primitive | None = None  # what the first motion that is not understood might be
+    hints: list[list[Primitive]] = field(default_factory=list)  # what the first that is not understood might be
 
     def object_to(self, problem: str) -> None:
         self.problem = self.problem or problem
@@ -52,16 +52,28 @@ def _is_question(sentence: Sentence) -> bool:
     return sentence.talked or sentence.condition is not None or not any(d.verb for d in sentence.drafts)
 
 
+def _carry_over(sentences: Sequence[Sentence]) -> None:
+    """ "Turn right. No! Left!": a correction that is a sentence of its own begins the next one."""
+    for before, sentence, after in zip(sentences, sentences[1:], sentences[2:], strict=False):
+        if sentence.fix_unclear and not sentence.drafts and before.drafts and after.drafts and not after.talked:
+            after.drafts[0].fixes = after.drafts[0].fixes or sentence.fix_unclear
+            sentence.fix_unclear = None
+
+
 def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> str:
     """What makes a sentence doubtful: conditions, denials without an end, questions. Empty when nothing does.
 
     A condition or denial that stands alone ("Don't … walk 1 m") may mean its neighbours when the post `wants` anything.
     """
     if wants and sentence.condition is not None:
-        return say("ask.condition", language, words=quote(text[sentence.condition.start : sentence.condition.end]))
+        key = "ask.wait" if sentence.condition.value == "later" else "ask.condition"
+        return say(key, language, words=quote(text[sentence.condition.start : sentence.condition.end]))
     if sentence.denial_unclear is not None and (wants or sentence.denial_joined):
         denial = sentence.denial_unclear
         return say("ask.denial", language, words=quote(text[denial.start : denial.end]))
+    if sentence.times_unclear is not None:
+        times = sentence.times_unclear
+        return say("ask.again_which", language, words=quote(text[times.start : times.end]))
     if sentence.fix_unclear is not None and wants:
         return say("ask.fix", language, words=quote(text[sentence.fix_unclear.start : sentence.fix_unclear.end]))
     if sentence.drafts and sentence.asked and not sentence.requested:
@@ -83,29 +95,55 @@ class _Maker:
         self.ops = ops
         self.background = background
         self.reading = Reading([], [])
+        self.waits = False
+        self.ahead: Draft | None = None  # what is repeated is said after it
 
     def read(self, sentences: Sequence[Sentence]) -> Reading:
         reading = self.reading
         wants = any(sentence.drafts for sentence in sentences)
         drafts: list[Draft] = []
+        _carry_over(sentences)
         for sentence in sentences:
             if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
                 continue
             reading.object_to(_doubt(sentence, wants, self.text, self.language))
+            if self.ahead:  # "Three times: … . And wave.": nobody can tell how far that reaches
+                reading.object_to(self._say("ask.again_which", self.text[self.ahead.start : self.ahead.end]))
+            self.ahead = next((d for d in sentence.drafts if d.ahead), self.ahead) if sentence.drafts else self.ahead
             if drafts and sentence.cancelled:  # "Turn left. Never mind."
                 reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
         drafts, unclear = corrected(drafts)
         if unclear is not None:
             reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
-        for draft in drafts:
+        for at, draft in enumerate(drafts, 1):
+            if draft.waits and at < len(drafts):  # "walk 1 m, wait, turn left"
+                self.waits = True
+                reading.object_to(self._say("ask.wait", self.text[draft.start : draft.end]))
             self._add(draft)
         if reading.picture_after is not None:
             reading.steps = _after_each(reading.steps, reading.picture_after)
+        self._repeat_ahead()
+        if self.waits and reading.steps:  # all but the waiting would work
+            reading.hints = [reading.steps[:MAX_STEPS], *reading.hints]
         if len(reading.steps) > MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
             del reading.steps[MAX_STEPS:]
         return reading
+
+    def _repeat_ahead(self) -> None:
+        reading, ahead = self.reading, self.ahead
+        if ahead is None or reading.problem:
+            return
+        said = self.text[ahead.start : ahead.end]
+        if not reading.steps:
+            reading.object_to(self._say("ask.again", said))
+        elif not 1 <= ahead.times * len(reading.steps) <= MAX_STEPS:
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+        else:
+            reading.steps *= ahead.times
+            done = outline(reading.steps, self.language)
+            reading.note(say("note.again", self.language, words=quote(said), steps=done))
 
     def _say(self, key: str, words: str) -> str:
         return say(key, self.language, words=quote(words))
@@ -115,9 +153,13 @@ class _Maker:
         if draft.stop_word and reading.steps and not (draft.unknown or draft.amount or draft.direction):
             return  # "walk 2 m and stop": it stops by itself
         if draft.beyond:
-            reading.object_to(self._say(f"ask.{draft.beyond}", said))
+            self.waits |= draft.beyond == "wait"
+            can = deeds(self.ops, self.language)
+            reading.object_to(say(f"ask.{draft.beyond}", self.language, words=quote(said), can=can))
         elif draft.unknown or draft.stop_word:
             reading.object_to(self._not_understood(draft, said))
+        elif draft.ahead:
+            pass  # see `_repeat_ahead`
         elif draft.verb is Kind.AGAIN or (draft.back and draft.amount is None and self._is_way_back()):
             self._again(draft, said)
         else:
@@ -128,15 +170,21 @@ class _Maker:
 
     def _not_understood(self, draft: Draft, said: str) -> str:
         if draft.stop_word and draft.amount and draft.amount.kind is Kind.DURATION:
+            self.waits = True
+            return self._say("ask.wait", said)
+        if draft.stop_word and not draft.unknown and not draft.amount:  # "please wait"
             return self._say("ask.wait", said)
         if draft.odd_number:
+            self.reading.hints = self.reading.hints or _hints(draft)
             return self._say("ask.number", said)
         # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
         known_part = draft.is_motion or draft.stop_word or not draft.unknown
         words = said if known_part else self.text[draft.unknown[0][0] : draft.unknown[-1][1]]
+        goes = draft.verb in (Kind.MOVE, Kind.TURN)
         # "Go to the kitchen", "face the door": a place instead of an amount.
-        place = draft.verb in (Kind.MOVE, Kind.TURN) and draft.amount is None and bool(draft.unknown)
-        return self._say("ask.place" if place else "ask.words", words)
+        if draft.place and draft.unknown:
+            return self._say("ask.place", words) if goes else self._say("ask.eyes", said)
+        return self._say("ask.words", words)
 
     def _again(self, draft: Draft, said: str) -> None:
         reading = self.reading
@@ -163,7 +211,7 @@ class _Maker:
             step, problem = _PICTURE, ""
         if step is None:
             reading.object_to(problem)
-            reading.hint = reading.hint or _hint(draft)
+            reading.hints = reading.hints or _hints(draft)
         elif not 1 <= draft.times <= MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
         elif draft.each is not None:
@@ -187,6 +235,9 @@ class _Maker:
     def _motion(self, draft: Draft, said: str) -> tuple[Primitive | None, str]:
         kind = draft.amount.kind if draft.amount else None
         value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+        if draft.verb is None and draft.direction is None and kind is Kind.DURATION:  # "a photo in 5 seconds"
+            self.waits = True
+            return None, self._say("ask.wait", said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not Kind.ANGLE:
             return None, self._say("ask.what", said)
         if draft.verb is Kind.TURN and draft.direction in _AHEAD:
@@ -247,16 +298,22 @@ class _Maker:
         return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
 
 
-def _hint(draft: Draft) -> Primitive:
-    """A step of the kind that was meant, with what was said of it."""
+def _hints(draft: Draft) -> list[list[Primitive]]:
+    """Steps of the kinds that may have been meant, with what was said of them."""
     kind = draft.amount.kind if draft.amount else None
     value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+    degrees = value if kind in (Kind.ANGLE, Kind.NUMBER) and 5 <= value <= 360 else 90.0
+    turn = Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
     if draft.verb is Kind.TURN or kind is Kind.ANGLE:
-        degrees = value if kind in (Kind.ANGLE, Kind.NUMBER) and 5 <= value <= MAX_DEGREES else 90.0
-        return Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
+        return [[turn]]
     metres = value if kind in (Kind.LENGTH, Kind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
+    if kind is Kind.NUMBER and metres > 5:  # nobody walks "twenty" metres in a room
+        metres /= 100
     usual = Direction.LEFT if draft.sideways else Direction.FORWARD
-    return Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
+    walk = Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
+    side, number = draft.direction in _SIDES, kind is Kind.NUMBER and value >= 5
+    either = draft.verb is None and ((side and (number or kind is None)) or (number and draft.direction is None))
+    return [[turn], [walk]] if either else [[walk]]
 
 
 def _in_bounds(step: Primitive) -> bool:

@@ -12,13 +12,15 @@ from dataclasses import dataclass
 from functools import cache
 
 from agentrob.language.languages import known
-from agentrob.language.visible import OMITTED, mention_spans
+from agentrob.language.visible import OMITTED, without_mentions
 from agentrob.model import Intent
 
 _HAN = r"[\u3400-\u9fff]"
 _STOP_EN = """
 stop|stop it|stop that|stop this|stop there|stop here|stop everything|stop all|stop moving|stop walking|stop turning
-stop going|stop driving|stop the robot|stop the dog|full stop|stop motion|stop all motion|stop the motion|freeze
+stop going|stop turning left|stop turning right|stop turning around|stop walking forward|stop walking backward
+stop moving forward|stop moving backward|stop going forward|stop going back
+stop driving|stop the robot|stop the dog|full stop|stop motion|stop all motion|stop the motion|freeze
 abort|abort it|abort that|abort mission|cease|stand still|stay still|hold still|hold it|hold your position
 do not move|don't move|dont move|whoa|quit|quit it|quit moving|cancel|cancel that|cancel it|cancel everything
 cancel all
@@ -82,7 +84,7 @@ def stop_intent(visible: str) -> Intent | None:
 
     `visible` is what `visible_text` gives. A halt also refuses all motion until the robot's owner releases it.
     """
-    for clause in _clauses(_without_mentions(visible)):
+    for clause in _clauses(without_mentions(visible)):
         verdict = _read_clause(clause)
         if verdict is not _EMPTY:
             return verdict if isinstance(verdict, Intent) else None
@@ -150,11 +152,3 @@ def _clauses(text: str) -> Iterator[str]:
         yield text[at : end.start()]
         at = end.end()
     yield text[at:]
-
-
-def _without_mentions(visible: str) -> str:
-    text, at = [], 0
-    for _, start, end in mention_spans(visible):
-        text.append(visible[at:start])
-        at = end
-    return " ".join([*text, visible[at:]])

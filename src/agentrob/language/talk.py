@@ -1,4 +1,4 @@
-"""What a post is that commands nothing: "never mind", a question, a report of the past."""
+"""What a post is that commands nothing: "never mind", a question, a report of the past, a greeting."""
 
 from __future__ import annotations
 
@@ -14,12 +14,15 @@ class Talk(StrEnum):
     CANCEL = "cancel"  # what its author posted before is not wanted any more
     QUESTION = "question"
     PAST = "past"  # tells what was
+    GREETING = "greeting"
 
 
 def talk_in(sentences: Sequence[Sentence]) -> Talk | None:
-    """The first of cancel, question, past that is found; None for a mere "hello"."""
+    """The first of cancel, question, past, greeting that is found; None for a mere "thanks"."""
     if any(s.cancelled for s in sentences):
         return Talk.CANCEL
     if any(s.question or s.asked for s in sentences):
         return Talk.QUESTION
-    return Talk.PAST if any(s.report for s in sentences) else None
+    if any(s.report for s in sentences):
+        return Talk.PAST
+    return Talk.GREETING if any(s.greeted for s in sentences) and all(s.says_nothing for s in sentences) else None

@@ -68,6 +68,15 @@ def mention_spans(visible: str) -> Iterable[tuple[str, int, int]]:
         yield match[1].lower(), match.start(), match.end()
 
 
+def without_mentions(visible: str) -> str:
+    """The text with a space for every mention."""
+    text, at = [], 0
+    for _, start, end in mention_spans(visible):
+        text.append(visible[at:start])
+        at = end
+    return " ".join([*text, visible[at:]])
+
+
 def _joins_words(char: str) -> bool:
     """Whether a character would make one word with its neighbour: letters, digits, marks, but no CJK."""
     if "\u3040" <= char <= "\u30ff" or "\u3400" <= char <= "\u9fff" or "\uac00" <= char <= "\ud7af":

@@ -13,7 +13,12 @@ from agentrob.model import Intent, Plan, Understanding
 
 #: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.
 PACE_MPS = 0.3
-_TALK: dict[Talk | None, Intent] = {Talk.CANCEL: Intent.CANCEL, Talk.QUESTION: Intent.QUESTION}
+#: Who greets is answered as one who asks: with what can be said.
+_TALK: dict[Talk | None, Intent] = {
+    Talk.CANCEL: Intent.CANCEL,
+    Talk.QUESTION: Intent.QUESTION,
+    Talk.GREETING: Intent.QUESTION,
+}
 
 
 class RulesMind:

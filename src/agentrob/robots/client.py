@@ -49,6 +49,10 @@ class DriverClient:
         lease = (await self._call("GET", "/state"))["lease"]
         return None if lease is None else str(lease["holder"])
 
+    async def look(self) -> bytes:
+        """A JPEG of the robot's own camera, also while it moves; needs no lease. `RobotBusy` when asked too often."""
+        return (await self._ask("GET", "/look")).content
+
     @contextlib.asynccontextmanager
     async def lease(self, holder: str, since_s: float | None = None) -> AsyncIterator[str]:
         """The right to move the robot, renewed five times a second until the context ends.
@@ -117,6 +121,9 @@ class DriverClient:
         await self.close()
 
     async def _call(self, method: str, path: str, body: Any = None, timeout_s: float = CALL_S) -> Any:
+        return (await self._ask(method, path, body, timeout_s)).json()
+
+    async def _ask(self, method: str, path: str, body: Any = None, timeout_s: float = CALL_S) -> httpx2.Response:
         if self._http.is_closed:
             raise RobotUnreachable(f"this client of {self.robot!r} has been closed")
         try:
@@ -127,7 +134,7 @@ class DriverClient:
                 f"start one with: agentrob driver {self.robot}"
             ) from None
         if answer.is_success:
-            return answer.json()
+            return answer
         try:
             problem = answer.json()
             code, detail = str(problem["code"]), str(problem["detail"])

@@ -7,7 +7,8 @@
             yield robot
             robot.close()
 
-The robot must stand upright with two metres free around it. Operations that it does not have are not asked for.
+The robot must stand upright with two metres free around it. Operations that it does not have are not asked for. Its
+package is installed: the entry point of its model is looked for.
 """
 
 from __future__ import annotations
@@ -16,10 +17,12 @@ import itertools
 import math
 import threading
 import time
+from importlib.metadata import entry_points
 
+from agentrob.config import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.motion import wrap
-from agentrob.robots.robot import Robot
+from agentrob.robots.robot import Robot, Sighted
 
 FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
@@ -53,6 +56,14 @@ class RobotContract:
         assert capabilities.ops
         assert Op.MOVE not in capabilities.ops or capabilities.move_directions
         assert min(capabilities.limits.speed_mps, capabilities.limits.turn_dps, capabilities.limits.step_m) > 0
+
+    def test_it_is_found_by_its_model_and_says_what_it_can_do_before_it_is_connected(self, robot: Robot) -> None:
+        capabilities = robot.capabilities
+        found = {e.name: e for e in entry_points(group="agentrob.robots")}
+        assert capabilities.model in found, "its model is the name of its entry point in the group agentrob.robots"
+        settings = RobotConfig(model=capabilities.model, simulated=capabilities.simulated)
+        told = found[capabilities.model].load().describe(settings)
+        assert (told.model, told.ops) == (capabilities.model, capabilities.ops)
 
     def test_its_state_is_fresh_and_asking_never_blocks(self, robot: Robot) -> None:
         state = fresh(robot)
@@ -168,6 +179,18 @@ class RobotContract:
             assert result.outcome is Outcome.DONE, result.message
             assert result.image is not None
             assert result.image.startswith(b"\xff\xd8")
+
+    def test_a_look_while_it_moves_is_a_jpeg_and_leaves_the_step_alone(self, robot: Robot) -> None:
+        if not isinstance(robot, Sighted) or Op.GET_FRONT_IMAGE not in robot.capabilities.ops:
+            return
+        results: list[ActionResult] = []
+        turn = Primitive(Op.TURN, Direction.LEFT, degrees=60.0)
+        turning = threading.Thread(target=lambda: results.append(robot.step(turn, go_on)))
+        turning.start()
+        pictures = [robot.look() for _ in range(3)]
+        turning.join()
+        assert all(picture.startswith(b"\xff\xd8") for picture in pictures)
+        assert results[0].outcome is Outcome.DONE, results[0].message
 
 
 def fresh(robot: Robot) -> RobotState:

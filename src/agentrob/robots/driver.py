@@ -38,6 +38,8 @@ log = logging.getLogger(__name__)
 LAST_STOP_S = 0.4
 #: A new holder waits so long for the end of the last one's step: a robot comes to rest within 3 s.
 TAKE_S = 4.0
+#: Pictures for the record are taken no more often than this.
+LOOK_S = 0.4
 #: A line on the stop channel must come within this time.
 LINE_S = 2.0
 
@@ -49,6 +51,7 @@ class Driver:
         self.name, self.guard = name, guard
         self.leases = Leases()
         self._step = threading.Lock()
+        self._looking, self._looked_s = threading.Lock(), -LOOK_S
 
     @property
     def busy(self) -> bool:
@@ -85,6 +88,19 @@ class Driver:
             self._step.release()
         log.info("step %s %s: %s %s", primitive.op, primitive.asked(), result.outcome, result.message)
         return result
+
+    def look(self) -> bytes:
+        """A picture of the robot's own camera, for the record; at most every `LOOK_S`, whoever asks. `RobotBusy` when
+        that is too soon or another look is under way."""
+        if not self._looking.acquire(blocking=False):
+            raise RobotBusy("another look through the robot's camera is under way")
+        try:
+            if time.monotonic() - self._looked_s < LOOK_S:
+                raise RobotBusy(f"the robot's camera is looked through at most every {LOOK_S:g} s")
+            self._looked_s = time.monotonic()
+            return self.guard.look()
+        finally:
+            self._looking.release()
 
     def stop(self, by: str, asked_s: float | None = None) -> StopResult:
         """Ends the running step and the lease: what its holder was about to do is over too.

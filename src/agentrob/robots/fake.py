@@ -47,6 +47,7 @@ class Faults:
     mode: str = ""  # somebody else put it into this mode
     ranges: str = "good"  # or missing, constant, zero
     unconfirmed: bool = False  # after a stop it creeps on
+    battery_percent: float = 87.0
 
 
 class FakeRobot:
@@ -99,6 +100,9 @@ class FakeRobot:
             now_s = time.monotonic()
             return ActionResult(primitive, Outcome.DONE, {}, started_s=now_s, ended_s=now_s, image=self._picture())
         return self._gesture(primitive, attentive)
+
+    def look(self) -> bytes:
+        return self._picture()
 
     def stop(self) -> StopResult:
         asked_s = time.monotonic()
@@ -220,7 +224,7 @@ class FakeRobot:
             velocity_mps=self._velocity[:2],
             yaw_rate_rps=self._velocity.turn_rps,
             mode="fallen" if fallen else mode,
-            battery_percent=87.0,
+            battery_percent=self.faults.battery_percent if self._faulty else 87.0,
             ranges_m=self._ranges(),
             upright=not fallen,
             error_code=0,

@@ -20,13 +20,22 @@ from typing import Any
 
 from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Limits, Op, Outcome, Pose, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, Capabilities, Limits, Op, Outcome, Primitive, RobotState, StopResult
 from agentrob.robots import g1_fsm, unitree
 from agentrob.robots.gesture import Gesture
 from agentrob.robots.guard import BLIND_MPS
-from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Gait, Rest, Velocity, known
+from agentrob.robots.motion import Gait, Velocity
 from agentrob.robots.robot import BODY_RADIUS_M, Watch, limits_of
-from agentrob.robots.walk import REST_LIMIT_S, not_begun, walk
+from agentrob.robots.unitree_robot import (
+    IMAGE_TIMEOUT_S,
+    WRITE_TIMEOUT_S,
+    UnitreeRobot,
+    failed,
+    moves,
+    read,
+    refused,
+)
+from agentrob.robots.walk import not_begun, walk
 
 #: A cautious envelope, well inside what the robot can do. What it coasts and sways was found in simulation.
 GAIT = Gait(
@@ -42,20 +51,11 @@ GAIT = Gait(
 
 #: A gesture takes up to 9 s; a shorter timeout would report a failure that is none.
 GESTURE_TIMEOUT_S = 20.0
-#: Commands of velocity and stops are written, not asked: they must never wait long for a robot that is not there.
-WRITE_TIMEOUT_S = 0.15
 ASK_TIMEOUT_S = 0.5
-IMAGE_TIMEOUT_S = 3.0
-IMAGE_MAX_BYTES = 8 * 1024 * 1024
 #: The robot holds a velocity for so long: a driver that dies leaves it walking no longer than this.
 HELD_S = 0.5
 #: After being unlocked it may take so long until it walks.
 START_AFTER_LOCKED_S = 10.0
-#: Cosine of the tilt below which it lies rather than stands (60 degrees).
-UPRIGHT = 0.5
-#: A standing G1 sways; faster than this it moves.
-MOVING_MPS, MOVING_RPS = 0.12, 0.25
-
 SET_VELOCITY, EXECUTE_ACTION = 7105, 7106
 RELEASE = 99
 #: Ids of the arm service; the last two hold their pose until released, so they are shown for a moment first.
@@ -66,11 +66,13 @@ OPTIONS = {"videohub"}
 CAPABILITIES = Capabilities("g1", frozenset({Op.MOVE, Op.TURN, *ACTIONS, Op.GET_FRONT_IMAGE}))
 
 
-class G1:
+class G1(UnitreeRobot):
     """See `agentrob.robots.robot.Robot`. Construction takes about a second and needs no robot to be there yet.
 
     Raises `RobotUnreachable` when DDS cannot be opened on the interface of the settings.
     """
+
+    _unfinished = "its arms are not down yet"
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
@@ -84,6 +86,7 @@ class G1:
         return replace(CAPABILITIES, ops=ops, limits=_blind(limits_of(settings)), simulated=settings.simulated)
 
     def __init__(self, settings: RobotConfig) -> None:
+        super().__init__()
         if unknown := set(settings.options) - OPTIONS:
             raise RobotError(f"a g1 has no option {', '.join(sorted(unknown))}; it has: {', '.join(sorted(OPTIONS))}")
         self.capabilities = self.describe(settings)
@@ -109,9 +112,7 @@ class G1:
         made = unitree.clients(*makers)
         asker, self._sport, self._moves, self._stopper, self._arm, self._releaser, self._video = made
         self._fsm = g1_fsm.FsmWatch(asker, lambda: self._age_s() < g1_fsm.OLD_S)
-        self._stops = 0
         self._let_go = threading.Event()
-        self._gesture: Gesture | None = None
 
     # ------------------------------------------------------------ the robot
     def state(self) -> RobotState:
@@ -125,55 +126,9 @@ class G1:
         newest = self._odometry.newest()
         return math.inf if newest is None else time.monotonic() - newest[0]
 
-    def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        before = self._stops
-        attentive: Watch = lambda state: "stop" if self._stops != before else watch(state)  # noqa: E731
-        if primitive.op is Op.GET_FRONT_IMAGE:
-            return self._image(primitive)
-        if self._gesturing:
-            return _refused(primitive, "busy", "The robot has not finished its last gesture yet.")
-        started_s = time.monotonic()
-        if reason := attentive(self.state()):  # before the robot is told anything
-            return not_begun(primitive, reason, started_s)
-        if unfit := self._stand_ready(primitive):
-            return unfit
-        if primitive.op in (Op.MOVE, Op.TURN):
-            return walk(self, primitive, self._ready_gait, attentive)
-        return self._do_gesture(primitive, attentive)
-
     def stop(self) -> StopResult:
-        """Zero velocity, and the arms released, on clients that wait for no answer; then watch for rest."""
-        asked_s = time.monotonic()
-        self._stops += 1
         self._let_go.set()
-        before = self.state()
-        sent = self._send_stop()
-        latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
-        rest, gesturing = Rest(STOPPED_WINDOW_S), self._gesturing
-        if gesturing:
-            self._send_release()
-        while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
-            state = self.state()
-            if state.pose is not None and state.age_s < 0.5 and rest.see(now_s, state.pose) and not self._gesturing:
-                break
-            time.sleep(1 / RATE_HZ)
-            if now_s < asked_s + 0.5:
-                self._send_stop()  # a velocity that was on its way meanwhile, or a lost sample
-        moved_m = rest.distance_m(before.pose)
-        was_moving = gesturing or _moves(before) or (moved_m or 0.0) > 0.05
-        doubt = self._doubt(rest)
-        if doubt and not sent:
-            doubt += " The stop could not be written to the robot's network."
-        return StopResult(latency_ms, not doubt, was_moving, moved_m, doubt)
-
-    def _doubt(self, rest: Rest) -> str:
-        """Why the robot cannot be said to have come to rest; empty when it can."""
-        if (age_s := self.state().age_s) >= 0.5:
-            age = "no state ever came" if math.isinf(age_s) else f"its state is {age_s:.1f} s old"
-            return f"The robot did not confirm: {age}."
-        if not rest.reached:
-            return f"The robot did not confirm: it still moved after {REST_LIMIT_S:g} s."
-        return "The robot keeps its place, but its arms are not down yet." if self._gesturing else ""
+        return super().stop()
 
     def close(self) -> None:
         self._let_go.set()
@@ -183,17 +138,11 @@ class G1:
         self._fsm.close()
 
     # ------------------------------------------------------------ the body (agentrob.robots.walk.Body)
-    def now_s(self) -> float:
-        return time.monotonic()
-
     def command(self, velocity: Velocity) -> None:
         self._send(self._moves, velocity)  # a robot that is frozen takes it without a word: odometry decides
 
     def rest(self) -> None:
         self._send(self._moves, Velocity())
-
-    def wait_until(self, time_s: float) -> None:
-        time.sleep(max(0.0, time_s - time.monotonic()))
 
     # ------------------------------------------------------------ what is sent
     @staticmethod
@@ -204,14 +153,22 @@ class G1:
     def _send_stop(self) -> bool:
         return self._send(self._stopper, Velocity()) == 0
 
+    def _end_gesture(self) -> None:
+        self._send_release()
+
     def _send_release(self) -> None:
         self._releaser._CallNoReply(EXECUTE_ACTION, json.dumps({"data": RELEASE}))
 
     # ------------------------------------------------------------ steps
-    @property
-    def _gesturing(self) -> bool:
-        """Whether the robot has not answered its last gesture, or its release, yet."""
-        return self._gesture is not None and self._gesture.running
+    def _do(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        started_s = time.monotonic()
+        if reason := watch(self.state()):  # before the robot is told anything
+            return not_begun(primitive, reason, started_s)
+        if unfit := self._stand_ready(primitive):
+            return unfit
+        if primitive.op in (Op.MOVE, Op.TURN):
+            return walk(self, primitive, self._ready_gait, watch)
+        return self._do_gesture(primitive, watch)
 
     def _stand_ready(self, primitive: Primitive) -> ActionResult | None:
         """Why it cannot walk or gesture now; a locked one is unlocked."""
@@ -219,12 +176,12 @@ class G1:
         if fsm in g1_fsm.WALKING:
             return None
         if fsm is None:
-            return _refused(primitive, "posture", "The robot does not tell the state of its motion service.")
+            return refused(primitive, "posture", "The robot does not tell the state of its motion service.")
         if fsm != g1_fsm.LOCKED:
             mode = g1_fsm.MODES.get(fsm, "in an unknown state")
-            return _refused(primitive, "posture", f"The robot is {mode} (state {fsm}); somebody must make it stand.")
+            return refused(primitive, "posture", f"The robot is {mode} (state {fsm}); somebody must make it stand.")
         if code := self._sport._Call(g1_fsm.SET_FSM_ID, json.dumps({"data": g1_fsm.WALK}))[0]:
-            return _failed(primitive, *_why(code, "It could not stand ready to walk"), time.monotonic())
+            return failed(primitive, code, "It could not stand ready to walk", time.monotonic())
         self._ready_gait = replace(self._gait, start_s=START_AFTER_LOCKED_S)
         return None
 
@@ -243,7 +200,7 @@ class G1:
             return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
         name = str(primitive.op).capitalize()
         if gesture.code:
-            return _failed(primitive, *_why(gesture.code, f"{name} was not done"), started_s)
+            return failed(primitive, gesture.code, f"{name} was not done", started_s)
         return ActionResult(primitive, Outcome.DONE, {}, "", f"{name}: done.", started_s, time.monotonic())
 
     def _perform(self, op: Op) -> int:
@@ -256,37 +213,11 @@ class G1:
         released = int(self._arm.ExecuteAction(RELEASE))
         return code or released
 
-    def _image(self, primitive: Primitive) -> ActionResult:
-        started_s = time.monotonic()
-        code, data = self._video.GetImageSample()
-        if code:
-            return _failed(primitive, *_why(code, "No picture"), started_s)
-        image = bytes(data or ())
-        if not (image.startswith(b"\xff\xd8") and len(image) <= IMAGE_MAX_BYTES):
-            message = f"The camera sent {len(image)} bytes that are not a JPEG of at most 8 MiB."
-            return _failed(primitive, "bad_image", message, started_s)
-        return ActionResult(primitive, Outcome.DONE, {}, "", "", started_s, time.monotonic(), image=image)
-
 
 def _blind(limits: Limits) -> Limits:
     """The limits of a robot that does not see what is around it (law 8)."""
     turn_dps = min(limits.turn_dps, math.degrees(GAIT.turn_rps), math.degrees(BLIND_MPS / BODY_RADIUS_M))
     return replace(limits, speed_mps=min(limits.speed_mps, BLIND_MPS), turn_dps=round(turn_dps, 1))
-
-
-def read(message: Any) -> RobotState:
-    """A `SportModeState_` of the odometry service as a state of age 0, without its mode."""
-    w, x, y, z = (float(v) for v in message.imu_state.quaternion)
-    attitude = w * w + x * x + y * y + z * z > 0.5
-    pose = Pose(float(message.position[0]), float(message.position[1]), float(message.imu_state.rpy[2]))
-    vx, vy, turning = float(message.velocity[0]), float(message.velocity[1]), float(message.yaw_speed)
-    return RobotState(
-        age_s=0.0,
-        pose=known(pose),
-        velocity_mps=(vx, vy) if math.isfinite(vx) and math.isfinite(vy) else None,
-        yaw_rate_rps=turning if math.isfinite(turning) else None,
-        upright=1.0 - 2.0 * (x * x + y * y) > UPRIGHT if attitude else None,
-    )
 
 
 def mode_of(state: RobotState, fsm: int | None, *, gesturing: bool) -> str:
@@ -297,25 +228,4 @@ def mode_of(state: RobotState, fsm: int | None, *, gesturing: bool) -> str:
         return "unknown" if fsm is None else g1_fsm.MODES.get(fsm, "unknown")
     if gesturing:
         return "gesture"
-    return "walking" if _moves(state) else "idle"
-
-
-def _moves(state: RobotState) -> bool:
-    """Whether its own state shows it walking or turning (it is never quite still)."""
-    speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
-    return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS
-
-
-def _why(code: int, what: str) -> tuple[str, str]:
-    word = "unsupported" if code in unitree.UNSUPPORTED else "no_answer" if code in unitree.NO_ANSWER else "robot_error"
-    return word, f"{what}: {unitree.explain(code)}."
-
-
-def _refused(primitive: Primitive, word: str, message: str) -> ActionResult:
-    now_s = time.monotonic()
-    return ActionResult(primitive, Outcome.REFUSED, {}, word, message, now_s, now_s)
-
-
-def _failed(primitive: Primitive, word: str, message: str, started_s: float) -> ActionResult:
-    outcome = Outcome.UNKNOWN if word == "no_answer" and primitive.moves else Outcome.FAILED
-    return ActionResult(primitive, outcome, {}, word, message, started_s, time.monotonic())
+    return "walking" if moves(state) else "idle"

@@ -13,21 +13,18 @@ from typing import Any
 
 from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
-from agentrob.robots import unitree
+from agentrob.model import ActionResult, Capabilities, Op, Outcome, Primitive, RobotState
+from agentrob.robots import unitree, unitree_robot
 from agentrob.robots.gesture import Gesture
-from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Gait, Rest, Velocity, known
+from agentrob.robots.motion import Gait, Velocity
 from agentrob.robots.robot import Watch, limits_of
-from agentrob.robots.walk import REST_LIMIT_S, not_begun, walk
+from agentrob.robots.unitree_robot import IMAGE_TIMEOUT_S, WRITE_TIMEOUT_S, UnitreeRobot, failed, refused
+from agentrob.robots.walk import not_begun, walk
 
 GAIT = Gait(speed_mps=1.0, side_mps=0.3, turn_rps=math.radians(90))
 
 #: The longest gesture takes about 8 s; a shorter timeout would report a failure that is none.
 GESTURE_TIMEOUT_S = 15.0
-#: Commands of velocity and stops are written, not asked: they must never wait long for a robot that is not there.
-WRITE_TIMEOUT_S = 0.15
-IMAGE_TIMEOUT_S = 3.0
-IMAGE_MAX_BYTES = 8 * 1024 * 1024
 #: After standing up a Go2 may ignore Move for 4 to 10 s although it answers 0.
 START_AFTER_STANDING_S = 10.0
 
@@ -40,21 +37,17 @@ MODES_BY_MODE = {
     0: "idle", 1: "idle", 2: "gesture", 3: "walking", 5: "lying", 6: "locked", 7: "damping", 8: "gesture", 9: "gesture",
     10: "sitting", 11: "gesture", 12: "gesture", 13: "gesture",
 }  # fmt: skip
-#: Cosine of the tilt below which it lies rather than stands (60 degrees).
-UPRIGHT = 0.5
-
-#: A standing Go2 sways a little; faster than this it moves.
-MOVING_MPS = 0.12
-MOVING_RPS = 0.25
-
 STOP_MOVE = 1003
+UNSUITABLE = 4206
+#: A flip, with coming to rest before it, takes no longer: whoever lies on his back later has fallen.
+FLIP_S = 8.0
 CAPABILITIES = Capabilities(
     "go2",
     frozenset({Op.MOVE, Op.TURN, Op.HELLO, Op.HEART, Op.BACKFLIP, Op.SIT, Op.STAND, Op.STRETCH, Op.GET_FRONT_IMAGE}),
 )
 
 
-class Go2:
+class Go2(UnitreeRobot):
     """See `agentrob.robots.robot.Robot`. Construction takes about a second and needs no robot to be there yet.
 
     Raises `RobotUnreachable` when DDS cannot be opened on the interface of the settings.
@@ -62,11 +55,11 @@ class Go2:
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
-        """What it can do, without connecting. The simulated one cannot flip yet."""
-        ops = CAPABILITIES.ops - {Op.BACKFLIP} if settings.simulated else CAPABILITIES.ops
-        return replace(CAPABILITIES, ops=ops, limits=limits_of(settings), simulated=settings.simulated)
+        """What it can do, without connecting. The simulated one's flip is an animation, and its result says so."""
+        return replace(CAPABILITIES, limits=limits_of(settings), simulated=settings.simulated)
 
     def __init__(self, settings: RobotConfig) -> None:
+        super().__init__()
         if settings.options:
             raise RobotError(f"a go2 has no options (found: {', '.join(sorted(settings.options))})")
         self.capabilities = self.describe(settings)
@@ -87,8 +80,7 @@ class Go2:
             (VideoClient, IMAGE_TIMEOUT_S),
         )
         self._actions, self._moves, self._stopper, self._video = unitree.clients(*makers)
-        self._stops = 0
-        self._gesture: Gesture | None = None
+        self._flip_began_s = -math.inf
         self._gestures: dict[Op, tuple[Callable[[], int], ...]] = {
             Op.HELLO: (self._actions.Hello,),
             Op.HEART: (self._actions.Heart,),
@@ -106,58 +98,19 @@ class Go2:
         came_s, message = newest
         battery = self._low.newest
         percent = float(battery.bms_state.soc) if battery is not None else None
-        return replace(read(message), age_s=time.monotonic() - came_s, battery_percent=percent)
+        state = replace(read(message), age_s=time.monotonic() - came_s, battery_percent=percent)
+        return replace(state, upright=True, mode="gesture") if self._flipping and state.mode == "fallen" else state
 
-    def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        before = self._stops
-        attentive: Watch = lambda state: "stop" if self._stops != before else watch(state)  # noqa: E731
-        if primitive.op is Op.GET_FRONT_IMAGE:
-            return self._image(primitive)
-        if self._gesturing:
-            return _refused(primitive, "busy", "The robot has not finished its last gesture yet.")
-        if primitive.op in (Op.MOVE, Op.TURN):
-            return self._walk(primitive, attentive)
-        return self._do_gesture(primitive, attentive)
-
-    def stop(self) -> StopResult:
-        """Zero velocity on two ways, on a client of its own that waits for no answer, then watch for rest."""
-        asked_s = time.monotonic()
-        self._stops += 1
-        before = self.state()
-        sent = self._send_stop()
-        latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
-        rest, gesturing = Rest(STOPPED_WINDOW_S), self._gesturing
-        while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
-            state = self.state()
-            if state.pose is not None and state.age_s < 0.5 and rest.see(now_s, state.pose) and not self._gesturing:
-                break
-            time.sleep(1 / RATE_HZ)
-            if now_s < asked_s + 0.5:
-                self._send_stop()  # a Move that was on its way meanwhile, or a lost sample
-        moved_m = rest.distance_m(before.pose)
-        was_moving = gesturing or _moves(before) or (moved_m or 0.0) > 0.05
-        doubt = self._doubt(rest)
-        if doubt and not sent:
-            doubt += " The stop could not be written to the robot's network."
-        return StopResult(latency_ms, not doubt, was_moving, moved_m, doubt)
-
-    def _doubt(self, rest: Rest) -> str:
-        """Why the robot cannot be said to have come to rest; empty when it can."""
-        if (age_s := self.state().age_s) >= 0.5:
-            age = "no state ever came" if math.isinf(age_s) else f"its state is {age_s:.1f} s old"
-            return f"The robot did not confirm: {age}."
-        if not rest.reached:
-            return f"The robot did not confirm: it still moved after {REST_LIMIT_S:g} s."
-        return "The robot keeps its place, but has not ended its gesture yet." if self._gesturing else ""
+    @property
+    def _flipping(self) -> bool:
+        """Whether it may be over its back because we told it to flip: then that is no fall."""
+        return self._gesturing and time.monotonic() < self._flip_began_s + FLIP_S
 
     def close(self) -> None:
         self._send_stop()
         self._low.close()
 
     # ------------------------------------------------------------ the body (agentrob.robots.walk.Body)
-    def now_s(self) -> float:
-        return time.monotonic()
-
     def command(self, velocity: Velocity) -> None:
         self._moves.Move(*(float(v) for v in velocity))  # answers 0 even when the robot is frozen: odometry decides
 
@@ -165,28 +118,25 @@ class Go2:
         self._moves.Move(0.0, 0.0, 0.0)
         self._moves._CallNoReply(STOP_MOVE, "{}")
 
-    def wait_until(self, time_s: float) -> None:
-        time.sleep(max(0.0, time_s - time.monotonic()))
-
     # ------------------------------------------------------------ steps
-    @property
-    def _gesturing(self) -> bool:
-        """Whether the robot has not answered its last gesture yet."""
-        return self._gesture is not None and self._gesture.running
-
     def _send_stop(self) -> bool:
         codes = [self._stopper._CallNoReply(STOP_MOVE, "{}"), self._stopper.Move(0.0, 0.0, 0.0)]
         return 0 in codes
 
+    def _do(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        if primitive.op in (Op.MOVE, Op.TURN):
+            return self._walk(primitive, watch)
+        return self._do_gesture(primitive, watch)
+
     def _walk(self, primitive: Primitive, watch: Watch) -> ActionResult:
         gait, state, started_s = self._gait, self.state(), time.monotonic()
         if state.mode in ("sitting", "lying", "damping"):
-            return _refused(primitive, "posture", f"The robot is {state.mode}; it must stand up first.")
+            return refused(primitive, "posture", f"The robot is {state.mode}; it must stand up first.")
         if reason := watch(state):  # before the robot is told anything
             return not_begun(primitive, reason, started_s)
         if state.mode in ("locked", "unknown"):
             if code := self._actions.BalanceStand():
-                return _failed(primitive, *_why(code, "It could not stand ready to walk"), time.monotonic())
+                return failed(primitive, code, "It could not stand ready to walk", started_s)
             gait = replace(gait, start_s=START_AFTER_STANDING_S)
         return walk(self, primitive, gait, watch)
 
@@ -195,6 +145,8 @@ class Go2:
         started_s = time.monotonic()
         if reason := watch(self.state()):
             return not_begun(primitive, reason, started_s)
+        if primitive.op is Op.BACKFLIP:
+            self._flip_began_s = started_s
         gesture = self._gesture = Gesture(self._gestures[primitive.op], lambda: watch(self.state()))
         gesture.follow()
         if reason := gesture.reason:
@@ -202,63 +154,21 @@ class Go2:
             message = f"Stopped ({reason.replace('_', ' ')}); the robot may end the gesture by itself."
             return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
         name = str(primitive.op).capitalize()
+        if gesture.code == UNSUITABLE and primitive.op is Op.BACKFLIP:
+            return refused(primitive, "obstacle", f"The robot refused to flip: {unitree.explain(UNSUITABLE)}.")
         if gesture.code:
-            return _failed(primitive, *_why(gesture.code, f"{name} was not done"), started_s)
+            return failed(primitive, gesture.code, f"{name} was not done", started_s)
         animated = primitive.op is Op.BACKFLIP and self.capabilities.simulated
         return ActionResult(
             primitive, Outcome.DONE, {}, "", f"{name}: done.", started_s, time.monotonic(), animated=animated
         )
 
-    def _image(self, primitive: Primitive) -> ActionResult:
-        started_s = time.monotonic()
-        code, data = self._video.GetImageSample()
-        if code:
-            return _failed(primitive, *_why(code, "No picture"), started_s)
-        image = bytes(data or ())
-        if not (image.startswith(b"\xff\xd8") and len(image) <= IMAGE_MAX_BYTES):
-            message = f"The camera sent {len(image)} bytes that are not a JPEG of at most 8 MiB."
-            return _failed(primitive, "bad_image", message, started_s)
-        return ActionResult(primitive, Outcome.DONE, {}, "", "", started_s, time.monotonic(), image=image)
-
 
 def read(message: Any) -> RobotState:
     """A `SportModeState_` as a state of age 0."""
-    w, x, y, z = (float(v) for v in message.imu_state.quaternion)
-    attitude = w * w + x * x + y * y + z * z > 0.5
-    upright = 1.0 - 2.0 * (x * x + y * y) > UPRIGHT if attitude else None
+    state = unitree_robot.read(message)
     code = int(message.error_code)
     mode = MODES_BY_CODE.get(code) or (MODES_BY_MODE.get(int(message.mode), "unknown") if code == 0 else "unknown")
-    pose = Pose(float(message.position[0]), float(message.position[1]), float(message.imu_state.rpy[2]))
-    vx, vy, turning = float(message.velocity[0]), float(message.velocity[1]), float(message.yaw_speed)
     front, left, back, right = (float(r) if math.isfinite(r) else None for r in message.range_obstacle)
-    return RobotState(
-        age_s=0.0,
-        pose=known(pose),
-        velocity_mps=(vx, vy) if math.isfinite(vx) and math.isfinite(vy) else None,
-        yaw_rate_rps=turning if math.isfinite(turning) else None,
-        mode="fallen" if upright is False else mode,
-        ranges_m=(front, left, back, right),
-        upright=upright,
-        error_code=code,
-    )
-
-
-def _moves(state: RobotState) -> bool:
-    """Whether its own state shows it walking or turning (its sensors are never quite still)."""
-    speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
-    return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS
-
-
-def _why(code: int, what: str) -> tuple[str, str]:
-    word = "unsupported" if code in unitree.UNSUPPORTED else "no_answer" if code in unitree.NO_ANSWER else "robot_error"
-    return word, f"{what}: {unitree.explain(code)}."
-
-
-def _refused(primitive: Primitive, word: str, message: str) -> ActionResult:
-    now_s = time.monotonic()
-    return ActionResult(primitive, Outcome.REFUSED, {}, word, message, now_s, now_s)
-
-
-def _failed(primitive: Primitive, word: str, message: str, started_s: float) -> ActionResult:
-    outcome = Outcome.UNKNOWN if word == "no_answer" and primitive.moves else Outcome.FAILED
-    return ActionResult(primitive, outcome, {}, word, message, started_s, time.monotonic())
+    mode = "fallen" if state.upright is False else mode
+    return replace(state, mode=mode, ranges_m=(front, left, back, right), error_code=code)

@@ -5,20 +5,35 @@ Covered, before a step and 20 times a second while it runs:
 - the fence around the owner's home, along the whole predicted path and with the way the body coasts;
 - obstacles in the direction of motion by the robot's own four range readings; readings that are missing, zero or never
   change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so;
-- state older than 0.5 s, a fall, the deadline, a halt, which holds until the owner releases it, also across restarts;
+- state older than 0.5 s, the deadline, a halt, which holds until the owner releases it, also across restarts;
+- a fall: the step ends, and the robot stays down until it is asked to stand up; nothing else is done meanwhile, and a
+  step that ends lying is never called done;
+- a battery below the owner's level: no step begins; one under way is ended in order, and its result says so;
 - a position that is no number: unknown, as one that is missing;
 - an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
   (a simulated robot that homes itself at start does so again once it stands still);
 - a mode or a motion that we did not command: that is a halt; damping always is, also during a gesture. A robot that is
   damped already when we come is not moved until somebody made it stand;
-- a driver that was killed during a step: the next one stops the robot first, and what dies down within 2 s is no halt.
+- a driver that was killed during a step: the next one stops the robot first, and what dies down within 2 s is no halt;
+- a picture on which there is nothing to be seen: it is not called one.
 
 Not covered:
 - people, animals, and all that is below, above or between the four range beams: stairs, cables, glass, table edges;
 - obstacles that move towards the robot, and all obstacles during gestures and flips, which need free space around;
-- drift of the odometry within plausible speed: fence and measured values stand on it;
+- drift of the odometry within plausible speed, and jumps of less than 25 cm: fence and measured values stand on it. A
+  robot that is pushed or slips, and whose odometry does not see it, is not where it says;
+- what is pushed: a robot shoved off its course walks back to it, towards whoever shoved it;
 - a robot that reports wrong data, or that does not obey a stop: the stop's result then says `confirmed: false`;
+- a robot that nothing reaches: it holds the last velocity for up to a second, and then it is its own firmware's matter;
+- a fall itself: it is seen once the body is tilted by 60°, and nothing softens it. What stands around a robot that is
+  asked to get up is not looked at;
+- a battery that the robot does not tell (a G1's) or tells wrongly, and one that fails within a step; heat of motors;
+- a picture that is old, frozen, or of another place: only that something is to be seen is looked at;
+- the floor: slopes, wet or loose ground, anything that is not level and free;
 - the sum of several steps (a command's limits): the agent's mandate counts them;
+- other robots: each has its own guard, and they know nothing of each other but what the ranges show;
+- a machine that is frozen or too busy: a driver that does not run stops nothing (its lease and the robot's own hold of
+  one second do); nor does it see what the robot does meanwhile;
 - anybody who speaks DDS to the robot past this process. Nothing here replaces the robot's hardware stop.
 """
 
@@ -39,8 +54,9 @@ from agentrob.robots.limits import beyond_limits
 from agentrob.robots.mark import Mark
 from agentrob.robots.motion import known
 from agentrob.robots.odometry import DAMPING, WALKS, Hands, Odometry
+from agentrob.robots.picture import looked
 from agentrob.robots.ranges import STOPPING_S, Ranges
-from agentrob.robots.robot import Robot, Watch
+from agentrob.robots.robot import Robot, Sighted, Watch
 
 log = logging.getLogger(__name__)
 
@@ -50,6 +66,8 @@ BLIND_MPS = 0.2
 OBSERVE_HZ = 20.0
 #: A first step waits so long for a state that comes steadily, for range readings and for the simulated home.
 PREPARE_S = 3.0
+
+_YOUNGER = f"it must be younger than {STATE_AGE_S} s"
 
 Refusal = tuple[str, str]  # (stable word, sentence)
 
@@ -103,6 +121,12 @@ class Guard:
         self._hands.ours(time.monotonic())
         return self._robot.stop()
 
+    def look(self) -> bytes:
+        """A picture of the robot's own camera, also while it moves; touches nothing of a step. Raises `RobotError`."""
+        if not isinstance(self._robot, Sighted) or Op.GET_FRONT_IMAGE not in self.capabilities.ops:
+            raise RobotError("this robot has no camera that can be looked through while it moves")
+        return self._robot.look()
+
     def settle(self) -> None:
         """Stop the robot and wait for its rest (at most 3 s) when the guard before this one died within a step."""
         if self._left is not None:
@@ -119,9 +143,10 @@ class Guard:
         """The robot's place and heading now are its home: the fence lies around it. Raises `RobotError`."""
         state = sound(self._robot.state())
         if state.pose is None or not state.age_s < STATE_AGE_S:
-            raise RobotError(
-                f"cannot set home: the robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s"
-            )
+            why = _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
+            raise RobotError(f"cannot set home: {why}")
+        if not state.upright:
+            raise RobotError("cannot set home: the robot is not known to stand upright")
         if self._running is not None or not self._odometry.still(time.monotonic()):
             raise RobotError("cannot set home while the robot moves; let it stand still for a moment")
         self._fence = Fence(self._settings.fence, state.pose)
@@ -154,7 +179,7 @@ class Guard:
         if refusal := self._malformed(primitive):
             return _refused(primitive, *refusal)
         if not primitive.moves:
-            return self._robot.step(primitive, watch)
+            return looked(self._robot.step(primitive, watch))
         until_s = time.monotonic() + deadline_s
         self._prepare(primitive)
         if refusal := self._unfit(primitive) or self._misplaced(primitive):
@@ -171,7 +196,19 @@ class Guard:
             self._mark.end()
         self._hands.ours(time.monotonic())
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
-        return replace(result, primitive=primitive, message=message)
+        return self._after(replace(result, primitive=primitive, message=message))
+
+    def _after(self, result: ActionResult) -> ActionResult:
+        """What the robot says of itself now belongs to the result: lying it has done nothing well."""
+        state = sound(self._robot.state())
+        if result.measured and not state.age_s < STATE_AGE_S:  # law 18: it went on, and nobody saw how far
+            unseen = "That is where it was last seen; where it came to rest is not known."
+            return replace(result, measured={}, message=f"{result.message} {unseen}")
+        if result.ok and state.upright is False:
+            message = f"{result.message} But now the robot lies: it fell, or did not get up."
+            return replace(result, outcome=Outcome.FAILED, reason="fallen", message=message.strip())
+        low = _low_battery(state, self._settings)
+        return replace(result, message=f"{result.message} {low}".strip()) if low else result
 
     def _malformed(self, primitive: Primitive) -> Refusal | None:
         if primitive.op not in self.capabilities.ops:
@@ -187,9 +224,11 @@ class Guard:
         if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
             return "consent", "A flip needs the owner's consent (allow_flip)."
         if state.age_s >= STATE_AGE_S or state.pose is None:
-            return "stale_state", f"The robot's state is {_age(state)}; it must be younger than {STATE_AGE_S} s."
-        if state.mode == "fallen" or not state.upright:
-            return "fallen", "The robot is not known to stand upright."
+            return "stale_state", _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
+        if fallen := _fallen(state, primitive):
+            return fallen
+        if low := _low_battery(state, self._settings):
+            return "low_battery", low
         if state.mode == DAMPING:
             return "posture", "The robot is damped, and not by us; somebody beside it must make it stand up first."
         return None
@@ -254,9 +293,9 @@ class Guard:
         if self._halt.why is not None:
             return "halted", self._halt.why
         if state.age_s >= STATE_AGE_S or state.pose is None:
-            return "stale_state", f"The robot's state was {_age(state)}."
-        if state.mode == "fallen" or not state.upright:
-            return "fallen", "The robot is not known to stand upright."
+            return "stale_state", _unseen(state) or f"The robot's state was {_age(state)}."
+        if fallen := _fallen(state, primitive):
+            return fallen
         if self._fence is None:
             return "odometry_jump", self._lost_home
         if time.monotonic() >= until_s:
@@ -303,11 +342,35 @@ def sound(state: RobotState) -> RobotState:
     if velocity_mps is not None and not all(map(math.isfinite, velocity_mps)):
         velocity_mps = None
     age_s = age_s if age_s >= 0 else math.inf
-    return replace(state, pose=known(state.pose), velocity_mps=velocity_mps, age_s=age_s)
+    percent = state.battery_percent if state.battery_percent is not None and state.battery_percent >= 0 else None
+    return replace(state, pose=known(state.pose), velocity_mps=velocity_mps, age_s=age_s, battery_percent=percent)
+
+
+def _fallen(state: RobotState, primitive: Primitive) -> Refusal | None:
+    """A robot that is known to lie may be asked to stand up, and nothing else."""
+    if state.upright is False and primitive.op is not Op.STAND:
+        return "fallen", "The robot has fallen. It stays down until it is asked to stand up, or somebody sets it up."
+    if state.upright is None or (state.upright and state.mode == "fallen"):
+        return "fallen", "The robot is not known to stand upright."
+    return None
+
+
+def _low_battery(state: RobotState, settings: RobotConfig) -> str:
+    """A sentence when no motion may begin; empty too when the robot does not tell its charge."""
+    percent, least = state.battery_percent, settings.least_battery_percent
+    if percent is None or percent >= least:
+        return ""
+    return f"The battery is at {percent:.0f} %, and below {least:g} % no motion begins (least_battery_percent)."
 
 
 def _age(state: RobotState) -> str:
     return "unknown" if math.isinf(state.age_s) else f"{state.age_s:.1f} s old"
+
+
+def _unseen(state: RobotState) -> str:
+    """What is wrong with a state that is young enough; empty when it is just too old."""
+    young = state.age_s < STATE_AGE_S and state.pose is None
+    return "The robot tells no position: its odometry is missing or not a number." if young else ""
 
 
 def _refused(primitive: Primitive, word: str, sentence: str) -> ActionResult:

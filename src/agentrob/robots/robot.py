@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from agentrob.config import RobotConfig
 from agentrob.model import ActionResult, Capabilities, Limits, Primitive, RobotState, StopResult
@@ -41,6 +41,17 @@ class Robot(Protocol):
         ...
 
     def close(self) -> None: ...
+
+
+@runtime_checkable
+class Sighted(Protocol):
+    """A robot that can also be looked through while it moves."""
+
+    def look(self) -> bytes:
+        """A JPEG of its own camera now, for the record. Called from a thread of its own, also while a step runs, which
+        it must not hold up. Raises `RobotError` when there is none.
+        """
+        ...
 
 
 def limits_of(settings: RobotConfig) -> Limits:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import JSONResponse
+from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)
-Answer = Callable[[Request], Awaitable[JSONResponse]]
+Answer = Callable[[Request], Awaitable[Response]]
 
 
 async def in_thread(work: Callable[[], T]) -> T:
@@ -95,6 +95,7 @@ def app(driver: Driver) -> Starlette:
     routes = (
         ("/capabilities", "GET", face.capabilities),
         ("/state", "GET", face.state),
+        ("/look", "GET", face.look),
         ("/lease", "POST", face.take),
         ("/lease/{lease}", "PUT", face.renew),
         ("/lease/{lease}", "DELETE", face.give_back),
@@ -120,6 +121,9 @@ class _Face:
         holder = self.driver.leases.holder
         lease = None if holder is None else {"holder": holder}
         return JSONResponse({**encode(self.driver.state()), "lease": lease, "busy": self.driver.busy})
+
+    async def look(self, _: Request) -> Response:
+        return Response(await in_thread(self.driver.look), media_type="image/jpeg")
 
     # ------------------------------------------------------------------ who may move it
     async def take(self, request: Request) -> JSONResponse:
@@ -177,7 +181,7 @@ class _Face:
 def _translated(answer: Answer) -> Answer:
     """Our errors as HTTP: 409 for who holds the robot (`lease_lost`, `busy`), 422 for what cannot be."""
 
-    async def translated(request: Request) -> JSONResponse:
+    async def translated(request: Request) -> Response:
         try:
             return await answer(request)
         except LeaseLost as e:

@@ -11,6 +11,7 @@ from typing import Protocol
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.motion import (
     RATE_HZ,
+    REST,
     REST_WINDOW_S,
     STOPPED_WINDOW_S,
     Gait,
@@ -23,7 +24,8 @@ from agentrob.robots.motion import (
 )
 from agentrob.robots.robot import BODY_RADIUS_M, Watch
 
-#: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %).
+#: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %). What shall
+#: not change, the place of a turn and the heading of a move, has no such share of its own: degrees are no metres.
 TOLERANCE_M, TOLERANCE_DEG, TOLERANCE_SHARE = 0.05, 4.0, 0.005
 #: After a stop, rest is awaited no longer than this.
 REST_LIMIT_S = 3.0
@@ -83,6 +85,7 @@ class _Track:
     """Odometry since the start of a step, with the angle unwrapped."""
 
     points: list[tuple[float, Pose, float]] = field(default_factory=list)  # (seconds, pose, radians turned)
+    sent: list[tuple[float, Velocity]] = field(default_factory=list)
 
     def add(self, t_s: float, pose: Pose) -> None:
         turned = self.points[-1][2] + wrap(pose.yaw_rad - self.points[-1][1].yaw_rad) if self.points else 0.0
@@ -114,6 +117,13 @@ class _Track:
         thin = self.points[:: 1 + len(self.points) // PATH_POINTS]
         return tuple((round(t - t0, 3), round(p.x_m, 4), round(p.y_m, 4), round(p.yaw_rad, 4)) for t, p, _ in thin)
 
+    def commanded(self) -> tuple[tuple[float, float, float, float], ...]:
+        """The velocities sent, on the same clock as the path."""
+        t0 = self.points[0][0]
+        thin = self.sent[:: 1 + len(self.sent) // PATH_POINTS]
+        rounded = ((round(t - t0, 3), *(round(v, 4) + 0.0 for v in velocity)) for t, velocity in thin)
+        return tuple((t, forward, left, turn) for t, forward, left, turn in rounded)
+
 
 def _rounded(**values: float) -> dict[str, float]:
     return {k: round(v, 4) + 0.0 for k, v in values.items()}
@@ -127,13 +137,16 @@ def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionRe
         reason = _drive(body, motion, track, watch)
     finally:
         body.rest()
+    track.sent.append((body.now_s(), REST))
     if reason and track.points:
         _come_to_rest(body, track)
     if not track.points:
         return not_begun(primitive, reason, started_s)
     measured = track.measured(primitive)
     outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
-    return ActionResult(primitive, outcome, measured, word, message, started_s, time.monotonic(), track.path())
+    ended_s = time.monotonic()
+    path, sent = track.path(), track.commanded()
+    return ActionResult(primitive, outcome, measured, word, message, started_s, ended_s, path, commanded=sent)
 
 
 def not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
@@ -157,6 +170,7 @@ def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
         if velocity is None:
             return ""
         body.command(velocity)
+        track.sent.append((now_s, velocity))
         n = max(n + 1, math.ceil((now_s - start_s) * RATE_HZ))  # after a hiccup go on from now, without a burst
         body.wait_until(start_s + n / RATE_HZ)
 
@@ -191,7 +205,8 @@ def judge(primitive: Primitive, measured: Mapping[str, float], how: str, *, stop
     allowed = (TOLERANCE_DEG if turn else TOLERANCE_M) + TOLERANCE_SHARE * asked
     aside_m = measured["drift_m"] if turn else abs(measured["sideways_m"])
     turned_deg = 0.0 if turn else abs(measured["heading_deg"])
-    if abs(got - asked) <= allowed and aside_m <= TOLERANCE_M + TOLERANCE_SHARE * asked and turned_deg <= TOLERANCE_DEG:
+    aside_allowed_m = TOLERANCE_M if turn else allowed
+    if abs(got - asked) <= allowed and aside_m <= aside_allowed_m and turned_deg <= TOLERANCE_DEG:
         return Outcome.DONE, "", f"{pair}."
     if turn:
         pair += f", {100 * aside_m:.0f} cm off its place"

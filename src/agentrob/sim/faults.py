@@ -2,24 +2,47 @@
 
     {"robot": "go2", "ranges": "missing", "silent": true, "jump_m": [1.0, 0.0], "box_m": [0.5, -0.2]}
 
-All keys may be left out, and what is left out is well again: `{}` heals everything. `ranges` are `good`, `missing` (not
-a number), `zero`, or `constant` (they stay what they are now). `silent`: the robot does all it is told, but sends no
-state. `jump_m`: its odometry jumps once by this much along its own x and y. `box_m`: a box 40 cm wide and 60 cm high
-stands on this place of the room from now on.
+All keys may be left out, and what is left out is well again with this robot (the Go2 when none is named); `{}` heals
+all robots.
+
+- `ranges`: `good`, `missing` (not a number), `zero`, or `constant` (they stay what they are now).
+- `silent`: the robot does all it is told, but sends no state.
+- `jump_m`: its odometry jumps once by this much along its own x and y. `lost`: its odometry is not a number.
+- `drops`: this share of what its motion service is told is lost; with 1 it is frozen, and answers nothing.
+- `unplugged`: nothing reaches the robot and nothing comes from it, as when the cable is pulled.
+- `camera`: `good`, `dead` (it answers with an error), or `black`.
+- `battery_percent`: what its battery tells from now on.
+- `clock_s`: its own clock, which stamps its states, leaps once by so much.
+- `push_mps`: it is shoved once, forward and to the left. `tip`: it is tipped over.
+- `box_m`: a box 40 cm wide and 60 cm high stands on this place of the room from now on.
+
+A G1 has no ranges and no battery, and its states carry no stamp.
 """
 
 from __future__ import annotations
 
+import io
 import math
+import random
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from agentrob.errors import SimError
-from agentrob.sim.room import LENGTH_M, WIDTH_M
 
-RANGES = ("good", "missing", "zero", "constant")
-KEYS = ("robot", "ranges", "silent", "jump_m", "box_m")
+if TYPE_CHECKING:
+    from agentrob.sim.legged import Legged
+
+_WORDS = {"ranges": ("good", "missing", "zero", "constant"), "camera": ("good", "dead", "black")}
+_SWITCHES, _PAIRS = ("silent", "lost", "unplugged", "tip"), ("jump_m", "push_mps", "box_m")
+_BOUNDS = {"drops": (0.0, 1.0), "battery_percent": (0.0, 100.0), "clock_s": (-1e6, 1e6)}
+KEYS = (
+    "robot", "ranges", "silent", "jump_m", "lost", "drops", "unplugged", "camera", "battery_percent", "clock_s",
+    "push_mps", "tip", "box_m",
+)  # fmt: skip
+#: A body counts as tipped over below this (cosine of the tilt); it is rolled so fast until then, so long at most.
+TIPPED, ROLL_RPS, TIP_S = 0.15, 7.0, 1.5
+HARDEST_PUSH_MPS = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,25 +54,44 @@ class Faults:
     silent: bool = False
     jump_m: tuple[float, float] = (0.0, 0.0)
     box_m: tuple[float, float] | None = None
+    lost: bool = False
+    drops: float = 0.0
+    unplugged: bool = False
+    camera: str = "good"
+    battery_percent: float | None = None
+    clock_s: float = 0.0
+    push_mps: tuple[float, float] = (0.0, 0.0)
+    tip: bool = False
 
 
-def read(data: Any, robots: Collection[str]) -> Faults:
-    """What was asked for. Raises `SimError` that says what would be valid."""
+def read(data: Any, robots: Collection[str], size_m: tuple[float, float]) -> Faults:
+    """What was asked for in a room of this length and width. Raises `SimError` that says what would be valid."""
     if not isinstance(data, Mapping):
         raise SimError(f"faults are a JSON object; valid keys: {', '.join(KEYS)}")
     if unknown := sorted(set(data) - set(KEYS)):
         raise SimError(f"{unknown[0]!r} is no fault; valid: {', '.join(KEYS)}")
-    robot, ranges, silent = data.get("robot", min(robots)), data.get("ranges", "good"), data.get("silent", False)
+    robot = data.get("robot", "go2" if "go2" in robots else min(robots))
     if robot not in robots:
         raise SimError(f"no robot {robot!r} in this world; there are: {', '.join(sorted(robots))}")
-    if ranges not in RANGES:
-        raise SimError(f"ranges cannot be {ranges!r}; valid: {', '.join(RANGES)}")
-    if not isinstance(silent, bool):
-        raise SimError("'silent' must be true or false")
-    box_m = _pair(data["box_m"], "box_m") if data.get("box_m") is not None else None
-    if box_m is not None and not (abs(box_m[0]) < LENGTH_M / 2 and abs(box_m[1]) < WIDTH_M / 2):
-        raise SimError(f"'box_m' must be in the room: x within {LENGTH_M / 2:g} m, y within {WIDTH_M / 2:g} m")
-    return Faults(robot, ranges, silent, _pair(data.get("jump_m", (0.0, 0.0)), "jump_m"), box_m)
+    given = {key: _value(key, value) for key, value in data.items() if value is not None}
+    faults = Faults(**{**given, "robot": robot})
+    x_m, y_m = (edge / 2 for edge in size_m)
+    if faults.box_m is not None and not (abs(faults.box_m[0]) < x_m and abs(faults.box_m[1]) < y_m):
+        raise SimError(f"'box_m' must be in the room: x within {x_m:g} m, y within {y_m:g} m")
+    if math.hypot(*faults.push_mps) > HARDEST_PUSH_MPS:
+        raise SimError(f"'push_mps' must be at most {HARDEST_PUSH_MPS:g} m/s in all")
+    return faults
+
+
+def _value(key: str, value: Any) -> Any:
+    """One fault, as it was meant."""
+    if (valid := _WORDS.get(key)) is not None and value not in valid:
+        raise SimError(f"{key} cannot be {value!r}; valid: {', '.join(valid)}")
+    if key in _SWITCHES and not isinstance(value, bool):
+        raise SimError(f"{key!r} must be true or false")
+    if key in _BOUNDS:
+        return _number(value, key, *_BOUNDS[key])
+    return _pair(value, key) if key in _PAIRS else value
 
 
 def _pair(value: Any, name: str) -> tuple[float, float]:
@@ -58,5 +100,56 @@ def _pair(value: Any, name: str) -> tuple[float, float]:
     except (TypeError, ValueError):
         x = y = math.nan
     if not (abs(x) < 100 and abs(y) < 100):
-        raise SimError(f"{name!r} must be two numbers of metres, x and y")
+        raise SimError(f"{name!r} must be two numbers, forward and left (of a place: x and y)")
     return x, y
+
+
+def _number(value: Any, name: str, least: float, most: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
+        raise SimError(f"{name!r} must be a number from {least:g} to {most:g}")
+    return float(value)
+
+
+class Trouble:
+    """One robot's faults where its services and its body feel them. `make` and `tick` run in the world's thread."""
+
+    def __init__(self, body: Legged) -> None:
+        self._body = body
+        self._chance = random.Random(7)
+        self._tipping_s = 0.0
+        self.now = Faults(body.name)
+
+    def make(self, faults: Faults) -> None:
+        """These from now on; what happens once, happens now."""
+        self.now, body = faults, self._body
+        vx, vy = faults.push_mps
+        c, s = math.cos(body.yaw_rad), math.sin(body.yaw_rad)
+        body.data.qvel[body.root_v] += c * vx - s * vy
+        body.data.qvel[body.root_v + 1] += s * vx + c * vy
+        self._tipping_s = TIP_S if faults.tip else 0.0
+
+    def tick(self, period_s: float) -> None:
+        """Once per period, before the physics: a robot that is being tipped is rolled on to its side."""
+        if self._tipping_s > 0 and self._body.upright > TIPPED:
+            self._tipping_s -= period_s
+            self._body.data.qvel[self._body.root_v + 3] = -ROLL_RPS  # to its left side
+        else:
+            self._tipping_s = 0.0
+
+    def swallows(self) -> bool:
+        """Whether a call to the motion service is lost on its way; asked once for each."""
+        return self.now.unplugged or self._chance.random() < self.now.drops
+
+    @property
+    def mute(self) -> bool:
+        """Whether no state of the body leaves the robot."""
+        return self.now.silent or self.now.unplugged
+
+
+def black_picture() -> bytes:
+    """What a camera sends that sees nothing: a JPEG of the usual size."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.new("RGB", (640, 480)).save(buffer, "JPEG", quality=80)
+    return buffer.getvalue()

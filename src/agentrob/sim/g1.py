@@ -12,7 +12,7 @@ from agentrob.sim.g1_policy import COMMAND_SLEW, STAND_RAD, TORQUE_NM, G1Policy,
 from agentrob.sim.gestures import Motion
 from agentrob.sim.legged import Array, Build, Drive, Legged
 from agentrob.sim.policy import PERIOD_S
-from agentrob.sim.room import G1_START, Start
+from agentrob.sim.scene import Start
 
 #: What the policy follows well: forward, sideways (m/s) and turning (rad/s).
 VELOCITY_BOUND: Array = np.array([0.6, 0.3, 0.8])
@@ -29,7 +29,7 @@ LIMP_DAMPING = 2.0  # factor on KD in damping mode
 class G1(Legged):
     """Walks after `walk(vx, vy, yaw_rate)`, moves its arms meanwhile, or is limp."""
 
-    def __init__(self, name: str = "g1", start: Start = G1_START) -> None:
+    def __init__(self, name: str = "g1", start: Start | None = None) -> None:
         super().__init__(name, start)
         self._policy = G1Policy(assets.g1_policy())
         self._trim = G1Trim()

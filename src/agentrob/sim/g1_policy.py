@@ -34,6 +34,7 @@ class G1Trim(VelocityTrim):
     """As the Go2's; this policy follows better, and steps while it is trimmed at all."""
 
     FILTER_S = 0.5
+    LACK: Array = np.zeros(3)
     GAIN: Array = np.array([0.8, 0.8, 1.0])
     BOUND: Array = np.array([0.10, 0.10, 0.15])
 

@@ -7,6 +7,8 @@ of its fields a real G1 fills is not verified, so only position, velocity, yaw s
 
 from __future__ import annotations
 
+import math
+
 import mujoco
 import numpy as np
 
@@ -18,10 +20,10 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 from unitree_sdk2py.idl.unitree_hg.msg.dds_ import LowState_
 
 from agentrob.sim import sensors
-from agentrob.sim.faults import Faults
+from agentrob.sim.faults import Faults, Trouble
 from agentrob.sim.g1 import G1
 from agentrob.sim.g1_sport import G1Sport
-from agentrob.sim.go2_services import GET_IMAGE_SAMPLE, Station
+from agentrob.sim.go2_services import GET_IMAGE_SAMPLE, Station, spoil_picture
 from agentrob.sim.policy import PERIOD_S
 
 LOW_EVERY = 5  # ticks: lowstate at 10 Hz (500 on the real robot), odommodestate at every tick (50 Hz)
@@ -39,7 +41,7 @@ class G1Services:
         self._inertia = sensors.Inertia(body, rng, noisy)
         self._velocity_noise = sensors.VELOCITY_NOISE_MPS if noisy else 0.0
         self._ticks = 0
-        self._faults = Faults(body.name)
+        self._trouble = Trouble(body)
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = unitree_hg_msg_dds__LowState_()
         self._state_out = node.writer("rt/odommodestate", SportModeState_)
@@ -52,14 +54,18 @@ class G1Services:
 
     # ------------------------------------------------------------------ services (DDS threads)
     def _on_sport(self, call: Call) -> None:
-        self._station.later(lambda: self._sport.call(call.api_id, call.parameter, call.answer))
+        if not self._trouble.swallows():
+            self._station.later(lambda: self._sport.call(call.api_id, call.parameter, call.answer))
 
     def _on_arm(self, call: Call) -> None:
-        self._station.later(lambda: self._sport.call_arm(call.api_id, call.parameter, call.answer))
+        if not self._trouble.swallows():
+            self._station.later(lambda: self._sport.call_arm(call.api_id, call.parameter, call.answer))
 
     def _on_video(self, call: Call) -> None:
         if call.api_id != GET_IMAGE_SAMPLE:
             call.answer(NOT_IMPLEMENTED)
+            return
+        if spoil_picture(call, self._trouble.now):
             return
 
         def deliver(jpeg: bytes | None) -> None:
@@ -73,6 +79,7 @@ class G1Services:
     # ------------------------------------------------------------------ topics (world's thread)
     def before_tick(self) -> None:
         """Once per tick, before the physics: holds, gestures."""
+        self._trouble.tick(PERIOD_S)
         self._sport.tick()
 
     def reset(self) -> None:
@@ -83,23 +90,24 @@ class G1Services:
 
     def fail(self, faults: Faults) -> None:
         """Sense wrongly from now on, until told otherwise. It has no ranges that could fail."""
-        self._faults = faults
+        self._trouble.make(faults)
         self._odometry.jump(*faults.jump_m)
 
     def after_tick(self) -> None:
         """Once per tick, after the physics: sense and publish."""
         self._odometry.update()
         self._fill_state()
-        if not self._faults.silent:
+        if not self._trouble.mute:
             self._state_out.write(self._state)
         if self._ticks % LOW_EVERY == 0:
             self._fill_low()
-            self._low_out.write(self._low)
+            if not self._trouble.now.unplugged:
+                self._low_out.write(self._low)
         self._ticks += 1
 
     def _fill_state(self) -> None:
         state, body = self._state, self._body
-        x, y, yaw = self._odometry.read()
+        x, y, yaw = (math.nan,) * 3 if self._trouble.now.lost else self._odometry.read()
         velocity = body.heading_velocity() + self._station.rng.normal(0, 1, 3) * self._velocity_noise
         state.position = [x, y, body.z_m]
         state.body_height = body.z_m

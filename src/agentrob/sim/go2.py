@@ -1,16 +1,17 @@
-"""The Unitree Go2's body in the world: walking by its policy, standing still, holding poses, going limp."""
+"""The Unitree Go2's body in the world: walking by its policy, standing still, holding poses, flipping, going limp."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from agentrob.sim import assets, meshes, policy
 from agentrob.sim.legged import Array, Build, Drive, Legged
 from agentrob.sim.policy import COMMAND_SLEW, PERIOD_S, STAND_RAD
-from agentrob.sim.room import GO2_START, Start
+from agentrob.sim.scene import Start
 
 #: What the policy follows well: forward, sideways (m/s) and turning (rad/s). The real robot takes up to 3.8, 1 and 4.
 VELOCITY_BOUND: Array = np.array([1.0, 0.5, 1.5])
@@ -42,12 +43,20 @@ BUILD = Build(
 Player = Callable[[float], tuple[Array, float] | None]
 
 
+class Leader(Protocol):
+    """Leads the whole body without physics: see `agentrob.sim.flip.Flight`."""
+
+    def __call__(self, t: float) -> tuple[float, float, Array] | None: ...
+
+    def airborne(self, t: float) -> bool: ...
+
+
 class Go2(Legged):
     """Walks after `walk(vx, vy, yaw_rate)`, plays poses, holds the last one, or is limp."""
 
     build = BUILD
 
-    def __init__(self, name: str = "go2", start: Start = GO2_START) -> None:
+    def __init__(self, name: str = "go2", start: Start | None = None) -> None:
         super().__init__(name, start)
         self._policy = policy.WalkingPolicy(assets.go2_policy())
         self._trim = policy.VelocityTrim()
@@ -77,6 +86,7 @@ class Go2(Legged):
     def begin(self) -> None:
         self._wanted = np.zeros(3)
         self._player: Player | None = None
+        self._leader: Leader | None = None
         self._playing_s = 0.0
         self._last = Drive(STAND_RAD.copy())
         self._held: Drive | None = None
@@ -85,24 +95,40 @@ class Go2(Legged):
 
     def walk(self, velocity: Array) -> None:
         """Go at (vx, vy, yaw rate), clipped to `VELOCITY_BOUND`; zeros mean stand. Ends poses and limpness."""
-        if self._player or self._held or self._limp:
-            self._player, self._held, self._limp = None, None, False
+        if self._player or self._leader or self._held or self._limp:
+            self._leave()
             self._start_walking()
         self._wanted = np.clip(velocity, -VELOCITY_BOUND, VELOCITY_BOUND)
 
     def play(self, player: Player) -> None:
         """Leave the policy and follow a pose player; afterwards its last pose is held until something else is told."""
-        self._wanted = np.zeros(3)
-        self._player, self._playing_s, self._limp = player, 0.0, False
+        self._leave()
+        self._player, self._playing_s = player, 0.0
+
+    def animate(self, leader: Leader) -> None:
+        """Leave physics and be led from here; afterwards the last pose is held until something else is told."""
+        self._leave()
+        root = np.array(self.data.qpos[self.root_q : self.root_q + 7])
+        self._leader, self._playing_s, self._led_from = leader, 0.0, (root, self.yaw_rad)
 
     def go_limp(self) -> None:
         """Joints only damp."""
+        self._leave()
+        self._limp = True
+
+    def _leave(self) -> None:
+        """End what was told before."""
         self._wanted = np.zeros(3)
-        self._player, self._held, self._limp = None, None, True
+        self._player, self._leader, self._held, self._limp, self.led = None, None, None, False, None
 
     @property
     def playing(self) -> bool:
-        return self._player is not None
+        return self._player is not None or self._leader is not None
+
+    @property
+    def airborne(self) -> bool:
+        """Led through the air, where nothing can be broken off."""
+        return self._leader is not None and self._leader.airborne(self._playing_s)
 
     @property
     def standing(self) -> bool:
@@ -123,6 +149,8 @@ class Go2(Legged):
     def drive(self) -> Drive:
         if self._limp:
             self._last = Drive(self.joints_rad, 0.0, LIMP_DAMPING)
+        elif self._leader is not None:
+            self._last = self._follow_leader()
         elif self._player is not None:
             self._last = self._pose()
         elif self._held is not None:
@@ -140,6 +168,19 @@ class Go2(Legged):
             return self._last
         target, stiffness = pose
         return Drive(target, stiffness, float(np.sqrt(stiffness)))
+
+    def _follow_leader(self) -> Drive:
+        assert self._leader is not None
+        pose = self._leader(self._playing_s)
+        self._playing_s += PERIOD_S
+        if pose is None:
+            self._leader, self.led, self._held = None, None, self._last
+            return self._last
+        rise_m, pitch_rad, joints = pose
+        (x, y, z, *_), yaw_rad = self._led_from
+        cy, sy, cp, sp = math.cos(yaw_rad / 2), math.sin(yaw_rad / 2), math.cos(pitch_rad / 2), math.sin(pitch_rad / 2)
+        self.led = np.array([x, y, z + rise_m, cy * cp, -sy * sp, cy * sp, sy * cp]), joints
+        return Drive(joints)
 
     def _start_walking(self) -> None:
         self._policy.reset()

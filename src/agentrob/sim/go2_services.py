@@ -17,7 +17,7 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 
 from agentrob.sim import sensors
 from agentrob.sim.cameras import Cameras
-from agentrob.sim.faults import Faults
+from agentrob.sim.faults import Faults, Trouble, black_picture
 from agentrob.sim.go2 import Go2
 from agentrob.sim.ledger import Ledger
 from agentrob.sim.legged import Array
@@ -58,8 +58,9 @@ class Go2Services:
         self._battery = sensors.Battery()
         self._velocity_noise = sensors.VELOCITY_NOISE_MPS if noisy else 0.0
         self._warmth = np.full(len(body.build.joints), AMBIENT_C)
-        self._faults = Faults(body.name)
+        self._trouble = Trouble(body)
         self._stuck: list[float] | None = None  # what the ranges say for ever
+        self._clock_s = 0.0  # how far its clock has leapt
         self._ticks = 0
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = unitree_go_msg_dds__LowState_()
@@ -73,11 +74,14 @@ class Go2Services:
 
     # ------------------------------------------------------------------ services (DDS threads)
     def _on_sport(self, call: Call) -> None:
-        self._station.later(lambda: self._sport.call(call.api_id, call.parameter, call.answer))
+        if not self._trouble.swallows():
+            self._station.later(lambda: self._sport.call(call.api_id, call.parameter, call.answer))
 
     def _on_video(self, call: Call) -> None:
         if call.api_id != GET_IMAGE_SAMPLE:
             call.answer(NOT_IMPLEMENTED)
+            return
+        if spoil_picture(call, self._trouble.now):
             return
 
         def deliver(jpeg: bytes | None) -> None:
@@ -97,6 +101,7 @@ class Go2Services:
     # ------------------------------------------------------------------ topics (world's thread)
     def before_tick(self) -> None:
         """Once per tick, before the physics: holds, actions."""
+        self._trouble.tick(PERIOD_S)
         self._sport.tick()
 
     def reset(self) -> None:
@@ -107,8 +112,9 @@ class Go2Services:
 
     def fail(self, faults: Faults) -> None:
         """Sense wrongly from now on, until told otherwise."""
-        self._faults = faults
+        self._trouble.make(faults)
         self._stuck = None
+        self._clock_s += faults.clock_s
         self._odometry.jump(*faults.jump_m)
 
     def after_tick(self) -> None:
@@ -117,23 +123,25 @@ class Go2Services:
         torque = np.asarray(self._body.data.qfrc_applied[self._body.v])
         speeds = self._body.joint_speeds_rps
         self._battery.drain(float(np.abs(torque * speeds).sum()), PERIOD_S)
+        self._battery.exchange()
         self._warmth += (AMBIENT_C + WARMING_C_PER_NM * np.abs(torque) - self._warmth) * (PERIOD_S / WARMING_S)
         self._fill_state()
-        if not self._faults.silent:
+        if not self._trouble.mute:
             self._state_out.write(self._state)
         if self._ticks % LOW_EVERY == 0:
             self._fill_low(torque, speeds)
-            self._low_out.write(self._low)
+            if not self._trouble.now.unplugged:
+                self._low_out.write(self._low)
         self._ticks += 1
 
     def _fill_state(self) -> None:
         state, body = self._state, self._body
-        x, y, yaw = self._odometry.read()
+        x, y, yaw = (math.nan,) * 3 if self._trouble.now.lost else self._odometry.read()
         velocity = body.heading_velocity() + self._station.rng.normal(0, 1, 3) * self._velocity_noise
         state.error_code, state.mode = self._sport.codes
         state.progress = self._sport.progress
         state.gait_type = 1 if self._sport.codes == WALKING else 0
-        state.stamp.sec, state.stamp.nanosec = _stamp(self._station.world.time_s)
+        state.stamp.sec, state.stamp.nanosec = _stamp(max(0.0, self._station.world.time_s + self._clock_s))
         state.position = [x, y, body.z_m]
         state.body_height = body.z_m
         state.velocity = [float(velocity[0]), float(velocity[1]), 0.0]
@@ -150,7 +158,7 @@ class Go2Services:
 
     def _read_ranges(self) -> list[float]:
         ranges: list[float] = self._ranges.read().tolist()
-        match self._faults.ranges:
+        match self._trouble.now.ranges:
             case "missing":
                 return [math.nan] * 4
             case "zero":
@@ -168,10 +176,22 @@ class Go2Services:
             motor.mode, motor.q, motor.dq, motor.tau_est, motor.temperature = 1, q, dq, tau, round(warmth)
         low.imu_state = self._state.imu_state
         low.foot_force = self._state.foot_force
-        low.bms_state.soc = math.ceil(self._battery.percent)
+        told = self._trouble.now.battery_percent
+        low.bms_state.soc = math.ceil(self._battery.percent if told is None else told)
         low.bms_state.current = -round(1000 * self._battery.power_w / self._battery.volts)
         low.power_v, low.power_a = self._battery.volts, self._battery.power_w / self._battery.volts
         low.tick = self._ticks * round(PERIOD_S * 1000)
+
+
+def spoil_picture(call: Call, faults: Faults) -> bool:
+    """Answer for a camera that is dead, black or cut off; False when it is well."""
+    if faults.unplugged or faults.camera == "good":
+        return faults.unplugged
+    if faults.camera == "dead":
+        call.answer(INTERNAL)
+    else:
+        call.answer(OK, "", black_picture())
+    return True
 
 
 def _stamp(seconds: float) -> tuple[int, int]:

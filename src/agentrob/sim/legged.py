@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agentrob.sim.room import Start
+from agentrob.sim.scene import Start
 
 Array = NDArray[np.float64]
 
@@ -40,8 +40,11 @@ class Legged:
     """One robot's body in the model. Subclasses say in `drive()` what its joints shall do each period."""
 
     build: Build
+    #: Where the body is led without physics, now: root pose (7,: x, y, z, quaternion) and joints (n,). None: physics.
+    led: tuple[Array, Array] | None = None
 
-    def __init__(self, name: str, start: Start) -> None:
+    def __init__(self, name: str, start: Start | None) -> None:
+        """Without a start it begins where the world has its place for this name."""
         self.name = name
         self.start = start
 
@@ -63,6 +66,7 @@ class Legged:
     def place(self) -> None:
         """Stand at the start, at rest."""
         start, data = self.start, self.data
+        assert start is not None
         half = start.yaw_rad / 2
         root = [start.x_m, start.y_m, self.build.height_m, math.cos(half), 0.0, 0.0, math.sin(half)]
         data.qpos[self.root_q : self.root_q + 7] = root
@@ -78,6 +82,16 @@ class Legged:
     def drive(self) -> Drive:
         """Once per control period, before the physics."""
         raise NotImplementedError
+
+    def follow(self) -> None:
+        """Be where one is led, at rest."""
+        if self.led is None:
+            return
+        root, joints = self.led
+        data = self.data
+        data.qpos[self.root_q : self.root_q + 7], data.qpos[self.q] = root, joints
+        data.qvel[self.root_v : self.root_v + 6] = 0.0
+        data.qvel[self.v] = 0.0
 
     # ------------------------------------------------------------------ true state
     @property
@@ -96,6 +110,8 @@ class Legged:
     @property
     def yaw_rad(self) -> float:
         r = self.rotation
+        if self.led is not None:  # perhaps over its back: its left side keeps its direction
+            return math.atan2(-r[0, 1], r[1, 1])
         return math.atan2(r[1, 0], r[0, 0])
 
     @property

@@ -68,9 +68,16 @@ class WalkingPolicy:
 
 
 class VelocityTrim:
-    """Adds what the policy lacks to follow a velocity: an integral over the low-passed error, bounded."""
+    """Adds what the policy lacks to follow a velocity: an integral over the low-passed error, bounded.
+
+    The error is against what a body can have reached by now: while it still gains speed there is none, so nothing
+    winds up that would carry it beyond the wanted speed later.
+    """
 
     FILTER_S = 0.3
+    RESPONSE_S: Array = np.array([0.25, 0.25, 0.10])  # how the policy alone follows a step of the command
+    LACK: Array = np.array([0.08, 0.08, 0.0])  # so much slower than told it goes at any speed …
+    LACK_FROM = 0.1  # … from this on
     GAIN: Array = np.array([1.5, 1.5, 2.0])
     BOUND: Array = np.array([0.4, 0.3, 0.6])
 
@@ -78,15 +85,17 @@ class VelocityTrim:
         self.reset()
 
     def reset(self) -> None:
-        self._measured = np.zeros(3)
+        self._reachable = np.zeros(3)
+        self._error = np.zeros(3)
         self._trim = np.zeros(3)
 
     def follow(self, wanted: Array, measured: Array) -> Array:
         """The velocity to ask of the policy so that `wanted` comes out; once per period."""
-        self._measured += PERIOD_S / (self.FILTER_S + PERIOD_S) * (measured - self._measured)
-        error = wanted - self._measured
-        self._trim = np.clip(self._trim + self.GAIN * error * PERIOD_S, -self.BOUND, self.BOUND)
-        return np.asarray(wanted + self._trim)
+        self._reachable += PERIOD_S / (self.RESPONSE_S + PERIOD_S) * (wanted - self._reachable)
+        self._error += PERIOD_S / (self.FILTER_S + PERIOD_S) * (self._reachable - measured - self._error)
+        self._trim = np.clip(self._trim + self.GAIN * self._error * PERIOD_S, -self.BOUND, self.BOUND)
+        known = self.LACK * np.clip(wanted / self.LACK_FROM, -1, 1)
+        return np.asarray(wanted + known + self._trim)
 
     def brake(self, keep: float) -> None:
         """Shrink the sideways and forward trim while stopping, else the robot walks back what it wound up.
@@ -97,4 +106,4 @@ class VelocityTrim:
 
     def rest(self) -> None:
         """Forget the measured motion, keep the trim."""
-        self._measured[:] = 0.0
+        self._reachable[:] = self._error[:] = 0.0

@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from agentrob.sim import room
 from agentrob.sim.cameras import Picture, View, place_cameras
 from agentrob.sim.legged import Array
 from agentrob.sim.world import FIRST_ROBOT_GROUP, ROBOT_GROUP
@@ -29,6 +28,10 @@ class RayRenderer:
     def __init__(self, model: Any) -> None:
         self._model = model
         self._data = mujoco.MjData(model)
+        texture = model.texture("floor").id
+        begin, count = model.tex_adr[texture], model.tex_width[texture] * model.tex_height[texture]
+        picture = model.tex_data[begin : begin + 3 * count].reshape(-1, 3)
+        self._floor_rgb: Array = picture.mean(axis=0) / 255  # its pattern is not drawn
 
     def draw(self, view: View, pose: Array) -> Picture:
         place_cameras(self._model, self._data, pose)
@@ -85,9 +88,9 @@ class RayRenderer:
         material = model.geom_matid[geom]
         rgb = np.where((material >= 0)[:, None], model.mat_rgba[material, :3], model.geom_rgba[geom, :3])
         alpha = np.where(material >= 0, 1.0, model.geom_rgba[geom, 3])[:, None]
-        rgb = rgb * alpha + np.array(room.FLOOR_RGB) * (1 - alpha)  # what is see-through lies on the floor
+        rgb = rgb * alpha + self._floor_rgb * (1 - alpha)  # what is see-through lies on the floor
         floor = model.geom("floor").id
-        rgb = np.where((geom == floor)[:, None], room.FLOOR_RGB, rgb)
+        rgb = np.where((geom == floor)[:, None], self._floor_rgb, rgb)
         light = 0.62 + 0.38 * np.clip(normal @ SUN, 0, 1)
         shade = light * np.clip(1.1 - distance / 25, 0.5, 1)
         rgb = np.where((hit >= 0)[:, None], rgb * shade[:, None], SKY)

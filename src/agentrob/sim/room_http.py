@@ -1,4 +1,4 @@
-"""The room's own small HTTP server on loopback: a camera on the wall, a reset, faults, the truth for tests, health.
+"""The room's own small HTTP server on loopback: a camera, what is in the room, reset, faults, truth for tests, health.
 
 It stands for the room, not for a robot: nothing that drives a robot may read `/truth`.
 """
@@ -23,6 +23,7 @@ class Room:
     """What the server can give; each is called from one of its threads."""
 
     overview: Callable[[], bytes | None]
+    scene: Callable[[], Mapping[str, Any]]
     reset: Callable[[], bool]
     truth: Callable[[], Mapping[str, Any]]
     health: Callable[[], Mapping[str, Any]]
@@ -66,12 +67,14 @@ class _Handler(BaseHTTPRequestHandler):
                 self._send(200, "image/jpeg", jpeg)
             else:
                 self._json(503, {"error": "no picture now; see /health"})
+        elif path == "/scene":
+            self._json(200, self.room.scene())
         elif path == "/truth":
             self._json(200, self.room.truth())
         elif path == "/health":
             self._json(200, self.room.health())
         else:
-            self._json(404, {"error": "valid here: GET /overview.jpg, /truth, /health; POST /reset, /faults"})
+            self._json(404, {"error": "valid here: GET /overview.jpg, /scene, /truth, /health; POST /reset, /faults"})
 
     def do_POST(self) -> None:
         body = self.rfile.read(min(int(self.headers.get("Content-Length") or 0), 65536))

@@ -144,18 +144,24 @@ class Inertia:
 
 
 class Battery:
-    """Charge that drains with time and with mechanical work."""
+    """Charge that drains with time and with mechanical work. Nobody charges it: `exchange` a drained one."""
 
     CAPACITY_WH, FULL_V, EMPTY_V = 236.0, 32.0, 26.0
     IDLE_W, EFFICIENCY = 70.0, 0.35  # electronics and holding; mechanical work per electrical work
+    FRESH_PERCENT, EXCHANGED_PERCENT = 87.0, 25.0  # a world that runs for days must not end with an empty robot
 
-    def __init__(self, percent: float = 87.0) -> None:
+    def __init__(self, percent: float = FRESH_PERCENT) -> None:
         self.percent = percent
         self.power_w = self.IDLE_W
 
     def drain(self, mechanical_w: float, seconds: float) -> None:
         self.power_w = self.IDLE_W + mechanical_w / self.EFFICIENCY
         self.percent = max(0.0, self.percent - 100 * self.power_w * seconds / 3600 / self.CAPACITY_WH)
+
+    def exchange(self) -> None:
+        """Put in a fresh one when it is nearly drained."""
+        if self.percent < self.EXCHANGED_PERCENT:
+            self.percent = self.FRESH_PERCENT
 
     @property
     def volts(self) -> float:

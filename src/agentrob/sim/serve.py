@@ -16,7 +16,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -27,12 +27,13 @@ if TYPE_CHECKING:
     from agentrob.sim.faults import Faults
     from agentrob.sim.go2_services import Station
     from agentrob.sim.legged import Legged
+    from agentrob.sim.scene import Scene
 
 ANSWER_LIMIT_S = 5.0
 CAMERA_LIMIT_S = 20.0
 LAST_DOMAIN = 230
-ROBOTS = ("go2", "g1")
-WORLDS = ("room",)
+#: Each robot that can be simulated, and its usual DDS domain.
+ROBOTS = {"go2": 1, "g1": 2}
 
 
 class Served(Protocol):
@@ -49,7 +50,10 @@ class Served(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class WorldSettings:
-    """`domains`: robot name (its kind) → DDS domain. `http_port` 0 takes a free one. `ledger`: see `ledger.Ledger`."""
+    """`domains`: robot name (its kind) → DDS domain. `http_port` 0 takes a free one. `ledger`: see `ledger.Ledger`.
+
+    `world` is the name of a shipped world or the path of one's own (docs/worlds.md).
+    """
 
     domains: Mapping[str, int] = field(default_factory=lambda: {"go2": 1})
     interface: str = "lo"
@@ -61,16 +65,21 @@ class WorldSettings:
 
 
 def serve(settings: WorldSettings) -> None:
-    """Serve until SIGTERM or SIGINT. Prints one JSON line on stdout when the robots stand.
+    """Serve until SIGTERM or SIGINT. When the robots stand, says so on stdout: one JSON line, or words on a terminal.
 
     Raises `RobotBusy` when another world serves one of the domains, `SimError` for settings that cannot be.
     """
+    from agentrob.sim.scene import load
+
     _check(settings)
+    scene = load(settings.world)
+    for robot in settings.domains:
+        scene.place(robot)
     with ExitStack() as stack:
         for domain in sorted(settings.domains.values()):
             name = f"world/{settings.interface}/{domain}"
             stack.enter_context(HostLock(name, f"the simulated world on DDS domain {domain} ({settings.interface})"))
-        _Process(settings, stack).run()
+        _Process(settings, scene, stack).run()
 
 
 def _check(settings: WorldSettings) -> None:
@@ -86,14 +95,12 @@ def _check(settings: WorldSettings) -> None:
     interfaces = [name for _, name in socket.if_nameindex()]
     if settings.interface not in interfaces:
         raise SimError(f"no network interface {settings.interface!r} on this host; there are: {', '.join(interfaces)}")
-    if settings.world not in WORLDS:
-        raise SimError(f"no world named {settings.world!r}; there are: {', '.join(WORLDS)}")
 
 
 class _Process:
     """Everything that runs while the world is served; what must be ended is on `stack`."""
 
-    def __init__(self, settings: WorldSettings, stack: ExitStack) -> None:
+    def __init__(self, settings: WorldSettings, scene: Scene, stack: ExitStack) -> None:
         import numpy as np
 
         from agentrob.sim.cameras import Cameras, front_view, overview
@@ -113,7 +120,7 @@ class _Process:
         stack.callback(self.ledger.close)
         robots = {name: _robot(name) for name in settings.domains}
         self.bodies: dict[str, Legged] = {name: body for name, (body, _) in robots.items()}
-        self.world = World(list(self.bodies.values()))
+        self.world = World(list(self.bodies.values()), scene)
         views = {f"{name}/front": front_view(self.world.model, name) for name in self.bodies}
         views["overview"] = overview(self.world.model)
         self.cameras = Cameras(self.world.model, views, lambda: self.world.pose)
@@ -130,19 +137,21 @@ class _Process:
     def run(self) -> None:
         from agentrob.sim.room_http import Room, RoomServer
 
-        room = Room(lambda: self.cameras.jpeg("overview"), self.reset, self.truth, self.health, self.faults)
+        describe = self.world.scene.description
+        room = Room(lambda: self.cameras.jpeg("overview"), describe, self.reset, self.truth, self.health, self.faults)
         server = RoomServer(room, self.settings.http_port)
         self.stack.callback(server.close)
         self.cameras.ready.wait(CAMERA_LIMIT_S)
         ready = {
             "ready": True,
+            "world": self.world.scene.name,
             "http": server.url,
             "domains": dict(self.settings.domains),
             "interface": self.settings.interface,
             "camera": self.cameras.backend,
             "seconds": round(time.monotonic() - self.began_s, 2),
         }
-        sys.stdout.write(json.dumps(ready) + "\n")
+        sys.stdout.write((announce(ready) if sys.stdout.isatty() else json.dumps(ready)) + "\n")
         sys.stdout.flush()
         self.clock.run(self.tick)
 
@@ -166,13 +175,14 @@ class _Process:
         """See `agentrob.sim.faults`. Raises `SimError` for what cannot be; False when the world hangs."""
         from agentrob.sim.faults import read
 
-        faults = read(asked, self.served)
+        faults = read(asked, self.served, self.world.scene.room.size_m)
         put: list[bool] = []
 
         def work() -> None:
             put.append(self.world.put_box(faults.box_m))
             if put[0]:
-                self.served[faults.robot].fail(faults)
+                for name in (faults.robot,) if asked else self.served:  # nothing wanted: all are well again
+                    self.served[name].fail(replace(faults, robot=name))
 
         done = self._in_world(work)
         if put == [False]:
@@ -238,6 +248,24 @@ def parse_domains(texts: Sequence[str]) -> dict[str, int]:
     return domains
 
 
+def choose_domains(robots: Sequence[str], domains: Sequence[str]) -> dict[str, int]:
+    """The wanted robots and those that a domain is given for, each on that or on its usual one. Raises `SimError`."""
+    given = parse_domains(domains)
+    wanted = [*robots, *(robot for robot in given if robot not in robots)] or ["go2"]
+    return {robot: given.get(robot, ROBOTS.get(robot, LAST_DOMAIN)) for robot in wanted}
+
+
+def announce(ready: Mapping[str, Any]) -> str:
+    """What is served, for people."""
+    robots = [f"{name} on DDS domain {domain}" for name, domain in ready["domains"].items()]
+    return (
+        f"\n  World    {ready['world']} (pictures: {ready['camera']})\n"
+        f"  Robots   {', '.join(robots)}; interface {ready['interface']}\n"
+        f"  Room     {ready['http']}/overview.jpg, /scene, /health\n"
+        f"  End      Ctrl-C\n"
+    )
+
+
 def _truth(body: Legged) -> Mapping[str, Any]:
     x, y = body.xy_m
     return {
@@ -254,6 +282,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="agentrob.sim.serve", description="Serve the simulated world on DDS.")
     wanted = "ROBOT=DDS-DOMAIN, once for each robot; a number alone is the Go2's (default go2=1)"
     parser.add_argument("--domain", action="append", help=wanted)
+    parser.add_argument("--world", default="room", help="a shipped world's name, or the path of one's own")
     parser.add_argument("--interface", default="lo", help="network interface for DDS (default lo)")
     parser.add_argument("--http-port", type=int, default=0, help="port of the room's HTTP server (default: a free one)")
     parser.add_argument("--seed", type=int, default=0, help="of the sensors' noise")
@@ -265,6 +294,7 @@ def main(arguments: list[str] | None = None) -> int:
             domains=parse_domains(given.domain or ["go2=1"]),
             interface=given.interface,
             http_port=given.http_port,
+            world=given.world,
             seed=given.seed,
             noise=not given.no_noise,
             ledger=given.ledger,

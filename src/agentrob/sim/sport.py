@@ -5,7 +5,8 @@ Everything here runs in the world's thread. Answers are codes of the real robot:
 Postures: *balance* (walks when told to), *locked* (stands on stiff legs), *lying*, *sitting*, *limp*. A call that the
 posture does not allow answers 4206; a call while an action runs answers 4205; an action that was broken off answers
 4201. Move is held for one second. StopMove is always accepted: it ends a move at once, and ends an action by putting
-all feet down and standing up.
+all feet down and standing up; a flip that is in the air lands first. A flip is an animation (`flip.py`), refused
+with 4206 where there is no room for it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from agentrob.sim import gestures
+from agentrob.sim import flip, gestures
+from agentrob.sim.flip import Flight
 from agentrob.sim.gestures import Motion
 from agentrob.sim.go2 import Go2
 from agentrob.sim.ledger import Ledger
@@ -28,13 +30,14 @@ OK, NOT_IMPLEMENTED, BAD_PARAMETER = 0, 3203, 3204
 BROKEN_OFF, BUSY, UNSUITABLE = 4201, 4205, 4206
 
 DAMP, BALANCE_STAND, STOP_MOVE, STAND_UP, STAND_DOWN, RECOVERY_STAND = 1001, 1002, 1003, 1004, 1005, 1006
-MOVE, SIT, RISE_SIT, HELLO, STRETCH, HEART = 1008, 1009, 1010, 1016, 1017, 1036
+MOVE, SIT, RISE_SIT, HELLO, STRETCH, HEART, BACK_FLIP = 1008, 1009, 1010, 1016, 1017, 1036, 2043
 
 MOVE_HELD_S = 1.0
 SETTLE_LIMIT_S = 6.0  # for coming to rest before an action
 FALLEN_BELOW = 0.3  # cosine of the tilt
 
 Answer = Callable[[int], None]
+Make = Callable[[Array], Motion | Flight]  # from the joints at its begin
 
 
 class Posture(StrEnum):
@@ -64,7 +67,7 @@ class Action:
     """
 
     name: str
-    make: Callable[[Array], Motion]
+    make: Make
     then: Posture
     began_s: float
     answer: Answer
@@ -80,7 +83,7 @@ class Offer:
 
     name: str
     from_: frozenset[Posture]
-    make: Callable[[Array], Motion]
+    make: Make
     then: Posture
     codes: tuple[int, int] = GESTURING
 
@@ -94,6 +97,7 @@ OFFERS: Mapping[int, Offer] = {
     STRETCH: Offer("stretch", _STANDING, gestures.stretch, Posture.BALANCE),
     SIT: Offer("sit", _STANDING, gestures.sit, Posture.SITTING, CODES[Posture.SITTING]),
     RISE_SIT: Offer("rise from sitting", frozenset({Posture.SITTING}), gestures.rise_from_sitting, Posture.BALANCE),
+    BACK_FLIP: Offer("backflip", _STANDING, Flight, Posture.BALANCE),
     STAND_DOWN: Offer("lie down", _UP | _DOWN, gestures.lie_down, Posture.LYING, CODES[Posture.LYING]),
 }
 
@@ -127,7 +131,7 @@ class Sport:
             self._stand_up(Posture.LOCKED if api_id == STAND_UP else Posture.BALANCE, answer)
         elif api_id in OFFERS:
             offer = OFFERS[api_id]
-            if self.posture not in offer.from_:
+            if self.posture not in offer.from_ or not self._has_room(offer.make):
                 answer(UNSUITABLE)
             else:
                 self._begin(offer, answer)
@@ -161,6 +165,9 @@ class Sport:
             self._body.walk(np.zeros(3))
         return OK
 
+    def _has_room(self, make: Make) -> bool:
+        return make is not Flight or flip.clear(self._body)
+
     def _break_off(self, action: Action) -> None:
         if action.broken_off or action.then is Posture.LYING:
             return  # going down is the safe end already; half way up again would be more motion, not less
@@ -168,15 +175,18 @@ class Sport:
         action.then = Posture.BALANCE
         if action.settling:
             self._end_action(BROKEN_OFF)
-        else:
+        elif not self._body.airborne:  # else it lands first
             self._play(action, gestures.stand)
 
-    def _play(self, action: Action, make: Callable[[Array], Motion]) -> None:
+    def _play(self, action: Action, make: Make) -> None:
         start = self._body.joints_rad if self.posture is Posture.LIMP else self._body.target_rad
         motion = make(start)
         action.settling = False
         action.seconds = self._now_s() - action.began_s + motion.seconds
-        self._body.play(motion)
+        if isinstance(motion, Flight):
+            self._body.animate(motion)
+        else:
+            self._body.play(motion)
 
     def _damp(self) -> int:
         self._note("damp")
@@ -232,12 +242,14 @@ class Sport:
         if self._moving and (self._body.standing or self.action or self.posture is not Posture.BALANCE):
             self._moving = False
             self._note("move_end")
-        if self._body.upright < FALLEN_BELOW and self.posture is not Posture.LIMP:
+        if self._body.upright < FALLEN_BELOW and self.posture is not Posture.LIMP and self._body.led is None:
             self._note("fell")
             self._damp()
 
     def _settle(self, action: Action) -> None:
-        if self._body.settled:
+        if self._body.settled and not self._has_room(action.make):
+            self._end_action(UNSUITABLE)  # somebody came near meanwhile
+        elif self._body.settled:
             self._play(action, action.make)
         elif self._now_s() - action.began_s > SETTLE_LIMIT_S:
             self._end_action(BROKEN_OFF)  # pushed, or leaning on something: no gesture from there

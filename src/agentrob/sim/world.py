@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from agentrob.errors import SimError
-from agentrob.sim import room
+from agentrob.sim import room, scene
 from agentrob.sim.legged import Array, Legged
 
 PERIOD_S = 0.02
@@ -27,16 +27,19 @@ MOST_ROBOTS = 3  # MuJoCo has six groups
 
 
 class World:
-    """The room with robots standing at their starts.
+    """A scene (without one: the shipped `room`) with robots standing at their starts.
 
     `time_s` is simulated time and never goes back, not even on `reset`.
     """
 
-    def __init__(self, robots: Sequence[Legged], things: tuple[room.Thing, ...] = room.THINGS) -> None:
+    def __init__(self, robots: Sequence[Legged], place: scene.Scene | None = None) -> None:
         if not 1 <= len(robots) <= MOST_ROBOTS:
             raise SimError(f"a world has 1 to {MOST_ROBOTS} robots, not {len(robots)}")
+        self.scene = scene.load() if place is None else place
         self.robots = tuple(robots)
-        self.model = _compile(self.robots, things)
+        for robot in self.robots:
+            robot.start = robot.start or self.scene.place(robot.name).start
+        self.model = _compile(self.robots, self.scene)
         self.data = mujoco.MjData(self.model)
         for robot in self.robots:
             robot.bind(self.model, self.data)
@@ -65,6 +68,7 @@ class World:
         if at_m is not None and any(np.hypot(*(r.xy_m - at_m)) < BOX_FREE_M for r in self.robots):
             return False
         self.data.mocap_pos[0] = room.BOX_AWAY_M if at_m is None else (*at_m, room.BOX_SIZE_M[2])
+        mujoco.mj_kinematics(self.model, self.data)  # so that it is seen at once
         return True
 
     def _copy_pose(self) -> None:
@@ -82,6 +86,8 @@ class World:
             torque = kp * (target - data.qpos[self._q]) - kd * data.qvel[self._v]
             data.qfrc_applied[self._v] = np.clip(torque, -self._bound, self._bound)
             mujoco.mj_step(self.model, data)
+            for robot in self.robots:
+                robot.follow()
         self.ticks += 1
         self._copy_pose()
 
@@ -91,7 +97,7 @@ class World:
             self.tick()
 
 
-def _compile(robots: Sequence[Legged], things: tuple[room.Thing, ...]) -> Any:
+def _compile(robots: Sequence[Legged], place: scene.Scene) -> Any:
     spec = mujoco.MjSpec()
     spec.option.timestep = TIME_STEP_S
     # The walking policies were tuned with these contacts; the defaults let the feet slip.
@@ -99,11 +105,7 @@ def _compile(robots: Sequence[Legged], things: tuple[room.Thing, ...]) -> Any:
     spec.option.impratio = 100
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1280, 720
     spec.visual.map.znear, spec.stat.extent = 0.01, 4
-    room.furnish(spec, things)
+    room.furnish(spec, place)
     for k, robot in enumerate(robots):
         robot.add_to(spec, FIRST_ROBOT_GROUP + k)
-    box = spec.worldbody.add_body(name="box_body", mocap=True, pos=room.BOX_AWAY_M)
-    box.add_geom(
-        name="box", type=mujoco.mjtGeom.mjGEOM_BOX, size=room.BOX_SIZE_M, rgba=room.BOX_RGBA, group=room.ROOM_GROUP
-    )
     return spec.compile()

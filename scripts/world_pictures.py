@@ -1,0 +1,45 @@
+"""A picture of each shipped world with both robots at their starts, as the room's own camera sees it.
+
+    .venv/bin/python scripts/world_pictures.py [FILE ...]
+
+They go to docs/images/world-*.jpg. With files of your own: pictures of those.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from agentrob.sim.cameras import choose_backend, open_renderer, overview
+from agentrob.sim.g1 import G1
+from agentrob.sim.go2 import Go2
+from agentrob.sim.scene import load, shipped
+from agentrob.sim.world import World
+
+FOLDER = Path(__file__).parents[1] / "docs/images"
+SIZE_PX, QUALITY = (720, 405), 82
+ROBOTS = {"go2": Go2, "g1": G1}
+
+
+def picture(world_name: str) -> Path:
+    scene = load(world_name)
+    world = World([ROBOTS[kind]() for kind in scene.start], scene)
+    renderer = open_renderer(world.model, choose_backend())
+    seen = Image.fromarray(np.ascontiguousarray(renderer.draw(overview(world.model), world.pose)))
+    renderer.close()
+    path = FOLDER / f"world-{scene.name}.jpg"
+    seen.resize(SIZE_PX, Image.Resampling.LANCZOS).save(path, quality=QUALITY, optimize=True)
+    return path
+
+
+def main() -> None:
+    for name in sys.argv[1:] or shipped():
+        path = picture(name)
+        sys.stdout.write(f"{path.relative_to(FOLDER.parents[1])}: {path.stat().st_size / 1000:.0f} kB\n")
+
+
+if __name__ == "__main__":
+    main()

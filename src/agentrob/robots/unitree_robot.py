@@ -1,0 +1,166 @@
+"""What is the same for all Unitree robots that walk: stop and watch for rest, pictures, and how results are worded."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from typing import Any
+
+from agentrob.errors import RobotError
+from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
+from agentrob.robots import unitree
+from agentrob.robots.gesture import Gesture
+from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Rest, known
+from agentrob.robots.robot import Watch
+from agentrob.robots.walk import REST_LIMIT_S
+
+#: Commands of velocity and stops are written, not asked: they must never wait long for a robot that is not there.
+WRITE_TIMEOUT_S = 0.15
+IMAGE_TIMEOUT_S = 3.0
+IMAGE_MAX_BYTES = 8 * 1024 * 1024
+#: Cosine of the tilt below which it lies rather than stands (60 degrees).
+UPRIGHT = 0.5
+#: A standing robot sways a little; faster than this it moves.
+MOVING_MPS, MOVING_RPS = 0.12, 0.25
+#: A state that is older confirms nothing.
+CONFIRMING_S = 0.5
+
+
+class UnitreeRobot:
+    """See `agentrob.robots.robot.Robot`. A kind says how it is told to stop, and what it does for a step."""
+
+    capabilities: Capabilities
+    _video: Any
+    #: How a gesture that a stop has not ended yet is told.
+    _unfinished = "has not ended its gesture yet"
+
+    def __init__(self) -> None:
+        self._stops = 0
+        self._gesture: Gesture | None = None
+        self._looking = threading.Lock()
+
+    # ------------------------------------------------------------ of each kind
+    def state(self) -> RobotState:
+        raise NotImplementedError
+
+    def _do(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        """A step that moves the body; no gesture is under way."""
+        raise NotImplementedError
+
+    def _send_stop(self) -> bool:
+        """Tell it to stop, without waiting for an answer; False when that could not even be written."""
+        raise NotImplementedError
+
+    def _end_gesture(self) -> None:
+        """What ends a gesture beside `_send_stop`."""
+
+    # ------------------------------------------------------------ the robot
+    def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        before = self._stops
+        attentive: Watch = lambda state: "stop" if self._stops != before else watch(state)  # noqa: E731
+        if primitive.op is Op.GET_FRONT_IMAGE:
+            return self._image(primitive)
+        if self._gesturing:
+            return refused(primitive, "busy", "The robot has not finished its last gesture yet.")
+        return self._do(primitive, attentive)
+
+    def stop(self) -> StopResult:
+        """Zero velocity at once, on a client of its own that waits for no answer, then watch for rest."""
+        asked_s = time.monotonic()
+        self._stops += 1
+        before = self.state()
+        sent = self._send_stop()
+        latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
+        rest, gesturing = Rest(STOPPED_WINDOW_S), self._gesturing
+        if gesturing:
+            self._end_gesture()
+        while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
+            state = self.state()
+            fresh = state.pose is not None and state.age_s < CONFIRMING_S
+            if fresh and state.pose and rest.see(now_s, state.pose) and not self._gesturing:
+                break
+            time.sleep(1 / RATE_HZ)
+            if now_s < asked_s + 0.5:
+                self._send_stop()  # a velocity that was on its way meanwhile, or a lost sample
+        moved_m = rest.distance_m(before.pose)
+        was_moving = gesturing or moves(before) or (moved_m or 0.0) > 0.05
+        doubt = self._doubt(rest)
+        if doubt and not sent:
+            doubt += " The stop could not be written to the robot's network."
+        return StopResult(latency_ms, not doubt, was_moving, moved_m, doubt)
+
+    def _doubt(self, rest: Rest) -> str:
+        """Why the robot cannot be said to have come to rest; empty when it can."""
+        if (age_s := self.state().age_s) >= CONFIRMING_S:
+            age = "no state ever came" if math.isinf(age_s) else f"its state is {age_s:.1f} s old"
+            return f"The robot did not confirm: {age}."
+        if not rest.reached:
+            return f"The robot did not confirm: it still moved after {REST_LIMIT_S:g} s."
+        return f"The robot keeps its place, but {self._unfinished}." if self._gesturing else ""
+
+    def look(self) -> bytes:
+        """See `agentrob.robots.robot.Sighted`; on the camera's own client, so no step waits for it."""
+        result = self._image(Primitive(Op.GET_FRONT_IMAGE))
+        if result.image is None:
+            raise RobotError(result.message or "the camera gave no picture")
+        return result.image
+
+    # ------------------------------------------------------------ the body's clock (agentrob.robots.walk.Body)
+    def now_s(self) -> float:
+        return time.monotonic()
+
+    def wait_until(self, time_s: float) -> None:
+        time.sleep(max(0.0, time_s - time.monotonic()))
+
+    # ------------------------------------------------------------ steps
+    @property
+    def _gesturing(self) -> bool:
+        """Whether the robot has not answered its last gesture (nor what ends it) yet."""
+        return self._gesture is not None and self._gesture.running
+
+    def _image(self, primitive: Primitive) -> ActionResult:
+        started_s = time.monotonic()
+        with self._looking:
+            code, data = self._video.GetImageSample()
+        if code:
+            return failed(primitive, code, "No picture", started_s)
+        image = bytes(data or ())
+        if not (image.startswith(b"\xff\xd8") and len(image) <= IMAGE_MAX_BYTES):
+            message = f"The camera sent {len(image)} bytes that are not a JPEG of at most 8 MiB."
+            return ActionResult(primitive, Outcome.FAILED, {}, "bad_image", message, started_s, time.monotonic())
+        return ActionResult(primitive, Outcome.DONE, {}, "", "", started_s, time.monotonic(), image=image)
+
+
+def read(message: Any) -> RobotState:
+    """Pose, velocity and attitude of a `SportModeState_`, as a state of age 0 without ranges and mode."""
+    w, x, y, z = (float(v) for v in message.imu_state.quaternion)
+    attitude = w * w + x * x + y * y + z * z > 0.5
+    pose = Pose(float(message.position[0]), float(message.position[1]), float(message.imu_state.rpy[2]))
+    vx, vy, turning = float(message.velocity[0]), float(message.velocity[1]), float(message.yaw_speed)
+    return RobotState(
+        age_s=0.0,
+        pose=known(pose),
+        velocity_mps=(vx, vy) if math.isfinite(vx) and math.isfinite(vy) else None,
+        yaw_rate_rps=turning if math.isfinite(turning) else None,
+        upright=1.0 - 2.0 * (x * x + y * y) > UPRIGHT if attitude else None,
+    )
+
+
+def moves(state: RobotState) -> bool:
+    """Whether its own state shows it walking or turning (its sensors are never quite still)."""
+    speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
+    return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS
+
+
+def refused(primitive: Primitive, word: str, message: str) -> ActionResult:
+    """The result of a step that was not begun."""
+    now_s = time.monotonic()
+    return ActionResult(primitive, Outcome.REFUSED, {}, word, message, now_s, now_s)
+
+
+def failed(primitive: Primitive, code: int, what: str, started_s: float) -> ActionResult:
+    """The result of a step that the robot answered with an error code, or not at all."""
+    word = "unsupported" if code in unitree.UNSUPPORTED else "no_answer" if code in unitree.NO_ANSWER else "robot_error"
+    outcome = Outcome.UNKNOWN if word == "no_answer" and primitive.moves else Outcome.FAILED
+    return ActionResult(primitive, outcome, {}, word, f"{what}: {unitree.explain(code)}.", started_s, time.monotonic())

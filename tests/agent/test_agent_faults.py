@@ -1,0 +1,123 @@
+"""What a thread reads of faults: of a fall, an empty battery, a blank picture, and a forum that is away for long."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import pytest
+from agent_scene import Driver, Scene, make_scene, robot_settings
+
+from agentrob.agent import channel
+from agentrob.model import Post
+
+Ill = Callable[..., Scene]
+
+
+@pytest.fixture
+def ill(tmp_path: Path) -> Iterator[Ill]:
+    """A scene whose robot has these faults."""
+    drivers: list[Driver] = []
+
+    def make(time_scale: float = 10, **faults: Any) -> Scene:
+        options = {"time_scale": time_scale, "faults": faults}
+        drivers.append(Driver(tmp_path, robot_settings(options=options)))
+        return make_scene(drivers[0], tmp_path)
+
+    yield make
+    for driver in drivers:
+        driver.end()
+
+
+async def told(scene: Scene, text: str) -> Post:
+    return await scene.final(await scene.post("alice", text))
+
+
+async def until(scene: Scene, true: Callable[[float], bool]) -> None:
+    """Until the robot's speed is so."""
+    async with asyncio.timeout(10), scene.driver.client() as robot:
+        while not true(((await robot.state()).velocity_mps or (0.0, 0.0))[0]):  # noqa: ASYNC110 (another process)
+            await asyncio.sleep(0.02)
+
+
+async def test_a_fall_on_the_way_is_told_in_both_languages_and_nothing_moves_until_it_is_asked_to_stand(
+    ill: Ill,
+) -> None:
+    scene = ill(fallen=True, after_m=1.0)
+    async with scene.agent():
+        fell = await told(scene, "@quadruped walk forward 3 metres, then wave")
+        assert fell.card is not None
+        assert fell.card.state == "failed"
+        assert "**Failed** at step 1." in fell.raw
+        assert "The robot has fallen. It stays down until it is asked to stand up" in fell.raw
+        assert "not begun" in fell.raw
+        again = await told(scene, "@quadruped 向前走 1 米")
+        assert again.card is not None
+        assert again.card.state == "refused"
+        assert "我摔倒了，有人叫我站起来之前不会动。" in again.raw
+        stood = await told(scene, "@quadruped stand up")
+        assert stood.card is not None
+        assert stood.card.state == "failed", "this one cannot get up, and does not claim to"
+        assert "did not get up" in stood.raw
+
+
+async def test_a_low_battery_is_told_and_ends_a_command_between_its_steps(ill: Ill) -> None:
+    scene = ill(battery_percent=9, after_m=0.5)
+    async with scene.agent():
+        first = await told(scene, "@quadruped walk forward 1 metre, then turn left 90 degrees")
+        assert first.card is not None
+        assert first.card.state == "failed"
+        assert "**Failed** at step 2." in first.raw
+        assert "The battery is at 9 %, and below 15 % no motion begins" in first.raw
+        again = await told(scene, "@quadruped 向前走 1 米")
+        assert again.card is not None
+        assert again.card.state == "refused"
+        assert "电量过低，不能动作，请给我充电。" in again.raw
+        assert "battery 9 %" in (await told(scene, "@quadruped status")).raw
+
+
+async def test_a_frozen_robot_is_told(ill: Ill) -> None:
+    scene = ill(frozen=True)
+    async with scene.agent():
+        for text, said in (
+            ("@quadruped walk forward 1 metre", "it stopped making progress"),
+            ("@quadruped 向前走 1 米", "收到了指令，但没有移动。"),
+        ):
+            reply = await told(scene, text)
+            assert reply.card is not None
+            assert reply.card.state == "failed"
+            assert said in reply.raw
+
+
+async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_and_all_is_told(
+    ill: Ill, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The clocks of the forum and of this machine go on by ten minutes; the outage itself is short."""
+    scene = ill(time_scale=1)
+    world = scene.world
+
+    class Clock(datetime):
+        @classmethod
+        def now(cls, tz: Any = None) -> datetime:  # type: ignore[override]
+            return datetime.now(tz or UTC) + timedelta(seconds=world.clock_offset_s)
+
+    monkeypatch.setattr(channel, "datetime", Clock)
+    async with scene.agent():
+        running = await scene.post("alice", "@quadruped walk forward 5 metres")
+        await scene.state(running, "running")
+        await until(scene, lambda mps: mps > 0.1)
+        world.reachable = False
+        topic = world.topics[running.topic_id]
+        early = world.add_post(topic, "alice", "@quadruped turn left 90 degrees", "early", ())
+        await until(scene, lambda mps: mps == 0.0)  # it was stopped, since nobody else could have
+        world.clock_offset_s += 600
+        late = world.add_post(topic, "alice", "@quadruped turn right 45 degrees", "late", ())
+        world.reachable = True
+        ended, stale, done = [await scene.final(post) for post in (running, early, late)]
+        assert [p.card.state if p.card else "" for p in (ended, stale, done)] == ["interrupted", "expired", "done"]
+        assert "The forum was silent, so nobody could have stopped me. Asked 5 m, measured" in ended.raw
+        assert "**Too old.**" in stale.raw
+        assert all(len(scene.replies(post)) == 1 for post in (running, early, late))

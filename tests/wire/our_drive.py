@@ -1,0 +1,37 @@
+"""Drives a robot as its owner does, and prints what came of it: `our_drive.py CONFIG ROBOT TEXT`; its driver runs."""
+
+import asyncio
+import json
+import sys
+import time
+from pathlib import Path
+
+from agentrob import config, robot_command_driver
+from agentrob.drive import describe
+from agentrob.errors import RobotError
+from agentrob.model import RobotState
+from agentrob.robots.client import DriverClient
+
+LIMIT_S = 20.0
+
+
+async def set_home(name: str) -> RobotState:
+    """Where it stands is its home; what its state says then."""
+    async with DriverClient(name) as client:
+        end_s = time.monotonic() + LIMIT_S
+        while True:
+            try:
+                await client.home("owner")
+                return await client.state()
+            except RobotError:  # no state yet, or it has not been seen to stand
+                if time.monotonic() > end_s:
+                    raise
+                await asyncio.sleep(0.1)
+
+
+settings, name, text = config.load(Path(sys.argv[1])), sys.argv[2], sys.argv[3]
+state = asyncio.run(set_home(name))
+driven = robot_command_driver(text, name, config=settings)
+steps = [describe(result) | {"picture": len(result.image or b"")} for result in driven.results]
+facts = {"status": driven.status, "message": driven.message, "steps": steps, "battery": state.battery_percent}
+print(json.dumps(facts))  # noqa: T201
