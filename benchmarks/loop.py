@@ -1,11 +1,12 @@
 """What one turn of the loop takes of our own, where a model steers a robot by its camera.
 
-    python benchmarks/loop.py [--turns 100]
+    python benchmarks/loop.py [--turns 100] [--camera 640x480]
 
 The model is a server on loopback, in a process of its own, that answers at once; the robot is a fake one in its driver
-process, with a camera of 1280 x 720. A turn is a question with two pictures, the call checked, post, rights, limits and
-mandate judged anew, a step and a picture through the driver, and the result told. The model's own time and that of the
-robot and its camera (all that the driver's process takes) are measured and left out.
+process, with a camera of 640 x 480 as the simulated Go2's (pictures beyond 1024 pixels are made smaller, which counts
+as ours). A turn is a question with two pictures, the call checked, post, rights, limits and mandate judged anew, a step
+and a picture through the driver, and the result told. The model's own time and that of the robot and its camera (all
+that the driver's process takes) are measured and left out.
 """
 
 from __future__ import annotations
@@ -76,7 +77,8 @@ from agentrob.config import RobotConfig
 from agentrob.robots.driver import run_driver
 from agentrob.robots.fake import FakeRobot
 out = io.BytesIO()
-Image.effect_noise((160, 90), 40).resize((1280, 720)).convert("RGB").save(out, "JPEG", quality=80)  # about 90 kB
+width, height = map(int, sys.argv.pop().split("x"))
+Image.effect_noise((width // 8, height // 8), 40).resize((width, height)).convert("RGB").save(out, "JPEG", quality=80)
 FakeRobot._picture = lambda self: out.getvalue()
 name, settings, socket, data = sys.argv[1:]
 run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
@@ -176,11 +178,12 @@ def _server_s(port: int) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--turns", type=int, default=100)
-    turns = parser.parse_args().turns
+    parser.add_argument("--camera", default="640x480")
+    given = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         socket = folder / "robot.sock"
-        started = [sys.executable, "-c", DRIVER, ROBOT, json.dumps(SETTINGS), str(socket), name]
+        started = [sys.executable, "-c", DRIVER, ROBOT, json.dumps(SETTINGS), str(socket), name, given.camera]
         server = subprocess.Popen([sys.executable, "-c", SERVER], stdout=subprocess.PIPE, text=True)
         driver = subprocess.Popen(started, stdout=subprocess.PIPE, text=True)
         try:
@@ -188,7 +191,7 @@ def main() -> None:
             assert driver.stdout is not None
             port = int(server.stdout.readline())
             assert driver.stdout.readline()
-            seconds, cpu = asyncio.run(_measure(port, turns, socket, folder))
+            seconds, cpu = asyncio.run(_measure(port, given.turns, socket, folder))
             served_s = _server_s(port)
         finally:
             for process in (driver, server):
