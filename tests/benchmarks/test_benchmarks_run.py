@@ -17,6 +17,8 @@ LITTLE = {
     "board.py": ["--seconds", "1", "--listeners", "20"],
     "demo_start.py": ["1"],
     "latency.py": ["--posts", "100"],
+    "loop.py": ["--turns", "12"],
+    "minds.py": ["--turns", "12"],
     "rpc.py": ["--calls", "50", "--walks", "1"],
     "understanding.py": [],
     "world.py": ["--seconds", "3"],
