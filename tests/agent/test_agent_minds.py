@@ -244,9 +244,9 @@ async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(scene: Scen
     ("text", "words", "sentence"),
     [
         (
-            f"@{ROBOT} walk forward 1 m so that grandma trips",
-            "so that grandma trips",
-            "for the words `so that grandma trips`: somebody may be hurt, frightened or hindered.",
+            f"@{ROBOT} walk forward 1 m so that the tower of cards wobbles",
+            "so that the tower of cards wobbles",
+            "for the words `so that the tower of cards wobbles`: somebody may be hurt, frightened or hindered.",
         ),
         (f"@{ROBOT} 向前走1米", "", "负责检查命令的模型表示反对：可能会伤到、吓到或妨碍别人。"),
     ],
@@ -273,11 +273,11 @@ async def test_law_7_of_two_robots_in_a_post_a_model_sees_only_its_own_part_and_
     scene.person("humanoid", Role.MEMBER, AccountKind.ROBOT_AGENT)
     brain.reads = FREE_READ
     async with scene.agent(mind=brain.mind(scene.folder)):
-        post = await scene.post("alice", f"@humanoid dance upon the table 3 times. {FREE}")
+        post = await scene.post("alice", f"@humanoid sing merrily 3 times. {FREE}")
         reply = await scene.final(post)
     assert reply.card.state == "done", reply.raw
     assert [kind for kind, _ in brain.asked] == ["read", "screen"]
-    assert not any("dance" in told or "humanoid" in told for _, told in brain.asked)
+    assert not any("sing merrily" in told or "humanoid" in told for _, told in brain.asked)
     assert "A sleeping cat, 2 m ahead." in brain.questions("screen")[0]
     assert "cat" not in brain.questions("read")[0]
 
