@@ -12,6 +12,7 @@ import asyncio
 import json
 import re
 import time
+from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import asdict, dataclass, field
@@ -93,6 +94,11 @@ class _Server:
         self.tape = tape
         self.writes = 0
         self.callers: dict[str, str] = {}
+        #: So many changes of one caller were under way at once, of which NodeBB refuses the second.
+        self.most_at_once = 0
+        self._writing: Counter[str] = Counter()
+        #: All that was asked: who, `method path`.
+        self.asked: list[tuple[str, str]] = []
         #: What was asked to be changed: who, `method path`, body.
         self.sent: list[tuple[str, str, bytes]] = []
 
@@ -104,9 +110,16 @@ class _Server:
                 body += part["body"]
                 if not part["more_body"]:
                     break
-            if _is_write(what := _what(scope)):
-                self.sent.append((self.who(headers, scope["path"], body), what, body))
+            what, who = _what(scope), self.who(headers, scope["path"], body)
+            self.asked.append((who, what))
+            if not _is_write(what):
+                await self.answer(scope, headers, body, send)
+                return
+            self.sent.append((who, what, body))
+            self._writing[who] += 1
+            self.most_at_once = max(self.most_at_once, self._writing[who])
             await self.answer(scope, headers, body, send)
+            self._writing[who] -= 1
         elif scope["type"] == "websocket":
             headers = {k.decode().lower(): v.decode() for k, v in scope["headers"]}
             await self.talk(scope, headers, receive, send)
@@ -237,6 +250,7 @@ class Player(_Server):
             self.writes = max(self.writes, found.writes + 1)
             self._turn.set()
             self._turn = asyncio.Event()
+            await asyncio.sleep(0.02)  # a real one takes as long, and others ask meanwhile
         moved = self._moved(found.body, self._shift_ms)
         await _send(send, found, moved.encode() if "json" in found.kind else bytes.fromhex(found.body))
 

@@ -28,6 +28,11 @@ async def _texts(forum: NodeBBForum, topic_id: str) -> list[str]:
     return [p.raw for p in (await forum.posts(topic_id)).items]
 
 
+def _replies(nodebb: NodeBBWorld, name: str, post: Post) -> int:
+    """How often an account asked to write a reply in the post's topic."""
+    return nodebb.server.asked.count((name, f"POST /api/v3/topics/{post.topic_id}"))
+
+
 # ---------------------------------------------------------------------- signing in
 async def test_programs_that_nodebb_takes_for_spiders_get_no_csrf_token(nodebb: NodeBBWorld) -> None:
     forum = nodebb.at(nodebb.url, "login:alice:whatever")
@@ -42,8 +47,8 @@ async def test_a_wrong_password_is_denied_and_not_tried_again_at_once(nodebb: No
     for _ in range(8):
         with pytest.raises(ForumDenied, match="invalid login"):
             await forum.me()
-    tried = [e for e in nodebb.server.tape.exchanges if e.who == "guest alice" and e.what == "POST /login"]
-    assert len(tried) == 1, "NodeBB locks an account after five"
+    tried = nodebb.server.asked.count(("guest alice", "POST /login"))
+    assert tried == 1, "NodeBB locks an account after five"
 
 
 async def test_a_lapsed_csrf_token_is_made_anew_and_the_write_is_done_once(nodebb: NodeBBWorld) -> None:
@@ -52,6 +57,7 @@ async def test_a_lapsed_csrf_token_is_made_anew_and_the_write_is_done_once(nodeb
     alice._wire.csrf = "lapsed"
     assert (await alice.reply(post.topic_id, "after all", key="1")).created
     assert await _texts(alice, post.topic_id) == ["hello there", "after all"]
+    assert _replies(nodebb, "alice", post) == 2, "refused once for want of a token, then taken"
 
 
 async def test_a_lapsed_session_is_begun_anew_when_writing_and_while_listening(nodebb: NodeBBWorld) -> None:
@@ -202,6 +208,7 @@ async def test_a_reply_in_the_queue_is_waited_for_and_not_written_again(nodebb: 
     other = nodebb.at(nodebb.url, nodebb.secrets["alice"])
     with pytest.raises(ForumLimited, match="moderator"):
         await other.reply(post.topic_id, "to be looked at", key="1")
+    assert _replies(nodebb, "alice", post) == 1, "written once, waited for since"
     await nodebb.set("postQueue", 0)
     waiting = (await nodebb.wire.get("/api/post-queue"))["posts"]
     ours = [q["id"] for q in waiting if str(q["data"].get("tid")) == post.topic_id]
@@ -217,6 +224,7 @@ async def test_posts_of_one_account_go_one_after_the_other(nodebb: NodeBBWorld) 
     post = await _topic(alice)
     written = await asyncio.gather(*(alice.reply(post.topic_id, f"at once {n}", key=f"k{n}") for n in range(4)))
     assert all(w.created for w in written), "NodeBB refuses two at a time"
+    assert nodebb.server.most_at_once == 1
 
 
 async def test_another_program_of_the_same_account_that_posts_just_now_is_a_wait(nodebb: NodeBBWorld) -> None:
@@ -277,6 +285,7 @@ async def test_a_lost_answer_costs_nothing_and_doubles_nothing(
             await alice.reply(post.topic_id, "once", key="1", reply_to=post.id)
     again = await nodebb.at(nodebb.url, nodebb.secrets["alice"]).reply(post.topic_id, "once", key="1", reply_to=post.id)
     assert not again.created
+    assert _replies(nodebb, "alice", post) == 1
     assert await _texts(alice, post.topic_id) == ["hello there", "once"]
 
 
