@@ -132,7 +132,8 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     early = board_of_yesterday(house, backup, last if more else 0)
     house.start("agent")
     wait_for("the agent notices that it is another forum", lambda: era(house) != before, 30.0)
-    assert not house.in_journal("SELECT 1 FROM claim WHERE final IS NULL AND post = ?", house.posted(open_one)["id"])
+    unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = ?"
+    wait_for("nothing is left open", lambda: not house.in_journal(unended, house.posted(open_one)["id"]), 15.0)
     fresh = house.ask(WALK)
     assert check(house, fresh) == "done"
     assert house.motions(open_one.began) == moved + 1
