@@ -5,6 +5,7 @@ Everything goes over HTTP with an admin's key, so that what is tried on the doub
 
 from __future__ import annotations
 
+import asyncio
 import json
 import re
 import socket
@@ -17,13 +18,14 @@ import jsonschema_rs
 import uvicorn
 
 from agentrob.config import ForumConfig
-from agentrob.errors import ForumDenied, ForumError, ForumNotFound
+from agentrob.errors import ForumNotFound
 from agentrob.forums.discourse import DiscourseForum
 from agentrob.forums.discourse_double.app import create_app
 from agentrob.forums.discourse_double.document import paths
-from agentrob.forums.discourse_double.site import LIFTED, Site
+from agentrob.forums.discourse_double.site import LIFTED, Post, Site
 from agentrob.forums.discourse_settings import Credentials
 from agentrob.forums.discourse_wire import Wire
+from agentrob.forums.forum import Event, EventKind
 from agentrob.model import AccountKind, Role
 
 GROUPS = {
@@ -219,6 +221,7 @@ def _form(body: bytes) -> dict[str, Any]:
     return {name: {"true": True, "false": False}.get(value, value) for name, value in values.items()}
 
 
+Worlds = tuple[DiscourseWorld, Double]
 _validators: dict[str, Any] = {}
 
 
@@ -271,4 +274,27 @@ async def double_world(
             await world.close()
 
 
-__all__ = ["DiscourseWorld", "Double", "ForumDenied", "ForumError", "LiveWorld", "double_world", "served"]
+async def begin(forum: DiscourseForum, key: str = "begin") -> str:
+    """A topic; returns its id."""
+    return (await forum.create_topic("robots", "A topic", "hello there", key=key)).post.topic_id
+
+
+async def texts(forum: DiscourseForum, topic_id: str) -> list[str]:
+    return [p.raw for p in (await forum.posts(topic_id)).items]
+
+
+def write(site: Site, post_id: int | None = None, **wanted: object) -> Post:
+    """A post by somebody, as if it came past all limits."""
+    return site.write(site.users[1], wanted, post_id)
+
+
+def told(events: tuple[Event, ...]) -> list[tuple[EventKind, str]]:
+    return [(e.kind, e.post.id if e.post else "") for e in events]
+
+
+async def first(stream: AsyncIterator[Event], kind: EventKind) -> Event:
+    async with asyncio.timeout(5):
+        async for event in stream:
+            if event.kind is kind:
+                return event
+    raise AssertionError("the stream ended")

@@ -2,8 +2,9 @@
 
 A tape is JSON lines: requests in their order, each with who asked, and what was answered. `writes` is the number of
 changes before it. Played back, a change is answered as the next recorded one of the same caller, method and path; what
-is read is answered as it was after as many changes. So reads may come oftener or seldomer than they were recorded.
-Times are moved to now. Left out are passwords, session ids, and fields that nobody here reads.
+is read is answered as it was after as many changes. So reads may come oftener or seldomer than they were recorded, and
+of reads that go on answering the same one is kept. Times are moved to now. Left out are passwords, session ids, and
+fields that nobody here reads.
 """
 
 from __future__ import annotations
@@ -38,8 +39,16 @@ _KEPT_WORDS = (
     "reason banned_until uids matchCount notifications allowPrivateGroups system secret token "
 )
 _KEPT = frozenset(_KEPT_WORDS.split())
-
-
+#: What else nobody here reads of some answers: posts are asked for one by one.
+_UNREAD = (
+    (re.compile(r"GET /api/(categories|groups/)"), {"posts"}),
+    (re.compile(r"GET /api/topic/"), {"content", "user", "category"}),
+    (re.compile(r"GET /api/category/"), {"category"}),
+    (re.compile(r"GET /api/recent/posts"), {"user", "category", "url", "title", "slug"}),
+    (re.compile(r"GET /api/user/[^/]+/posts"), {"content", "user", "topic", "category"}),
+    (re.compile(r"GET /api/v3/posts/\d+/summary"), {"category", "url"}),
+    (re.compile(r"(POST|PUT) /api/v3/(topics|posts)"), {"content", "user", "topic", "category"}),
+)
 _JSON = "application/json; charset=utf-8"
 
 
@@ -66,7 +75,7 @@ class Tape:
     def save(self, path: Path) -> None:
         """An answer that was given before is named by the number of its exchange: `"as": 12`."""
         lines, given = [json.dumps({"at_ms": self.at_ms})], dict[str, int]()
-        for number, e in enumerate(self.exchanges):
+        for number, e in enumerate(_without_repeats(self.exchanges)):
             line = {k: v for k, v in asdict(e).items() if v not in ("", 200, _JSON)}
             if e.body in given:
                 line["as"] = given[line.pop("body")]
@@ -85,6 +94,19 @@ class Tape:
                 found["body"] = tape.exchanges[found.pop("as")].body
             tape.exchanges.append(Exchange(**found))
         return tape
+
+
+def _without_repeats(exchanges: list[Exchange]) -> list[Exchange]:
+    """Without the reads that answer what the one before them did, up to the next change; that one stands for them."""
+    last: dict[tuple[str, str, int], list[Exchange]] = {}
+    for e in exchanges:
+        if e.what.startswith("GET "):
+            last.setdefault((e.who, e.what, e.writes), []).append(e)
+    dropped: set[int] = set()
+    for same in last.values():
+        while len(same) > 1 and same[-1] == same[-2]:
+            dropped.add(id(same.pop()))
+    return [e for e in exchanges if id(e) not in dropped]
 
 
 class _Server:
@@ -185,7 +207,7 @@ class Recorder(_Server):
             entry.cookie = self._names.setdefault(value, f"session-{len(self._names)}")
         if what.startswith("POST /login") and said.status_code == 200:
             self.callers[f"express.sid={value}"] = who.removeprefix("guest ")
-        entry.body = _pruned(said.content) if "json" in entry.kind else said.content.hex()
+        entry.body = pruned(what, said.content) if "json" in entry.kind else said.content.hex()
         self.tape.exchanges.append(entry)
         answer = Exchange(who, what, 0, entry.status, entry.kind, value)
         await _send(send, answer, said.content)
@@ -213,10 +235,13 @@ class Recorder(_Server):
                 await going
 
 
-def _pruned(body: bytes) -> str:
+def pruned(what: str, body: bytes) -> str:
+    """An answer without what nobody here reads."""
+    unread = frozenset[str]().union(*(names for calls, names in _UNREAD if calls.match(what)))
+
     def prune(found: Any) -> Any:
         if isinstance(found, dict):
-            kept = {k: prune(v) for k, v in found.items() if k in _KEPT}
+            kept = {k: prune(v) for k, v in found.items() if k in _KEPT and k not in unread}
             return {**kept, "csrf_token": "csrf"} if kept.get("csrf_token") else kept
         return [prune(item) for item in found] if isinstance(found, list) else found
 
