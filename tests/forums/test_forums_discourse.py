@@ -69,6 +69,19 @@ async def test_trust_levels_and_groups_give_rights_by_configuration(
     assert (account.name, account.role, account.kind) == ("alice", role, kind)
 
 
+async def test_law_2_a_group_that_anybody_may_join_gives_no_rights_but_makes_a_robot_of_an_account(
+    world: DiscourseWorld, double: Double
+) -> None:
+    alice = await world.sign_in("alice", role=Role.OPERATOR)
+    pilot = await world.sign_in("pilot", kind=AccountKind.COMMANDING_AGENT)
+    robot = await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
+    assert ((await alice.me()).role, (await pilot.me()).kind) == (Role.OPERATOR, AccountKind.COMMANDING_AGENT)
+    for group in double.site.groups.values():
+        group.public_admission = True
+    assert ((await alice.me()).role, (await pilot.me()).kind) == (Role.MEMBER, AccountKind.HUMAN)
+    assert (await robot.me()).kind is AccountKind.ROBOT_AGENT
+
+
 async def test_law_1_whoever_is_in_two_kinds_of_group_has_fewest_rights(world: DiscourseWorld, double: Double) -> None:
     bob = await world.sign_in("bob", kind=AccountKind.COMMANDING_AGENT)
     await world._member("PUT", "robot-monitors", "bob")
@@ -299,6 +312,7 @@ async def test_accounts_are_made_by_admins_at_once_and_by_visitors_with_an_e_mai
     [
         ({"operator": ["x"]}, "operator: Extra inputs are not permitted; valid are: operators, admins"),
         ({"requests_per_minute": 1}, "requests_per_minute"),
+        ({"operators": ["Trust_Level_0"]}, "whoever signs up is in trust_level_0"),
     ],
 )
 def test_a_wrong_option_is_named_with_those_that_are_valid(options: dict[str, object], said: str) -> None:

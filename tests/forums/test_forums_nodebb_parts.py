@@ -105,6 +105,9 @@ def test_law_2_open_and_hidden_groups_give_no_rights_but_make_a_robot_of_an_acco
 def test_settings_that_are_none_are_refused_with_what_is_valid() -> None:
     with pytest.raises(ConfigError, match="valid are: operators"):
         NodeBBForum(ForumConfig(options={"operator": ["x"]}), "token")
+    for setting in ("operators", "admins", "commanding_agents"):
+        with pytest.raises(ConfigError, match="whoever signs up is in registered-users"):
+            NodeBBForum(ForumConfig(options={setting: ["Registered Users"]}), "token")
     with pytest.raises(ConfigError, match="login:name:password"):
         Credentials.of("login:only-a-name")
     with pytest.raises(ConfigError, match="uid"):

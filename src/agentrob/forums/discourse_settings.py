@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from agentrob.errors import ConfigError
 from agentrob.model import Account, AccountKind, Role
@@ -18,13 +18,16 @@ USER_KEY_REQUESTS_PER_MINUTE = 20
 LIVE_REQUESTS_PER_MINUTE = 240
 
 Groups = tuple[str, ...]
+#: Whoever signs up is in these.
+EVERYBODY = frozenset({"everyone", "logged_in_users", "trust_level_0"})
 
 
 class DiscourseOptions(BaseModel):
     """`[forum.options]` of a forum of the kind `discourse`.
 
     Groups are called by their names on the forum, the automatic ones too: `trust_level_2` means that level and above,
-    `staff` admins and moderators. Whoever is in none of `operators` and `admins` looks and stops only.
+    `staff` admins and moderators. Whoever is in none of `operators` and `admins` looks and stops only; groups that
+    anybody may join give nothing (law 2: signing up makes nobody an operator).
     `requests_per_minute`: what the key may ask (default 60, with a user's key 20); from 240 on posts come by push.
     """
 
@@ -39,6 +42,13 @@ class DiscourseOptions(BaseModel):
     push: bool = True
     key_prefix: str = ""
 
+    @field_validator("operators", "admins", "commanding_agents")
+    @classmethod
+    def _not_everybody(cls, names: Groups) -> Groups:
+        if found := sorted({name.lower() for name in names} & EVERYBODY):
+            raise ValueError(f"whoever signs up is in {found[0]}, and signing up gives no right")
+        return names
+
     @classmethod
     def of(cls, options: Mapping[str, Any]) -> DiscourseOptions:
         """Check what the configuration says. Raises `ConfigError` that names what is valid."""
@@ -52,30 +62,33 @@ class DiscourseOptions(BaseModel):
 # ---------------------------------------------------------------- who
 def account(user: Mapping[str, Any], options: DiscourseOptions) -> Account:
     """An account of `/u/{username}.json`'s `user`, as it is now. What is not said (a hidden profile) gives no right."""
-    groups = {str(g["name"]).lower() for g in user.get("groups") or ()}
-    groups |= {f"trust_level_{n}" for n in range(int(user.get("trust_level") or 0) + 1)}
+    listed = user.get("groups") or ()
+    closed = {str(g["name"]).lower() for g in listed if g.get("automatic") or g.get("public_admission") is False}
+    closed |= {f"trust_level_{n}" for n in range(int(user.get("trust_level") or 0) + 1)}
     for flag in ("admin", "moderator"):
         if user.get(flag):
-            groups |= {f"{flag}s", "staff"}
+            closed |= {f"{flag}s", "staff"}
     role = Role.MEMBER
     for wanted, names in ((Role.OPERATOR, options.operators), (Role.ADMIN, options.admins)):
-        role = wanted if _any(names, groups) else role
+        role = wanted if _any(names, closed) else role
+    # Being a robot takes rights away, so any group says it, also one that anybody may join.
+    said = closed | {str(g["name"]).lower() for g in listed}
     return Account(
         str(user["id"]),
         str(user["username"]).lower(),
-        _kind(groups, options),
+        _kind(said, closed, options),
         role,
         suspended=bool(user.get("suspended_till")),
         display_name=user.get("name") or "",
     )
 
 
-def _kind(groups: Collection[str], options: DiscourseOptions) -> AccountKind:
+def _kind(said: Collection[str], closed: Collection[str], options: DiscourseOptions) -> AccountKind:
     """Whoever is in groups of several kinds has the one with fewest rights."""
-    for kind, names in (
-        (AccountKind.MONITORING_AGENT, options.monitoring_agents),
-        (AccountKind.ROBOT_AGENT, options.robot_agents),
-        (AccountKind.COMMANDING_AGENT, options.commanding_agents),
+    for kind, names, groups in (
+        (AccountKind.MONITORING_AGENT, options.monitoring_agents, said),
+        (AccountKind.ROBOT_AGENT, options.robot_agents, said),
+        (AccountKind.COMMANDING_AGENT, options.commanding_agents, closed),
     ):
         if _any(names, groups):
             return kind

@@ -7,12 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from agentrob.errors import ConfigError
 from agentrob.model import Account, AccountKind, Role
 
 Groups = tuple[str, ...]
+#: Whoever signs up, or comes, is in these.
+EVERYBODY = frozenset({"registered-users", "verified-users", "unverified-users", "guests", "spiders", "fediverse"})
 
 
 class NodeBBOptions(BaseModel):
@@ -31,6 +33,13 @@ class NodeBBOptions(BaseModel):
     monitoring_agents: Groups = ()
     commanding_agents: Groups = ()
     push: bool = True
+
+    @field_validator("operators", "admins", "commanding_agents")
+    @classmethod
+    def _not_everybody(cls, names: Groups) -> Groups:
+        if found := sorted({name.lower().replace(" ", "-") for name in names} & EVERYBODY):
+            raise ValueError(f"whoever signs up is in {found[0]}, and signing up gives no right")
+        return names
 
     @classmethod
     def of(cls, options: Mapping[str, Any]) -> NodeBBOptions:

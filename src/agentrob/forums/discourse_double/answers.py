@@ -137,7 +137,10 @@ def profile(site: Site, user: User) -> Json:
     automatic = [f"trust_level_{n}" for n in range(user.trust_level + 1)]
     automatic += [name for name, has in (("admins", user.admin), ("moderators", user.moderator)) if has]
     groups = [{"id": 10 + n, "automatic": True, "name": g, "display_name": g} for n, g in enumerate(automatic)]
-    groups += [{"id": g, "automatic": False, "name": site.groups[g].name} for g in sorted(user.groups)]
+    groups += [
+        {"id": g, "automatic": False, "name": site.groups[g].name, "public_admission": site.groups[g].public_admission}
+        for g in sorted(user.groups)
+    ]
     known = basic(user) | {
         "created_at": "2026-01-01T00:00:00.000Z", "trust_level": user.trust_level, "admin": user.admin,
         "moderator": user.moderator, "groups": groups,

@@ -91,6 +91,8 @@ class User:
 class Group:
     id: int
     name: str
+    #: Whether anybody may join.
+    public_admission: bool = False
 
 
 @dataclass
