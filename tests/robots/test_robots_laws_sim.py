@@ -294,7 +294,7 @@ async def test_law_12_a_driver_killed_in_mid_walk_and_started_at_once_stops_the_
         ready = json.loads(await asyncio.to_thread(place.driver.ask, ""))
     assert ready["ready"] == "driver"
     await place.truth.rest(killed_s)
-    assert place.truth.gone_after(killed_s, 1.5) < 0.05, "it walked on"
+    assert await place.truth.gone_after(killed_s, 1.5) < 0.05, "it walked on"
     async with place.client() as again:
         assert not (await again.state()).halted
         await place.begin(again)
