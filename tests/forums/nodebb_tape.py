@@ -192,13 +192,16 @@ class Recorder(_Server):
         self._target = target
         self._http = httpx2.AsyncClient(base_url=target, trust_env=False, timeout=20)
         self._names: dict[str, str] = {}
+        self._under_way = 0
 
     async def answer(self, scope: Message, headers: dict[str, str], body: bytes, send: Send) -> None:
         what, who = _what(scope), self.who(headers, scope["path"], body)
         passed = {k: v for k, v in headers.items() if k not in ("host", "content-length", "connection")}
         path = scope["raw_path"].decode().partition("?")[0] + "?" + scope["query_string"].decode()
         self._http.cookies.clear()
+        self._under_way += _is_write(what)
         said = await self._http.request(scope["method"], path, headers=passed, content=body)
+        self._under_way -= _is_write(what)
         entry = Exchange(who, what, self.writes, said.status_code, said.headers.get("content-type", ""))
         self.writes += _is_write(what)
         cookie = next((c for c in said.headers.get_list("set-cookie") if c.startswith("express.sid=")), "")
@@ -224,7 +227,8 @@ class Recorder(_Server):
                     text = str(packet)
                     if text[:2] in ("0{", "40", "42"):
                         kept = f'42["{json.loads(text[2:])[0]}"]' if text[:2] == "42" else text
-                        self.tape.exchanges.append(Exchange(who, "socket", self.writes, body=kept))
+                        # It may come before the answer of the change that it tells of.
+                        self.tape.exchanges.append(Exchange(who, "socket", self.writes + self._under_way, body=kept))
                     await send({"type": "websocket.send", "text": text})
 
             going = asyncio.create_task(down())

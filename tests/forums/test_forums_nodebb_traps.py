@@ -191,7 +191,7 @@ async def test_a_person_who_left_commands_nothing_any_more(nodebb: NodeBBWorld) 
 
 
 async def test_law_4_a_post_that_a_moderator_gave_away_is_its_new_owners(nodebb: NodeBBWorld) -> None:
-    """NodeBB's "Change Owner": no event tells of it, nothing counts as an edit, so whoever acts on it reads it again."""
+    """NodeBB's "Change Owner": no event tells of it and it is no edit, so whoever acts on a post reads it again."""
     alice, bob = await nodebb.sign_in("alice", role=Role.OPERATOR), await nodebb.sign_in("bob")
     post = await begin(alice)
     after, _ = await bob.now()
