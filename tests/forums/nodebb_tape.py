@@ -3,8 +3,9 @@
 A tape is JSON lines: requests in their order, each with who asked, and what was answered. `writes` is the number of
 changes before it. Played back, a change is answered as the next recorded one of the same caller, method and path; what
 is read is answered as it was after as many changes. So reads may come oftener or seldomer than they were recorded, and
-of reads that go on answering the same one is kept. Times are moved to now. Left out are passwords, session ids, and
-fields that nobody here reads.
+of reads that go on answering the same one is kept. Times are moved to now, and further where playing takes longer
+than recording did: what is written is never older than the moment it is written in. Left out are passwords, session
+ids, and fields that nobody here reads.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import asdict, dataclass, field
+from email.utils import formatdate
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
@@ -176,7 +178,7 @@ def _is_write(what: str) -> bool:
 
 
 async def _send(send: Send, e: Exchange, body: bytes) -> None:
-    headers = [(b"content-type", e.kind.encode())]
+    headers = [(b"content-type", e.kind.encode()), (b"date", formatdate(usegmt=True).encode())]
     if e.cookie:
         headers.append((b"set-cookie", f"express.sid={e.cookie}; Path=/; HttpOnly".encode()))
     await send({"type": "http.response.start", "status": e.status, "headers": headers})
@@ -188,7 +190,7 @@ class Recorder(_Server):
     """Stands before a real NodeBB and writes down what passes."""
 
     def __init__(self, target: str) -> None:
-        super().__init__(Tape(int(time.time() * 1000)))
+        super().__init__(Tape(_now_ms()))
         self._target = target
         self._http = httpx2.AsyncClient(base_url=target, trust_env=False, timeout=20)
         self._names: dict[str, str] = {}
@@ -259,7 +261,10 @@ class Player(_Server):
     def __init__(self, tape: Tape) -> None:
         super().__init__(tape)
         self.unknown: list[str] = []
-        self._shift_ms = int(time.time() * 1000) - tape.at_ms
+        self._shift_ms = _now_ms() - tape.at_ms
+        #: Times as they were recorded and as they are shown, and the other way round.
+        self._shown: dict[int, int] = {}
+        self._was: dict[int, int] = {}
         self._by_call: dict[tuple[str, str], list[Exchange]] = {}
         for e in tape.exchanges:
             self._by_call.setdefault((e.who, e.what), []).append(e)
@@ -267,7 +272,7 @@ class Player(_Server):
         self._turn = asyncio.Event()
 
     async def answer(self, scope: Message, headers: dict[str, str], body: bytes, send: Send) -> None:
-        what = self._moved(_what(scope), -self._shift_ms)
+        what = _TIME.sub(lambda m: str(self._was.get(int(m[0]), int(m[0]))), _what(scope))
         who = self.who(headers, scope["path"], body)
         found = self._find(who, what)
         if found is None:
@@ -276,11 +281,12 @@ class Player(_Server):
         if what.startswith("POST /login") and found.status == 200:
             self.callers[f"express.sid={found.cookie}"] = who.removeprefix("guest ")
         if _is_write(what):
+            self._keep_up(found)
             self.writes = max(self.writes, found.writes + 1)
             self._turn.set()
             self._turn = asyncio.Event()
             await asyncio.sleep(0.02)  # a real one takes as long, and others ask meanwhile
-        moved = self._moved(found.body, self._shift_ms)
+        moved = self._moved(found.body)
         await _send(send, found, moved.encode() if "json" in found.kind else bytes.fromhex(found.body))
 
     def _find(self, who: str, what: str) -> Exchange | None:
@@ -299,8 +305,21 @@ class Player(_Server):
         self._used[who, what, then] = number + 1
         return same[min(number, len(same) - 1)]
 
-    def _moved(self, text: str, by_ms: int) -> str:
-        return _TIME.sub(lambda m: str(int(m[0]) + by_ms), text)
+    def _keep_up(self, written: Exchange) -> None:
+        newest = max(map(int, _TIME.findall(written.body)), default=0)
+        if newest and newest not in self._shown:
+            self._shift_ms = max(self._shift_ms, _now_ms() - newest)
+
+    def _moved(self, text: str) -> str:
+        return _TIME.sub(lambda m: str(self._at(int(m[0]))), text)
+
+    def _at(self, recorded: int) -> int:
+        """A time as it is shown, always the same, and in the order of those that were shown before."""
+        if recorded not in self._shown:
+            later = min((t for t in self._shown if t > recorded), default=None)
+            self._shown[recorded] = recorded + (self._shift_ms if later is None else self._shown[later] - later)
+            self._was[self._shown[recorded]] = recorded
+        return self._shown[recorded]
 
     async def talk(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
         who = self.who(headers, "/socket.io/", b"")
@@ -320,6 +339,10 @@ class Player(_Server):
             await send({"type": "websocket.send", "text": e.body})
 
 
+def _now_ms() -> int:
+    return int(time.time() * 1000)
+
+
 async def _until_closed(receive: Receive) -> None:
     while (await receive())["type"] == "websocket.receive":
         pass
@@ -327,8 +350,10 @@ async def _until_closed(receive: Receive) -> None:
 
 @asynccontextmanager
 async def serving(application: Any) -> AsyncIterator[str]:
-    """Serve on a free port of loopback; the address."""
-    server = uvicorn.Server(uvicorn.Config(application, host="127.0.0.1", port=0, log_level="error", lifespan="off"))
+    """Serve on a free port of loopback; the address. The date is told by who answers: uvicorn's own may be old."""
+    server = uvicorn.Server(
+        uvicorn.Config(application, host="127.0.0.1", port=0, log_level="error", lifespan="off", date_header=False)
+    )
     task = asyncio.create_task(server.serve())
     async with asyncio.timeout(10):
         while not server.started:  # noqa: ASYNC110 - uvicorn has no event for it

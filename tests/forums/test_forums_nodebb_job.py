@@ -22,12 +22,13 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Role
 
 sys.path.append(str(Path(__file__).parents[1] / "agent"))
-from agent_scene import ROBOT, Driver, robot_settings
+from agent_scene import FINAL, ROBOT, Driver, robot_settings
 
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings())
+    # Slower than other tests' robot: on a busy machine a step of that one looks like a jump of the odometry.
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 2}))
     yield made
     made.end()
 
@@ -46,9 +47,9 @@ async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path) -> As
         await agent.close()
 
 
-async def _told(nodebb: NodeBBWorld, state: str) -> Marked:
-    """What the robot's account wrote when it told that state."""
-    async with asyncio.timeout(20):
+async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:
+    """What the robot's account wrote when it told one of those states."""
+    async with asyncio.timeout(40):
         while True:
             for who, what, body in nodebb.server.sent:
                 if (
@@ -57,9 +58,13 @@ async def _told(nodebb: NodeBBWorld, state: str) -> Marked:
                     and what.startswith(("PUT /api/v3/posts/", "POST /api/v3/topics/"))
                 ):
                     told = unmark(json.loads(body)["content"])
-                    if told.card is not None and told.card.state == state:
+                    if told.card is not None and told.card.state in states:
                         return told
             await asyncio.sleep(0.05)
+
+
+async def _final(nodebb: NodeBBWorld) -> Marked:
+    return await _told(nodebb, *FINAL)
 
 
 async def test_a_post_moves_the_robot_and_the_report_is_sent(
@@ -70,8 +75,9 @@ async def test_a_post_moves_the_robot_and_the_report_is_sent(
         before = (await body.state()).pose
         post = (await alice.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")).post
         claim = await _told(nodebb, "seen")
-        done = await _told(nodebb, "done")
+        done = await _final(nodebb)
         after = (await body.state()).pose
+    assert (done.card and done.card.state) == "done", done.text
     assert claim.key == f"claim:{post.id}"
     assert "| walk forward 1 m |" in done.text
     assert done.key == claim.key, "the status post is edited in place"
@@ -86,6 +92,6 @@ async def test_law_2_on_nodebb_a_member_moves_nothing(nodebb: NodeBBWorld, drive
     async with serving_robot(nodebb, driver, tmp_path), driver.client() as body:
         before = (await body.state()).pose
         await bob.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")
-        told = await _told(nodebb, "refused")
+        told = await _final(nodebb)
         assert (await body.state()).pose == before
     assert "rights.operator" in told.text
