@@ -43,7 +43,7 @@ class NodeBBWorld:
         self.password = admin.rpartition(":")[2]
         self.admin = NodeBBForum(self.settings, admin)
         self.wire = NodeBBWire(url, Credentials.of(admin))
-        self.secrets: dict[str, str] = {}
+        self.secrets = {admin.split(":")[1]: admin}
         self.uids: dict[str, str] = {}
         self.forums: list[NodeBBForum] = []
 
