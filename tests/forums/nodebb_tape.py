@@ -83,7 +83,9 @@ class Tape:
                 line["as"] = given[line.pop("body")]
             elif len(e.body) > 20:
                 given[e.body] = number
-            lines.append(json.dumps(line, ensure_ascii=False))
+            if "body" in line and e.what != "socket" and e.kind == _JSON:
+                line["json"] = json.loads(line.pop("body"))
+            lines.append(json.dumps(line, ensure_ascii=False, separators=(",", ":")))
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     @classmethod
@@ -92,6 +94,8 @@ class Tape:
         tape = cls(json.loads(first)["at_ms"])
         for line in rest:
             found = json.loads(line)
+            if "json" in found:
+                found["body"] = json.dumps(found.pop("json"), ensure_ascii=False)
             if "as" in found:
                 found["body"] = tape.exchanges[found.pop("as")].body
             tape.exchanges.append(Exchange(**found))
