@@ -32,10 +32,11 @@ from agentrob.agent.look_goal import errand_of
 from agentrob.agent.permission import Terms, permission
 from agentrob.config import LookConfig, MindConfig
 from agentrob.forums.memory import MemoryForum
+from agentrob.language.goal import Aim, Goal, Task
 from agentrob.minds.chain import ChatChain
 from agentrob.minds.chat import Answer, Message, Replied, Tool
 from agentrob.minds.configured import ConfiguredModel
-from agentrob.model import ActionResult, Aim, Command, Goal, Primitive, Role, Task
+from agentrob.model import ActionResult, Command, Primitive, Role
 from agentrob.robots.client import DriverClient
 
 SERVER = """

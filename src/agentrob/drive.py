@@ -23,7 +23,8 @@ from agentrob import app, demo, hostlock
 from agentrob.child import Child, end_all
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import ConfigError, RobotUnreachable
-from agentrob.model import Account, ActionResult, Capabilities, Decision, Goal, Intent, Outcome, Plan, Role
+from agentrob.language.goal import Goal
+from agentrob.model import Account, ActionResult, Capabilities, Decision, Intent, Outcome, Plan, Role
 from agentrob.plugins import find
 
 if TYPE_CHECKING:

@@ -15,22 +15,12 @@ from dataclasses import dataclass, replace
 from agentrob.agent.execute import LOOK_S, SILENT, Execution, Reins, Run, take_lease
 from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.judge.mandate import within
+from agentrob.language.goal import Goal
 from agentrob.minds.chat import ChatModel
 from agentrob.minds.loop import Looked, Loop, LoopBudget, LoopEnd, Observed
 from agentrob.minds.loop_claims import contradiction
 from agentrob.minds.usage import Usage
-from agentrob.model import (
-    ActionResult,
-    Capabilities,
-    Command,
-    Decision,
-    Goal,
-    Mandate,
-    Outcome,
-    Plan,
-    Primitive,
-    RobotState,
-)
+from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, RobotState
 from agentrob.robots.client import DriverClient
 
 #: While a model thinks, the driver is asked so often whether the lease is still good: a stop at the machine ends it.

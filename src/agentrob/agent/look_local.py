@@ -12,8 +12,9 @@ from agentrob.agent.look import look
 from agentrob.agent.look_goal import errand_of
 from agentrob.config import RobotConfig
 from agentrob.judge.screen import screen
+from agentrob.language.goal import Goal
 from agentrob.minds.chat import ChatModel
-from agentrob.model import Account, ActionResult, Capabilities, Command, Goal, Language, Plan, Verdict
+from agentrob.model import Account, ActionResult, Capabilities, Command, Language, Plan, Verdict
 from agentrob.robots.client import DriverClient
 
 

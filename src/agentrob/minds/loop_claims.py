@@ -10,7 +10,8 @@ import math
 import re
 from collections.abc import Sequence
 
-from agentrob.model import ActionResult, Aim, Goal, Op, Outcome, Primitive
+from agentrob.language.goal import Aim, Goal
+from agentrob.model import ActionResult, Op, Outcome, Primitive
 
 #: Claims of walking and turning may be off by this much and this share.
 NEAR_M, NEAR_DEG, NEAR_SHARE = 0.1, 5.0, 0.2
