@@ -311,19 +311,21 @@ def in_world(model: str) -> bool:
 
 
 def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig:
-    """Settings of a robot in a simulated world, at home where it starts.
+    """Settings of a robot in a simulated world, at home where it starts, told of what is in it.
 
     The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
     the world says that nothing stands. Raises `SimError` when there is no such world, or no place in it.
     """
-    settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
-    if model != "g1":
-        return settings
     from agentrob.sim.scene import load
 
-    free = load(world).place(model).free
-    assert free is not None  # a world in which a G1 starts says so
-    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": free.fence})
+    settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
+    if not in_world(model):
+        return settings
+    place = load(world)
+    told: dict[str, Any] = {"scene": place.in_words}
+    if model == "g1" and (free := place.place(model).free) is not None:  # a world in which a G1 starts says so
+        told |= {"allow_unknown_ranges": True, "fence": free.fence}
+    return settings.model_copy(update=told)
 
 
 # ---------------------------------------------------------------------- understanding

@@ -82,6 +82,7 @@ def robot_command_driver(
         author=LOCAL,
         capabilities=capabilities,
         language=understood.language,
+        scene=settings.scene,
     )
     if verdict.decision is not Decision.ALLOW:
         status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
@@ -135,7 +136,7 @@ def _look(
 
     visible, language = visible_text(text), language_of(text)
     capabilities = app.capabilities_of(settings.model, settings)
-    verdict = judge(judged_plan(goal), visible, LOCAL, capabilities, language, settings.allow_flip)
+    verdict = judge(judged_plan(goal), visible, LOCAL, capabilities, language, settings)
     if verdict.decision is not Decision.ALLOW:
         return Driven("refused", Plan(goal.steps), message=f"{verdict.reason} ({verdict.rule})")
 

@@ -32,6 +32,7 @@ from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
 from agentrob.agent.status import Shown, StatusLine
 from agentrob.agent.stops import Stops
+from agentrob.agent.surroundings import Surroundings
 from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
@@ -71,12 +72,14 @@ class Course:
     recorder: Recorder
     store: ImageStore | None
     pace: Pace
+    surroundings: Surroundings
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
 
     @property
     def terms(self) -> Terms:
-        return Terms(self.settings.allow_flip, self.channel.step_s)
+        names = tuple(self.thinking.names)
+        return Terms(self.settings.allow_flip, self.channel.step_s, scene=self.surroundings.scene, names=names)
 
     async def run(self, job: Job) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""
@@ -267,6 +270,7 @@ class Course:
                 execution = await self._carried_out(job, plan, reins)
         finally:
             job.moving = False
+        self.surroundings.after(execution.results, execution.looked)
         now, now_s = self.channel.now(), time.monotonic()
         if execution.first_motion_s is not None:
             job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))

@@ -28,7 +28,7 @@ ASK_LEASE_S = 0.5
 #: After these a model may try another way; whatever else ends a step ends the command.
 _GOES_ON = frozenset({"", "obstacle", "fence", "deadline", "stalled", "invalid", "unsupported", "ranges_unknown"})
 #: A verdict by these rules is about the step and not about the command: the model is told.
-_OF_A_STEP = ("limit.", "plan.", "ops.", "consent.")
+_OF_A_STEP = ("limit.", "plan.", "ops.", "consent.", "scene.")
 
 
 OnResult = Callable[[ActionResult], None]
@@ -162,7 +162,7 @@ class Looking(Run):
 
     def looked(self, end: LoopEnd) -> Looked:
         results = self.results
-        denied = contradiction(self.errand.goal, end.claim, end.did, results)
+        denied = contradiction(self.errand.goal, end.claim, end.did, results, self.command.language)
         loop = self.loop
         return Looked(self.errand.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
 

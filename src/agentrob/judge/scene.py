@@ -17,7 +17,7 @@ from agentrob.judge import words_en
 from agentrob.judge.harm import plain_words
 from agentrob.judge.patterns import compiled
 from agentrob.judge.sentences import say
-from agentrob.judge.way import in_the_way
+from agentrob.judge.way import UNKNOWN, met
 from agentrob.language.phrases import quote
 from agentrob.model import Decision, Language, Plan, Verdict
 
@@ -136,15 +136,11 @@ def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) 
     """A refusal of what the place makes dangerous, or None; `plan` as far as one was understood."""
     if not scene.strip():
         return None
-    if plan is not None and (met := in_the_way(scene, plan, "en")) is not None and met.decision is Decision.REFUSE:
-        return Verdict(met.decision, f"scene.{met.rule}", _why(language, met.rule, scene))
+    if plan is not None and (there := met(scene, plan, "en")) is not None and there.rule != UNKNOWN:
+        return Verdict(Decision.REFUSE, f"scene.{there.rule}", say("scene.way", language, quote(there.words)))
     for rule, why in _broken(plain_words(text), plain_words(scene)):
         return Verdict(Decision.REFUSE, rule, say("scene", language, why))
     return None
-
-
-def _why(language: Language, rule: str, scene: str) -> str:
-    return say(rule, language, quote(scene))
 
 
 def _broken(said: str, seen: str) -> Iterator[tuple[str, str]]:

@@ -104,7 +104,7 @@ class LoopEnd:
 class Looked:
     """A whole loop as it is kept with its command: how it ended, every call, and what the model took.
 
-    `contradicted` says in English which of the model's claims the robot's own measurements deny.
+    `contradicted` says in the language of the post which of the model's claims the robot's own measurements deny.
     """
 
     goal: str
