@@ -137,7 +137,7 @@ class RobotConfig(_Section):
     `mind` reads its posts: `rules`, or a table of `minds`. `screen`: whether that model also looks at each command that
     the rules allow; `rules` no, `model` yes, and where it does not answer the rules decide alone, `required` yes, and
     where it does not answer nothing moves. `scene`: what is around the robot, in English ("stairs 2 m behind home"), by
-    which rules and model judge what is dangerous here. `summary`: it words the reports of what was done, from the figures alone.
+    which rules and model judge what is dangerous here. `summary`: it words the reports of what was done, from figures.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     """
 

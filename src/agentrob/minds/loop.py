@@ -12,6 +12,7 @@ calls, time, tokens, or turns without any effect.
 from __future__ import annotations
 
 import asyncio
+import json
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -287,4 +288,4 @@ def _got_somewhere(result: ActionResult) -> bool:
 
 def _shown(raw: Any) -> dict[str, Any]:
     """Arguments that did not fit, for the transcript only."""
-    return {"raw": said(raw, limit=200)}
+    return {"raw": said(raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False, default=str), limit=200)}

@@ -1,0 +1,104 @@
+"""Every call of a model on the way to a goal, with what came of it: a table for the thread, lines of JSON for programs.
+
+In the table it stands in place of the steps, each beside the call that it came of: what was asked, what was measured,
+and which picture was seen. What a model wrote is escaped code of at most 100 characters; the whole is in the lines and
+in the command's record. Pure.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+
+from agentrob.agent.look_words import say
+from agentrob.agent.pictures import Picture
+from agentrob.agent.report import asked, measured, outcome
+from agentrob.agent.sentences import say as say_step
+from agentrob.language.phrases import quote
+from agentrob.minds.loop import Looked, Turn
+from agentrob.model import ActionResult, Language, Op
+
+#: So many rows are told in the thread.
+MOST_ROWS = 30
+_NONE = "–"
+
+
+def table(looked: Looked, results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language) -> str:
+    """All calls in order, as Markdown; steps that no call asked for (pictures that were shown) stand between them."""
+    head = [
+        say_step("table.step", language), say("calls.asked", language), say_step("table.measured", language),
+        say_step("table.outcome", language), say("calls.picture", language),
+    ]  # fmt: skip
+    rows = list(_rows(looked.turns, results, pictures, language))
+    lines = [head, ["---:", "---", "---", "---", "---"], *rows[:MOST_ROWS]]
+    told = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    more = len(rows) - MOST_ROWS
+    return told + "\n\n" + say("calls.more", language, count=more) if more > 0 else told
+
+
+def lines(looked: Looked) -> bytes:
+    """The same for programs: the goal and how it ended, then a line for each call."""
+    head = {"goal": looked.goal, "mind": looked.mind, "end": asdict(looked.end), "contradicted": looked.contradicted}
+    told = [head, *(asdict(turn) for turn in looked.turns)]
+    return "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in told).encode()
+
+
+def _rows(
+    turns: Sequence[Turn], results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language
+) -> Iterator[list[str]]:
+    seen = _seen(pictures)
+    at = 0
+    for turn in turns:
+        while turn.step is not None and at < turn.step - 1:
+            at += 1
+            yield _step(at, results[at - 1], asked(results[at - 1], language), seen, language)
+        if turn.step is None or turn.step > len(results):
+            yield ["", call(turn), _NONE, _told(turn, language), ""]
+        else:
+            at = turn.step
+            yield _step(at, results[at - 1], call(turn), seen, language)
+    for number, result in enumerate(results[at:], at + 1):
+        yield _step(number, result, asked(result, language), seen, language)
+
+
+def _step(number: int, result: ActionResult, called: str, seen: dict[int, str], language: Language) -> list[str]:
+    what = measured(result, language) if result.primitive.op is not Op.GET_FRONT_IMAGE else _NONE
+    return [str(number), called, what, outcome(result, language), seen.get(number, "")]
+
+
+def _seen(pictures: Sequence[Picture]) -> dict[int, str]:
+    """By step: the picture's place among those of the post, or its link."""
+    attached = [p for p in pictures if p.attached]
+    places = {p.step: str(at) for at, p in enumerate(attached, 1) if p.kind == "step"}
+    return places | {p.step: f"[{p.step}]({p.link.url})" for p in pictures if p.kind == "step" and p.link}
+
+
+def _told(turn: Turn, language: Language) -> str:
+    if turn.problem:
+        return say("calls.problem", language, problem=_code(turn.problem))
+    if turn.outcome:
+        return say("calls.claims", language, outcome=_code(turn.outcome))
+    return say("calls.words", language)
+
+
+def call(turn: Turn) -> str:
+    """A call as code: its name and its arguments; words without one as they are."""
+    if not turn.tool:
+        return _code(turn.words)
+    given = turn.arguments.get("raw") if list(turn.arguments) == ["raw"] else None
+    told = given if given is not None else " ".join(f"{k}={_plain(v)}" for k, v in turn.arguments.items() if _says(v))
+    return _code(f"{turn.tool} {told}".strip())
+
+
+def _says(value: object) -> bool:
+    return value not in (None, False, "", [])
+
+
+def _plain(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def _code(words: str) -> str:
+    """As code that no table takes for a border."""
+    return quote(words.replace("|", "¦"))
