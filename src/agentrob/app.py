@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 from agentrob import config as configuration
 from agentrob.child import say_ready
@@ -98,23 +98,20 @@ def log_to_stderr() -> None:
             structlog.processors.TimeStamper(fmt="iso"),
             renderer,
         ],
-        logger_factory=structlog.PrintLoggerFactory(_Lossy(sys.stderr)),  # type: ignore[arg-type]
+        logger_factory=structlog.PrintLoggerFactory(_Lossy()),  # type: ignore[arg-type]
     )
 
 
 class _Lossy:
-    """A stream whose full disk costs its lines, and never the process that writes them."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
+    """Standard error as it is now; its full disk costs lines, and never the process that writes them."""
 
     def write(self, text: str) -> None:
         with contextlib.suppress(OSError):
-            self._stream.write(text)
+            sys.stderr.write(text)
 
     def flush(self) -> None:
         with contextlib.suppress(OSError):
-            self._stream.flush()
+            sys.stderr.flush()
 
 
 # ---------------------------------------------------------------------- board

@@ -86,6 +86,13 @@ def demo_link(data: Annotated[Path | None, typer.Option(help="The demo's data fo
     demonstration.print_link((data or configuration.default_data_dir() / "demo").expanduser().absolute())
 
 
+@eval_cli.callback()
+@mind_cli.callback()
+def _results_on_stdout() -> None:
+    """What is said of models that fail is no part of a result."""
+    app.log_to_stderr()
+
+
 # ---------------------------------------------------------------------- language and robots
 @cli.command()
 def plan(
@@ -169,6 +176,7 @@ def drive(
     """Drive a robot without a forum."""
     from agentrob import drive as driving
 
+    app.log_to_stderr()
     raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json, mind))
 
 

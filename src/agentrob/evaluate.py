@@ -55,6 +55,8 @@ def plans(path: Path, mind: str = "rules", config: Config | None = None) -> Plan
 
 async def _read(mind: Mind, texts: list[str]) -> dict[str, Reading]:
     listener = Listener(("robot",), (), UNBOUND)
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
     try:
         return {text: await read(mind, visible_text(text), listener) for text in dict.fromkeys(texts)}
     finally:

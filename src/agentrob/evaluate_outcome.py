@@ -59,6 +59,8 @@ def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Co
 
 async def _all(posts: Sequence[tuple[str, str]], mind: Mind, can: Capabilities) -> list[Outcome]:
     known: dict[tuple[str, str], Outcome] = {}
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
     try:
         for post in posts:
             if post not in known:

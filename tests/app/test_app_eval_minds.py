@@ -61,9 +61,9 @@ def found(done: Result) -> dict[str, Any]:
     return dict(json.loads(done.stdout))
 
 
-def fixture(words: str, **answer: Any) -> dict[str, Any]:
+def fixture(held: str, **answer: Any) -> dict[str, Any]:
     """What the double answers a question that holds these words."""
-    return {"match": {"userMessage": words}, "response": {"toolCalls": [{"name": "answer", "arguments": answer}]}}
+    return {"match": {"userMessage": held}, "response": {"toolCalls": [{"name": "answer", "arguments": answer}]}}
 
 
 @pytest.mark.parametrize(("provider", "path"), [("openai", "/v1"), ("anthropic", "")])

@@ -64,7 +64,7 @@ def test_what_is_before_another_robot_is_not_before_this_one(post: str) -> None:
         ("@humanoid wave. @quadruped there is a child in front of you, walk forward 1 m", OTHER),
         ("@humanoid wave. He does not know that the camera is on. @quadruped take a photo", OTHER),
         ("I told @humanoid that there is a child in front of you. @quadruped walk forward 1 m", OTHER),
-        ("@bob 走在你前面。@quadruped 向前走2米", ("bob",)),
+        ("@bob 站在你前面。@quadruped 向前走2米", ("bob",)),
     ],
 )
 def test_law_7_what_may_be_meant_for_it_too_still_counts(post: str, others: tuple[str, ...]) -> None:

@@ -24,6 +24,8 @@ async def trial(mind: Mind, name: str, text: str, robot: str, capabilities: Capa
     if called not in mentions(visible):
         visible = f"@{called} {visible}"
     listener = Listener((called,), (), capabilities)
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
     try:
         reading = await read(mind, visible, listener)
         judged, screened = await _judged(mind, reading, visible, listener)
