@@ -254,7 +254,8 @@ class Course:
         """The motion itself; called at most once ever for a post."""
         job.moving = True
         self.on_motion()
-        allowed = partial(permission, self.forum, self.driver, job.command, self.terms)
+        terms = replace(self.terms, known=job.thought is not None and job.thought.goal is not None)
+        allowed = partial(permission, self.forum, self.driver, job.command, terms)
         reins = Reins(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,

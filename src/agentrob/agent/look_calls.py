@@ -48,18 +48,19 @@ def _rows(
     turns: Sequence[Turn], results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language
 ) -> Iterator[list[str]]:
     seen = _seen(pictures)
+    called = {turn.step for turn in turns}
+    left = [(n, _step(n, r, asked(r, language), seen, language)) for n, r in enumerate(results, 1) if n not in called]
     at = 0
-    for turn in turns:
-        while turn.step is not None and at < turn.step - 1:
-            at += 1
-            yield _step(at, results[at - 1], asked(results[at - 1], language), seen, language)
-        if turn.step is None or turn.step > len(results):
-            yield ["", call(turn), _NONE, _told(turn, language), ""]
-        else:
+    for turn in (None, *turns):
+        if turn is not None and turn.step is not None and turn.step <= len(results):
             at = turn.step
             yield _step(at, results[at - 1], call(turn), seen, language)
-    for number, result in enumerate(results[at:], at + 1):
-        yield _step(number, result, asked(result, language), seen, language)
+        elif turn is not None:
+            yield ["", call(turn), _NONE, _told(turn, language), ""]
+        while left and left[0][0] == at + 1:
+            at, row = left.pop(0)
+            yield row
+    yield from (row for _, row in left)
 
 
 def _step(number: int, result: ActionResult, called: str, seen: dict[int, str], language: Language) -> list[str]:
@@ -96,6 +97,8 @@ def _says(value: object) -> bool:
 
 
 def _plain(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 

@@ -43,10 +43,10 @@ async def look_locally(
 def judge(
     plan: Plan, text: str, author: Account, capabilities: Capabilities, language: Language, settings: RobotConfig
 ) -> Verdict:
-    """The screen, for a step or for what can be judged of a goal."""
+    """The screen, for a step or for what can be judged of a goal, whose text says nothing besides."""
     return screen(
         plan, text=text, author=author, capabilities=capabilities, language=language, allow_flip=settings.allow_flip,
-        scene=settings.scene,
+        scene=settings.scene, part="",
     )  # fmt: skip
 
 

@@ -25,12 +25,14 @@ class Terms:
     """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16).
 
     `scene` is what is known to be around the robot, in English; `names` are the mentions that call it.
+    `known`: what it is asked is understood to the last word, as a goal of a closed vocabulary.
     """
 
     allow_flip: bool = False
     step_s: float = math.inf
     scene: str = ""
     names: tuple[str, ...] = ()
+    known: bool = False
 
 
 def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilities, terms: Terms) -> Verdict:
@@ -45,7 +47,7 @@ def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilit
         allow_flip=terms.allow_flip,
         step_s=terms.step_s,
         scene=terms.scene,
-        part=heard_by(command.text, terms.names, others),
+        part=heard_by(command.text, terms.names, others, known=terms.known),
     )
 
 

@@ -80,7 +80,8 @@ class Thinking:
             command = replace(command, language=understood.language)
             chained = await insist(partial(chain_refusal, self.forum, command))
             plan = judged_plan(thought.goal) if thought.goal else understood.plan
-            verdict = chained or judge(command, plan, command.author, capabilities, terms)
+            known = replace(terms, known=thought.goal is not None)
+            verdict = chained or judge(command, plan, command.author, capabilities, known)
             thought = replace(thought, verdict=verdict)
             thought = await self._looked_at(job, thought, listener, capabilities, history, terms.scene)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood

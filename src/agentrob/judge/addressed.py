@@ -38,14 +38,18 @@ _SHARED = re.compile(
 )
 
 
-def heard_by(text: str, names: Sequence[str], others: Sequence[str]) -> str:
+def heard_by(text: str, names: Sequence[str], others: Sequence[str], *, known: bool = False) -> str:
     """What of `text` (the visible text of a post) the robot called `names` is judged by; `others` are whom it mentions
-    besides. The whole text unless it plainly speaks to this one and to another."""
+    besides. The whole text unless it plainly speaks to this one and to another.
+
+    `known`: every word of its own part is understood, as in a goal of a closed vocabulary, so that it says nothing
+    besides what is wanted; then only what was said to others may do so.
+    """
     mine = {name.lower() for name in names}
-    known = mine | {name.lower() for name in others}
-    spans = [(name in mine, start, end) for name, start, end in mention_spans(text) if name in known]
+    robots = mine | {name.lower() for name in others}
+    spans = [(name in mine, start, end) for name, start, end in mention_spans(text) if name in robots]
     if len({is_mine for is_mine, _, _ in spans}) < 2:
-        return text
+        return "" if known else text
     heard = [text[: spans[0][1]]]
     mine_called, first = False, spans[0][1]
     for at, (is_mine, _, end) in enumerate(spans):
@@ -56,7 +60,8 @@ def heard_by(text: str, names: Sequence[str], others: Sequence[str]) -> str:
         said, plainly = text[end:until], _BEGINS.search(text[:first]) is not None
         if mine_called and (not plainly or _SHARED.search(plain_words(said))):
             return text
-        heard.append(said if mine_called or not plainly else _of_all(said))
+        if not (mine_called and known):
+            heard.append(said if mine_called or not plainly else _of_all(said))
         mine_called, first = False, until
     return "\n".join(heard)
 

@@ -76,13 +76,6 @@ _CARE = re.compile(
     r"|be careful|mind|watch out)\b|^(?:请|但|千万)*(?:小心|注意|当心|避免|(?:不要|别|不能"
     r"|不许)[^,，。]{0,3}?[撞碰踩伤吓摔掉打推])"
 )
-#: Who looks for what puts fires out speaks of no fire.
-_SEARCH = re.compile(
-    r"^(?:(?:please|now|then|first|just|also|can you|could you|would you|will you|go|try to|help me) )*"
-    r"(?:find|look for|search for|locate|spot|look at|where is)(?: me| us)?"
-    r"(?: the| a| an| my| our| any)?(?: nearest| closest| next| red)* (?:fire )?extinguisher(?: please| for me)?$"
-    r"|^(?:请|先|再|帮我|去)*(?:找|找到|找一下|找找|寻找|看看|看一下)(?:最近的|红色的|一个|那个|个)*灭火器(?:在哪[里儿]?)?$"
-)
 
 
 def said_beside(text: str, plan: Plan, language: Language) -> Verdict | None:
@@ -90,7 +83,7 @@ def said_beside(text: str, plan: Plan, language: Language) -> Verdict | None:
     if all(step.op in _HARMLESS for step in plan.steps):
         return None
     for clause in clauses(without_safe_edges(plain_words(text))):
-        if commanded(clause.said) or any(p.search(clause.said) for p in (_DEED, _CARE, _SEARCH)):
+        if commanded(clause.said) or _DEED.search(clause.said) or _CARE.search(clause.said):
             continue
         myself, *topics = _phrases()
         said = myself.sub(" ", _KIND.sub(" ", clause.said))
