@@ -133,10 +133,14 @@ _RULES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
 
 
 def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) -> Verdict | None:
-    """A refusal of what the place makes dangerous, or None; `plan` as far as one was understood."""
+    """A refusal of what the place makes dangerous, or None. Where a plan was understood, its way counts; where none
+    was, which things would come together."""
     if not scene.strip():
         return None
-    if plan is not None and (there := met(scene, plan, "en")) is not None and there.rule != UNKNOWN:
+    if plan is not None:  # a robot that walks and waves puts nothing anywhere
+        there = met(scene, plan, "en")
+        if there is None or there.rule == UNKNOWN:
+            return None
         return Verdict(Decision.REFUSE, f"scene.{there.rule}", say("scene.way", language, quote(there.words)))
     for rule, why in _broken(plain_words(text), plain_words(scene)):
         return Verdict(Decision.REFUSE, rule, say("scene", language, why))
