@@ -35,4 +35,6 @@ def test_of_very_many_calls_the_first_are_told_and_how_many_more_there_are() -> 
     assert len(told) < 8_000
     linked = Picture("step", b"", 1, Link("https://bucket.example/1.jpg", datetime.now(UTC)))
     step = ActionResult(Primitive(Op.GET_FRONT_IMAGE), Outcome.DONE)
-    assert "[1](https://bucket.example/1.jpg)" in table(Looked("x", LoopEnd("calls")), (step,), (linked,), "en")
+    assert "done, [picture 1](https://bucket.example/1.jpg)" in table(
+        Looked("x", LoopEnd("calls")), (step,), (linked,), "en"
+    )

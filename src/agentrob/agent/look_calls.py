@@ -1,8 +1,8 @@
 """Every call of a model on the way to a goal, with what came of it: a table for the thread, lines of JSON for programs.
 
 In the table it stands in place of the steps, each beside the call that it came of: what was asked, what was measured,
-and which picture was seen. What a model wrote is escaped code of at most 100 characters; the whole is in the lines and
-in the command's record. Pure.
+and which picture was seen then. What a model wrote is escaped code of at most 100 characters; the whole is in the lines
+and in the command's record. Pure.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ def table(looked: Looked, results: Sequence[ActionResult], pictures: Sequence[Pi
     """All calls in order, as Markdown; steps that no call asked for (pictures that were shown) stand between them."""
     head = [
         say_step("table.step", language), say("calls.asked", language), say_step("table.measured", language),
-        say_step("table.outcome", language), say("calls.picture", language),
+        say_step("table.outcome", language),
     ]  # fmt: skip
     rows = list(_rows(looked.turns, results, pictures, language))
-    lines = [head, ["---:", "---", "---", "---", "---"], *rows[:MOST_ROWS]]
+    lines = [head, ["---:", "---", "---", "---"], *rows[:MOST_ROWS]]
     told = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     more = len(rows) - MOST_ROWS
     return told + "\n\n" + say("calls.more", language, count=more) if more > 0 else told
@@ -47,7 +47,7 @@ def lines(looked: Looked) -> bytes:
 def _rows(
     turns: Sequence[Turn], results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language
 ) -> Iterator[list[str]]:
-    seen = _seen(pictures)
+    seen = _seen(pictures, language)
     called = {turn.step for turn in turns}
     left = [(n, _step(n, r, asked(r, language), seen, language)) for n, r in enumerate(results, 1) if n not in called]
     at = 0
@@ -56,7 +56,7 @@ def _rows(
             at = turn.step
             yield _step(at, results[at - 1], call(turn), seen, language)
         elif turn is not None:
-            yield ["", call(turn), _NONE, _told(turn, language), ""]
+            yield ["", call(turn), _NONE, _told(turn, language)]
         while left and left[0][0] == at + 1:
             at, row = left.pop(0)
             yield row
@@ -65,14 +65,21 @@ def _rows(
 
 def _step(number: int, result: ActionResult, called: str, seen: dict[int, str], language: Language) -> list[str]:
     what = measured(result, language) if result.primitive.op is not Op.GET_FRONT_IMAGE else _NONE
-    return [str(number), called, what, outcome(result, language), seen.get(number, "")]
+    told = outcome(result, language)
+    if number in seen:
+        told += ("，" if language == "zh" else ", ") + seen[number]
+    return [str(number), called, what, told]
 
 
-def _seen(pictures: Sequence[Picture]) -> dict[int, str]:
-    """By step: the picture's place among those of the post, or its link."""
-    attached = [p for p in pictures if p.attached]
-    places = {p.step: str(at) for at, p in enumerate(attached, 1) if p.kind == "step"}
-    return places | {p.step: f"[{p.step}]({p.link.url})" for p in pictures if p.kind == "step" and p.link}
+def _seen(pictures: Sequence[Picture], language: Language) -> dict[int, str]:
+    """By step: which of the post's pictures was seen then, or its link."""
+    seen, place = {}, 0
+    for picture in pictures:
+        place += picture.attached
+        if picture.kind == "step":
+            words = say("calls.picture", language, number=place if picture.attached else picture.step)
+            seen[picture.step] = f"[{words}]({picture.link.url})" if picture.link else words
+    return seen
 
 
 def _told(turn: Turn, language: Language) -> str:
@@ -88,12 +95,14 @@ def call(turn: Turn) -> str:
     if not turn.tool:
         return _code(turn.words)
     given = turn.arguments.get("raw") if list(turn.arguments) == ["raw"] else None
-    told = given if given is not None else " ".join(f"{k}={_plain(v)}" for k, v in turn.arguments.items() if _says(v))
-    return _code(f"{turn.tool} {told}".strip())
+    told = given if given is not None else " ".join(_argument(*one) for one in turn.arguments.items())
+    return _code(" ".join(f"{turn.tool} {'' if told == '{}' else told}".split()))
 
 
-def _says(value: object) -> bool:
-    return value not in (None, False, "", [])
+def _argument(name: str, value: object) -> str:
+    if value in (None, False, "", []):
+        return ""
+    return _plain(value) if name == "direction" else f"{name}={_plain(value)}"
 
 
 def _plain(value: object) -> str:

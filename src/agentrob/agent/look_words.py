@@ -29,7 +29,7 @@ _SENTENCES = {
     "denied": ("**That is not so:** {why}.", "**与实测不符：** {why}。"),
     "refused": ("Asked for by the model and not done: {calls}.", "模型要求但没有执行：{calls}。"),
     "calls.asked": ("Called by the model", "模型的调用"),
-    "calls.picture": ("Picture", "图片"),
+    "calls.picture": ("picture {number}", "图片 {number}"),
     "calls.problem": ("not done: {problem}", "未执行：{problem}"),
     "calls.claims": ("it says {outcome}", "它说 {outcome}"),
     "calls.words": ("words, no call", "只有文字，没有调用"),
