@@ -198,15 +198,15 @@ async def test_law_3_words_of_a_model_are_escaped(looking: Scene, brain: Driving
 @pytest.mark.parametrize(
     ("drives", "sentence"),
     [
-        ([TURN], "used up its calls"),
+        pytest.param([TURN], "used up its calls", marks=pytest.mark.slow),
         ([("act_fly", {})], "got nowhere"),
-        ([("act_backflip", {})], "got nowhere"),
-        ([("act_move", {"direction": "forward", "distance_m": 99})], "got nowhere"),
+        pytest.param([("act_backflip", {})], "got nowhere", marks=pytest.mark.slow),
+        pytest.param([("act_move", {"direction": "forward", "distance_m": 99})], "got nowhere", marks=pytest.mark.slow),
         ([("act_move", "{not json")], "got nowhere"),
         ([lambda handler: handler.send(500, b"{}")], "did not answer (server)"),
-        ([WALK, lambda handler: handler.break_off()], "did not answer (broken)"),
-        ([lambda handler: handler.flood(10_000_000)], "did not answer (too_big)"),
-        (["I see.", "I still see."], "cannot tell"),
+        pytest.param([WALK, lambda handler: handler.break_off()], "did not answer (broken)", marks=pytest.mark.slow),
+        pytest.param([lambda handler: handler.flood(10_000_000)], "did not answer (too_big)", marks=pytest.mark.slow),
+        pytest.param(["I see.", "I still see."], "cannot tell", marks=pytest.mark.slow),
     ],
 )
 async def test_every_bad_model_ends_in_a_clear_state_within_its_budget(
