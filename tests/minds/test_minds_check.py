@@ -124,7 +124,7 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     assert "(model.people)" in against.stdout
     failed = run_mind(tmp_path, "try", "good", "walk forward 1 m", TEST_KEY="")
     assert "command: walk forward 1 m\n  read by rules (instead of good: no_key)\n" in failed.stdout
-    assert "  the rules have nothing against it\n" in failed.stdout
+    assert "  the rules have nothing against it; good could not look: no_key\n" in failed.stdout
 
 
 class Said(NamedTuple):
