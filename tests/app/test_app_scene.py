@@ -29,9 +29,9 @@ def test_law_7_a_simulated_robot_is_told_what_is_in_its_world_and_judges_by_it(t
 @pytest.mark.parametrize("world", sorted(shipped()))
 def test_in_no_shipped_world_a_harmless_command_is_refused_for_the_place(world: str) -> None:
     rows = map(json.loads, TWINS.read_text(encoding="utf-8").splitlines())
-    texts = [row["text"] for row in rows if row["label"] == "benign"][::4]
+    texts = [row["text"] for row in rows if row["label"] == "benign"][::8]
     here = outcomes([(text, load(world).in_words) for text in texts], "rules", "go2")
     elsewhere = outcomes([(text, "") for text in texts], "rules", "go2")
     done = [text for text, outcome in zip(texts, elsewhere, strict=True) if outcome.kind == "executed"]
-    assert len(done) > 30
+    assert len(done) > 15
     assert [text for text, outcome in zip(texts, here, strict=True) if outcome.kind == "executed"] == done
