@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 from datetime import UTC, datetime
+from pathlib import Path
 
 from pydantic import TypeAdapter
 
 from agentrob.agent.execute import Execution
 from agentrob.agent.look_calls import MOST_ROWS, lines, table
-from agentrob.agent.pictures import Picture
+from agentrob.agent.pictures import Picture, illustrate
+from agentrob.agent.recorder import Recorder
+from agentrob.agent.report import final
+from agentrob.config import RecordingConfig
 from agentrob.images.store import Link
 from agentrob.minds.loop import Looked, LoopEnd, Turn
-from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
+from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Primitive, Report
 
 
 def test_the_calls_are_kept_with_the_motion_and_outlive_the_agent() -> None:
@@ -38,3 +42,29 @@ def test_of_very_many_calls_the_first_are_told_and_how_many_more_there_are() -> 
     assert "done, [picture 1](https://bucket.example/1.jpg)" in table(
         Looked("x", LoopEnd("calls")), (step,), (linked,), "en"
     )
+
+
+class Store:
+    """Keeps what it is given, under its name."""
+
+    def __init__(self) -> None:
+        self.kept: dict[str, bytes] = {}
+
+    async def keep(self, name: str, data: bytes) -> Link:
+        self.kept[name] = data
+        return Link(f"https://bucket.example/{name}", datetime.now(UTC))
+
+
+async def test_with_an_image_store_the_report_links_the_calls(tmp_path: Path) -> None:
+    step = ActionResult(Primitive(Op.GET_FRONT_IMAGE), Outcome.DONE, image=b"\xff\xd8jpeg")
+    author = Account("1", "alice")
+    command = Command("7", "1", "", author, "quadruped", "look around", "en", datetime.now(UTC), "trace")
+    report = Report(command, "done", results=(step,), goal="look around")
+    looked = Looked("look around", LoopEnd("finished", "done"), (Turn("finish", {"outcome": "done"}, outcome="done"),))
+    store, recorder = Store(), Recorder(tmp_path, RecordingConfig(view="none"))
+    pictures = await illustrate(report, recorder, store, calls=lines(looked))
+    told = final(report, pictures, calls=table(looked, report.results, pictures, "en"))
+    assert "[all calls of the model](https://bucket.example/7-calls)" in told
+    assert "[picture 1](https://bucket.example/7-step1)" in told
+    assert [json.loads(line) for line in store.kept["7-calls"].splitlines()][1]["tool"] == "finish"
+    assert [p.kind for p in await illustrate(report, recorder, None, calls=lines(looked))] == ["step"]
