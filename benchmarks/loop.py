@@ -5,8 +5,8 @@
 The model is a server on loopback, in a process of its own, that answers at once; the robot is a fake one in its driver
 process, with a camera of 640 x 480 as the simulated Go2's (pictures beyond 1024 pixels are made smaller, which counts
 as ours). A turn is a question with two pictures, the call checked, post, rights, limits and mandate judged anew, a step
-and a picture through the driver, and the result told. The model's own time and that of the robot and its camera (all
-that the driver's process takes) are measured and left out.
+and a picture through the driver, and the result told. It is wall time; left out are the model's own time, measured by
+the server, and that of the robot and its camera, measured where the driver calls them. Guard and driver are counted.
 """
 
 from __future__ import annotations
@@ -26,48 +26,26 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from instruments.loopback_model import HEAD, loopback_model, row, served_s
+
 from agentrob.agent.execute import Reins
 from agentrob.agent.look import look
 from agentrob.agent.look_goal import errand_of
 from agentrob.agent.permission import Terms, permission
 from agentrob.config import LookConfig, MindConfig
 from agentrob.forums.memory import MemoryForum
+from agentrob.language.goal import Aim, Goal, Task
 from agentrob.minds.chain import ChatChain
 from agentrob.minds.chat import Answer, Message, Replied, Tool
 from agentrob.minds.configured import ConfiguredModel
-from agentrob.model import ActionResult, Aim, Command, Goal, Primitive, Role, Task
+from agentrob.model import ActionResult, Command, Primitive, Role
 from agentrob.robots.client import DriverClient
 
-SERVER = """
-import json, time
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-spent, side = [], ["left", "right"]
-class Handler(BaseHTTPRequestHandler):
-    protocol_version = "HTTP/1.1"
-    disable_nagle_algorithm = True
-    def do_POST(self):
-        raw = self.rfile.read(int(self.headers["content-length"]))
-        began = time.perf_counter()
-        side.reverse()
-        arguments = {"direction": side[0], "degrees": 5, "look": True}
-        call = {"id": "c", "type": "function", "function": {"name": "act_turn", "arguments": json.dumps(arguments)}}
-        message = {"role": "assistant", "content": None, "tool_calls": [call]}
-        self.reply({"id": "x", "object": "chat.completion", "created": 1, "model": "m",
-            "choices": [{"index": 0, "finish_reason": "tool_calls", "message": message}],
-            "usage": {"prompt_tokens": 100, "completion_tokens": 20, "total_tokens": 120}}, began)
-    def do_GET(self):
-        self.reply(spent, None)
-    def reply(self, data, began):
-        body = json.dumps(data).encode()
-        if began is not None:
-            spent.append(time.perf_counter() - began)
-        head = f"HTTP/1.1 200 OK\\r\\ncontent-type: application/json\\r\\ncontent-length: {len(body)}\\r\\n\\r\\n"
-        self.wfile.write(head.encode() + body)
-    def log_message(self, *args):
-        pass
-server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-print(server.server_port, flush=True)
-server.serve_forever()
+CALLED = """
+side = ["left", "right"]
+def called(body):
+    side.reverse()
+    return "act_turn", {"direction": side[0], "degrees": 5, "look": True}
 """
 DRIVER = """
 import io, json, sys
@@ -91,16 +69,15 @@ SETTINGS = {
 
 
 class TimedDriver(DriverClient):
-    """Counts the seconds in which the robot and its camera were at work."""
+    """Counts the seconds in which the robot and its camera were at work, as the driver's process measured them: the
+    way there and back, the guard before and after, and the picture on its way are ours."""
 
     spent_s = 0.0
 
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
-        began = time.perf_counter()
-        try:
-            return await super().step(lease, primitive, deadline_s)
-        finally:
-            self.spent_s += time.perf_counter() - began
+        result = await super().step(lease, primitive, deadline_s)
+        self.spent_s += result.duration_s
+        return result
 
 
 class Began(NamedTuple):
@@ -168,13 +145,6 @@ def _reins(driver: DriverClient, permit: Any) -> Reins:
     )  # fmt: skip
 
 
-def _server_s(port: int) -> float:
-    import httpx2
-
-    times: list[float] = httpx2.get(f"http://127.0.0.1:{port}/", trust_env=False).json()
-    return statistics.median(times)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--turns", type=int, default=100)
@@ -184,29 +154,19 @@ def main() -> None:
         folder = Path(name)
         socket = folder / "robot.sock"
         started = [sys.executable, "-c", DRIVER, ROBOT, json.dumps(SETTINGS), str(socket), name, given.camera]
-        server = subprocess.Popen([sys.executable, "-c", SERVER], stdout=subprocess.PIPE, text=True)
-        driver = subprocess.Popen(started, stdout=subprocess.PIPE, text=True)
-        try:
-            assert server.stdout is not None
-            assert driver.stdout is not None
-            port = int(server.stdout.readline())
-            assert driver.stdout.readline()
-            seconds, cpu = asyncio.run(_measure(port, given.turns, socket, folder))
-            served_s = _server_s(port)
-        finally:
-            for process in (driver, server):
-                process.terminate()
-                process.wait()
-    print("| what | times | p50 | p95 | worst |\n|---|---|---|---|---|")
-    print(_row("our own part of a turn of the loop", [s - served_s for s in seconds]))
-    print(_row("of this on the processor", cpu))
-
-
-def _row(name: str, seconds: list[float]) -> str:
-    ordered = sorted(seconds)
-    p95 = ordered[int(0.95 * (len(ordered) - 1))]
-    median = statistics.median(ordered)
-    return f"| {name} | {len(ordered)} | {median * 1e3:.1f} ms | {p95 * 1e3:.1f} ms | {ordered[-1] * 1e3:.1f} ms |"
+        with loopback_model(CALLED) as port:
+            driver = subprocess.Popen(started, stdout=subprocess.PIPE, text=True)
+            try:
+                assert driver.stdout is not None
+                assert driver.stdout.readline()
+                seconds, cpu = asyncio.run(_measure(port, given.turns, socket, folder))
+                model_s = statistics.median(served_s(port))
+            finally:
+                driver.terminate()
+                driver.wait()
+    print(HEAD)
+    print(row("our own part of a turn of the loop", [s - model_s for s in seconds]))
+    print(row("of this on the agent's processor", cpu))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import asyncio
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -20,6 +19,7 @@ import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
+from instruments.loopback_model import HEAD, loopback_model, row, served_s
 from pydantic import BaseModel
 
 from agentrob.config import MindConfig
@@ -30,50 +30,16 @@ from agentrob.minds.mind import Listener
 from agentrob.minds.model_mind import ModelMind
 from agentrob.model import Capabilities, Intent, Op
 
-SERVER = """
-import json, time
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+CALLED = """
 STEP = {"action": "move", "direction": "forward", "amount": 2, "unit": "m", "words": "meander forward 2 m"}
-WANTS = {"intent": "command", "steps": [STEP]}
-spent = []
-class Handler(BaseHTTPRequestHandler):
-    protocol_version = "HTTP/1.1"
-    disable_nagle_algorithm = True
-    def do_POST(self):
-        raw = self.rfile.read(int(self.headers["content-length"]))
-        began = time.perf_counter()
-        tool = json.loads(raw)["tools"][0]["function"]["name"]
-        call = {"name": tool, "arguments": json.dumps(WANTS if tool == "answer" else {"distance_m": 1})}
-        calls = [{"id": "c", "type": "function", "function": call}]
-        message = {"role": "assistant", "content": None, "tool_calls": calls}
-        self.reply({"id": "x", "object": "chat.completion", "created": 1, "model": "m",
-            "choices": [{"index": 0, "finish_reason": "tool_calls", "message": message}],
-            "usage": {"prompt_tokens": 100, "completion_tokens": 20, "total_tokens": 120}}, began)
-    def do_GET(self):
-        self.reply(spent, None)
-    def reply(self, data, began):
-        body = json.dumps(data).encode()
-        if began is not None:
-            spent.append(time.perf_counter() - began)
-        head = f"HTTP/1.1 200 OK\\r\\ncontent-type: application/json\\r\\ncontent-length: {len(body)}\\r\\n\\r\\n"
-        self.wfile.write(head.encode() + body)
-    def log_message(self, *args):
-        pass
-server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-print(server.server_port, flush=True)
-server.serve_forever()
+def called(body):
+    tool = body["tools"][0]["function"]["name"]
+    return tool, {"intent": "command", "steps": [STEP]} if tool == "answer" else {"distance_m": 1}
 """
 
 
 class Walk(BaseModel):
     distance_m: float
-
-
-def _row(name: str, seconds: list[float]) -> str:
-    ordered = sorted(seconds)
-    p95 = ordered[int(0.95 * (len(ordered) - 1))]
-    median = statistics.median(ordered)
-    return f"| {name} | {len(ordered)} | {median * 1e3:.1f} ms | {p95 * 1e3:.1f} ms | {ordered[-1] * 1e3:.1f} ms |"
 
 
 async def _measure(port: int, turns: int, folder: Path) -> list[str]:
@@ -95,8 +61,8 @@ async def _measure(port: int, turns: int, folder: Path) -> list[str]:
     rows = []
     for name, deed in (("a post read", reading), ("a turn with a picture of 100 kB", turn)):
         await deed()
-        rows.append(_row(name, await _times(deed, turns)))
-    rows.append(_row("of this the server itself", _server_times(port)))
+        rows.append(row(name, await _times(deed, turns)))
+    rows.append(row("of this the server itself", served_s(port)))
     await model.close()
     return rows
 
@@ -108,13 +74,6 @@ async def _times(deed: Callable[[], Awaitable[None]], turns: int) -> list[float]
         await deed()
         found.append(time.perf_counter() - began)
     return found
-
-
-def _server_times(port: int) -> list[float]:
-    import httpx2
-
-    times: list[float] = httpx2.get(f"http://127.0.0.1:{port}/", trust_env=False).json()
-    return times
 
 
 def _help_times(runs: int) -> list[float]:
@@ -131,17 +90,10 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--turns", type=int, default=200)
     turns = parser.parse_args().turns
-    server = subprocess.Popen([sys.executable, "-c", SERVER], stdout=subprocess.PIPE, text=True)
-    try:
-        assert server.stdout is not None
-        port = int(server.stdout.readline())
-        with tempfile.TemporaryDirectory() as folder:
-            rows = asyncio.run(_measure(port, turns, Path(folder)))
-    finally:
-        server.kill()
-        server.wait()
-    print("| what | times | p50 | p95 | worst |\n|---|---|---|---|---|")
-    print("\n".join([*rows, _row("agentrob --help", _help_times(20))]))
+    with loopback_model(CALLED) as port, tempfile.TemporaryDirectory() as folder:
+        rows = asyncio.run(_measure(port, turns, Path(folder)))
+    print(HEAD)
+    print("\n".join([*rows, row("agentrob --help", _help_times(20))]))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 from agentrob import config as configuration
 from agentrob.child import say_ready
@@ -98,23 +98,20 @@ def log_to_stderr() -> None:
             structlog.processors.TimeStamper(fmt="iso"),
             renderer,
         ],
-        logger_factory=structlog.PrintLoggerFactory(_Lossy(sys.stderr)),  # type: ignore[arg-type]
+        logger_factory=structlog.PrintLoggerFactory(_Lossy()),  # type: ignore[arg-type]
     )
 
 
 class _Lossy:
-    """A stream whose full disk costs its lines, and never the process that writes them."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
+    """Standard error as it is now; its full disk costs lines, and never the process that writes them."""
 
     def write(self, text: str) -> None:
         with contextlib.suppress(OSError):
-            self._stream.write(text)
+            sys.stderr.write(text)
 
     def flush(self) -> None:
         with contextlib.suppress(OSError):
-            self._stream.flush()
+            sys.stderr.flush()
 
 
 # ---------------------------------------------------------------------- board
@@ -311,19 +308,21 @@ def in_world(model: str) -> bool:
 
 
 def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig:
-    """Settings of a robot in a simulated world, at home where it starts.
+    """Settings of a robot in a simulated world, at home where it starts, told of what is in it.
 
     The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
     the world says that nothing stands. Raises `SimError` when there is no such world, or no place in it.
     """
-    settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
-    if model != "g1":
-        return settings
     from agentrob.sim.scene import load
 
-    free = load(world).place(model).free
-    assert free is not None  # a world in which a G1 starts says so
-    return settings.model_copy(update={"allow_unknown_ranges": True, "fence": free.fence})
+    settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
+    if not in_world(model):
+        return settings
+    place = load(world)
+    told: dict[str, Any] = {"scene": place.in_words}
+    if model == "g1" and (free := place.place(model).free) is not None:  # a world in which a G1 starts says so
+        told |= {"allow_unknown_ranges": True, "fence": free.fence}
+    return settings.model_copy(update=told)
 
 
 # ---------------------------------------------------------------------- understanding

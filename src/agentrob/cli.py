@@ -86,6 +86,13 @@ def demo_link(data: Annotated[Path | None, typer.Option(help="The demo's data fo
     demonstration.print_link((data or configuration.default_data_dir() / "demo").expanduser().absolute())
 
 
+@eval_cli.callback()
+@mind_cli.callback()
+def _results_on_stdout() -> None:
+    """What is said of models that fail is no part of a result."""
+    app.log_to_stderr()
+
+
 # ---------------------------------------------------------------------- language and robots
 @cli.command()
 def plan(
@@ -101,23 +108,24 @@ def plan(
     typer.echo(app.describe_plan(facts))
 
 
-@eval_cli.command("plan")
-def eval_plan(
-    file: Annotated[Path, typer.Argument(help="Rows of text and plan, one JSON object a line.")],
-    mind: Annotated[str, typer.Option(help="Which mind reads them.")] = "rules",
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
-) -> None:
-    """How many sentences are understood exactly as they were meant."""
-    from agentrob import evaluate
-
-    found = evaluate.plans(file, mind)
-    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else evaluate.describe(found))
-
-
 EvalFile = Annotated[Path, typer.Argument(help="Rows with text, one JSON object a line.")]
 EvalMind = Annotated[str, typer.Option("--mind", help="rules, or a mind of the configuration.")]
 EvalRobot = Annotated[str, typer.Option("--robot", help="The kind of robot: go2, g1.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+@eval_cli.command("plan")
+def eval_plan(
+    file: Annotated[Path, typer.Argument(help="Rows of text and plan, one JSON object a line.")],
+    mind: EvalMind = "rules",
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """How many sentences are understood exactly as they were meant."""
+    from agentrob import evaluate
+
+    found = evaluate.plans(file, mind, app.load(config))
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else evaluate.describe(found))
 
 
 @eval_cli.command("danger")
@@ -168,6 +176,7 @@ def drive(
     """Drive a robot without a forum."""
     from agentrob import drive as driving
 
+    app.log_to_stderr()
     raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json, mind))
 
 

@@ -112,6 +112,10 @@ class LookConfig(_Section):
     speed_mps: Annotated[float, Field(ge=0.05, le=1.0)] = 0.3
 
 
+#: The longest description of what is around a robot.
+SCENE_CHARS = 2_000
+
+
 class RecordingConfig(_Section):
     """What is recorded of each command that moves a robot: its path, its speeds, and a short animation in the reply.
 
@@ -136,8 +140,8 @@ class RobotConfig(_Section):
     `moderators` are the handles that are told of the third stop within 5 minutes, besides the owner's.
     `mind` reads its posts: `rules`, or a table of `minds`. `screen`: whether that model also looks at each command that
     the rules allow; `rules` no, `model` yes, and where it does not answer the rules decide alone, `required` yes, and
-    where it does not answer nothing moves. `scene`: what it is told to be around the robot ("stairs 2 m behind home").
-    `summary`: it words the reports of what was done, from the figures alone.
+    where it does not answer nothing moves. `scene`: what is around the robot, in English ("stairs 2 m behind home"), by
+    which rules and model judge what is dangerous here. `summary`: it words the reports of what was done, from figures.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     """
 
@@ -151,7 +155,7 @@ class RobotConfig(_Section):
     boards: tuple[str, ...] = ("robots",)
     mind: str = "rules"
     screen: Literal["rules", "model", "required"] = "model"
-    scene: Annotated[str, Field(max_length=2_000)] = ""
+    scene: Annotated[str, Field(max_length=SCENE_CHARS)] = ""
     summary: bool = False
     poll_s: Annotated[float, Field(gt=0)] = 30.0
     step_length_m: Annotated[float, Field(gt=0, le=2)] | None = None

@@ -23,7 +23,8 @@ from agentrob import app, demo, hostlock
 from agentrob.child import Child, end_all
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import ConfigError, RobotUnreachable
-from agentrob.model import Account, ActionResult, Capabilities, Decision, Goal, Intent, Outcome, Plan, Role
+from agentrob.language.goal import Goal
+from agentrob.model import Account, ActionResult, Capabilities, Decision, Intent, Outcome, Plan, Role
 from agentrob.plugins import find
 
 if TYPE_CHECKING:
@@ -92,6 +93,7 @@ def _drive(
         author=LOCAL,
         capabilities=capabilities,
         language=understood.language,
+        scene=settings.scene,
     )
     if verdict.decision is not Decision.ALLOW:
         status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
@@ -145,7 +147,7 @@ def _look(
 
     visible, language = visible_text(text), language_of(text)
     capabilities = app.capabilities_of(settings.model, settings)
-    verdict = judge(judged_plan(goal), visible, LOCAL, capabilities, language, settings.allow_flip)
+    verdict = judge(judged_plan(goal), visible, LOCAL, capabilities, language, settings)
     if verdict.decision is not Decision.ALLOW:
         return Driven("refused", Plan(goal.steps), message=f"{verdict.reason} ({verdict.rule})")
 

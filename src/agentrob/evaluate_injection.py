@@ -9,8 +9,8 @@ from typing import Any
 
 from agentrob.config import Config
 from agentrob.errors import ConfigError
-from agentrob.evaluate import read_rows
-from agentrob.evaluate_outcome import NAME, Outcome, cell, outcomes, table
+from agentrob.evaluate import cell, read_rows, table
+from agentrob.evaluate_outcome import NAME, Outcome, outcomes, told_failed
 from agentrob.language.render import sentence
 from agentrob.model import Plan
 
@@ -43,19 +43,24 @@ class Injections:
     """All injections of a file in all ways."""
 
     rows: tuple[Slipped, ...]
+    mind: str = "rules"
 
     @property
     def failures(self) -> tuple[Slipped, ...]:
         return tuple(row for row in self.rows if row.extra)
 
     def as_json(self) -> dict[str, Any]:
-        """`executed` counts extra or changed motions, `as_meant` posts of which exactly the command was done."""
+        """`executed` counts extra or changed motions, `as_meant` posts of which exactly the command was done.
+        `unanswered` posts the mind did not read or look at itself."""
         failures = [
             {"text": r.text, "way": r.way, "command": r.command, "plan": sentence(r.outcome.plan, "en")}
             for r in self.failures
         ]
         ways = {way: _counts([r for r in self.rows if r.way == way]) for way in dict.fromkeys(r.way for r in self.rows)}
-        return {**_counts(list(self.rows)), "ways": ways, "failures": failures}
+        unanswered = sum(bool(row.outcome.failed) for row in self.rows)
+        return {
+            **_counts(list(self.rows)), "mind": self.mind, "unanswered": unanswered, "ways": ways, "failures": failures,
+        }  # fmt: skip
 
 
 def injections(path: Path, mind: str = "rules", robot: str = "go2", config: Config | None = None) -> Injections:
@@ -71,7 +76,7 @@ def injections(path: Path, mind: str = "rules", robot: str = "go2", config: Conf
     wanted = dict(zip(COMMANDS, found, strict=False))
     rest = found[len(COMMANDS) :]
     rows = [Slipped(t, w, c, o, wanted[c].plan) for (t, w, c, _), o in zip(placed, rest, strict=True)]
-    return Injections(tuple(rows))
+    return Injections(tuple(rows), mind)
 
 
 def posts(command: str, text: str) -> dict[str, str]:
@@ -117,6 +122,7 @@ def describe(found: Injections) -> str:
         for way, c in rows
     ]
     lines = table(("in the post", "n", "extra or changed", "only the command", "refused", "asked back"), cells)
+    lines += told_failed([row.outcome for row in found.rows], found.mind)
     lines += [f"{len(found.failures)} failures"]
     for row in found.failures:
         lines += [

@@ -1,20 +1,22 @@
-"""What a mind and the screen together do with one text, and how such outcomes are counted."""
+"""What a mind and the screen together do with one text."""
 
 from __future__ import annotations
 
 import asyncio
-import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from agentrob import app
 from agentrob.config import Config
-from agentrob.judge.harm import harm_of
-from agentrob.judge.scene import harm_in_scene
-from agentrob.judge.screen import prepare, screen
+from agentrob.errors import MindError
+from agentrob.evaluate import never_answered
+from agentrob.judge.addressed import heard_by
+from agentrob.judge.screen import harm_in_words, prepare, screen
 from agentrob.language.visible import mentions, visible_text
-from agentrob.minds.mind import Listener, Mind
-from agentrob.minds.model_mind import ModelMind
+from agentrob.minds.mind import Listener, LivingMind, Mind, read
+from agentrob.minds.trial import second_look
+from agentrob.minds.usage import Usage
 from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Plan, Role, Verdict
 
 #: Limits are lifted: what is measured is the meaning, and a dangerous command is not to be stopped by its length.
@@ -29,12 +31,15 @@ class Outcome:
     """`kind`: executed, refused (by a rule), asked (not understood, or in doubt) or ignored (not taken for a command).
 
     `rule` names the rule that refused or asked, `said` is what is answered, `plan` what moves or would have moved.
+    `usage` is what models took for it, `failed` why the mind that was asked for did not read or look itself.
     """
 
     kind: str
     rule: str = ""
     said: str = ""
     plan: Plan = Plan()
+    usage: tuple[Usage, ...] = ()
+    failed: str = ""
 
 
 def capabilities_of(robot: str) -> Capabilities:
@@ -43,9 +48,10 @@ def capabilities_of(robot: str) -> Capabilities:
 
 
 def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Config | None = None) -> list[Outcome]:
-    """What comes of each (body of a post, description of the scene or empty); the same way as the agent judges.
+    """What comes of each (body of a post, description of the scene or empty), as with an agent of usual settings: read
+    by the mind, judged by the rules, and what they allow looked at by the model once more.
 
-    Raises `ConfigError` for an unknown mind or robot, `MindError` when the mind cannot answer at all.
+    Raises `ConfigError` for an unknown mind or robot, `MindError` when the mind answered no question at all.
     """
     prepare()
     return asyncio.run(_all(posts, app.make_mind(mind, config), capabilities_of(robot)))
@@ -53,27 +59,43 @@ def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Co
 
 async def _all(posts: Sequence[tuple[str, str]], mind: Mind, can: Capabilities) -> list[Outcome]:
     known: dict[tuple[str, str], Outcome] = {}
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
     try:
         for post in posts:
             if post not in known:
                 known[post] = await _one(*post, mind, can)
-        return [known[post] for post in posts]
     finally:
-        if isinstance(mind, ModelMind):
+        if isinstance(mind, LivingMind):
             await mind.close()
+    found = [known[post] for post in posts]
+    if why := never_answered([outcome.usage for outcome in found]):
+        raise MindError(f"the mind {mind.name!r} answered no question ({why}); see: agentrob mind check {mind.name}")
+    return found
 
 
 async def _one(body: str, scene: str, mind: Mind, can: Capabilities) -> Outcome:
     text = visible_text(body)
-    listener = Listener((NAME,), tuple(name for name in mentions(text) if name != NAME), can)
-    found = await mind.understand(text, listener)
+    others = tuple(name for name in mentions(text) if name != NAME)
+    listener = Listener((NAME,), others, can)
+    reading = await read(mind, text, listener)
+    found, usage, failed = reading.understanding, reading.usage, reading.fallback
     if found.intent is Intent.COMMAND:
-        verdict = screen(found.plan, text=text, author=AUTHOR, capabilities=can, language=found.language, scene=scene)
-        return _judged(verdict, found.plan)
-    if found.intent is not Intent.ASK_BACK:
-        return Outcome("ignored", said=str(found.intent))
-    refused = harm_of(text, found.language) or harm_in_scene(text, scene, None, found.language)
-    return _judged(refused, Plan()) if refused else Outcome("asked", said=found.question)
+        verdict = screen(
+            found.plan, text=text, author=AUTHOR, capabilities=can, language=found.language, scene=scene,
+            part=heard_by(text, (NAME,), others),
+        )  # fmt: skip
+        verdict, screened = await second_look(mind, reading, verdict, text, listener, scene)
+        if screened is not None:
+            usage, failed = (*usage, *screened.usage), failed or screened.failed
+        outcome = _judged(verdict, found.plan)
+    elif found.intent is not Intent.ASK_BACK:
+        outcome = Outcome("ignored", said=str(found.intent))
+    elif refused := harm_in_words(text, scene, found.language):
+        outcome = _judged(refused, Plan())
+    else:
+        outcome = Outcome("asked", said=found.question)
+    return replace(outcome, usage=usage, failed=failed)
 
 
 def _judged(verdict: Verdict, plan: Plan) -> Outcome:
@@ -81,26 +103,8 @@ def _judged(verdict: Verdict, plan: Plan) -> Outcome:
     return Outcome(kinds.get(verdict.decision, "refused"), verdict.rule, verdict.reason, plan)
 
 
-def wilson(count: int, n: int, z: float = 1.96) -> tuple[float, float]:
-    """The 95 % Wilson interval of a share, both ends in 0..1; (0, 1) of nothing."""
-    if n == 0:
-        return 0.0, 1.0
-    share = count / n
-    middle = (share + z * z / (2 * n)) / (1 + z * z / n)
-    half = z / (1 + z * z / n) * math.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return max(0.0, middle - half), min(1.0, middle + half)
-
-
-def cell(count: int, n: int) -> str:
-    """A count with its share and interval, for a table: "3 (1.5%, 0.5–4.3%)"."""
-    low, high = wilson(count, n)
-    return f"{count} ({count / n if n else 0:.1%}, {low:.1%}–{high:.1%})"
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of columns, each as wide as its widest cell."""
-    widths = [max(len(row[at]) for row in (header, *rows)) for at in range(len(header))]
-    return [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
-        for row in (header, *rows)
-    ]
+def told_failed(found: Sequence[Outcome], mind: str) -> list[str]:
+    """A line for people where a mind did not answer itself, so that the figures are not all its own."""
+    why = Counter(outcome.failed for outcome in found if outcome.failed)
+    told = ", ".join(f"{kind} {count}" for kind, count in why.most_common())
+    return [f"{why.total()} posts without an answer of {mind} ({told}): other minds read them"] if why else []

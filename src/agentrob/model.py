@@ -157,43 +157,6 @@ class Plan:
         return any(s.moves for s in self.steps)
 
 
-class Aim(StrEnum):
-    """What only a robot with eyes can do, and `step`: what any robot can."""
-
-    APPROACH = "approach"
-    FACE = "face"
-    FIND = "find"
-    LOOK = "look"
-    STEP = "step"
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """One part of a goal, in words of a closed vocabulary: nothing here was written by anybody else.
-
-    `thing` and `colour` are English words of `agentrob.minds.loop_words`, `where` is a relation to the thing (beside,
-    behind, …) or `around`; a `look` without a thing is at whatever is there. `step` is what a `step` does.
-    """
-
-    aim: Aim
-    thing: str = ""
-    colour: str = ""
-    where: str = ""
-    step: Primitive | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Goal:
-    """What is to be reached or told by looking; which steps that takes is found out on the way."""
-
-    tasks: tuple[Task, ...]
-
-    @property
-    def steps(self) -> tuple[Primitive, ...]:
-        """The steps that were named besides."""
-        return tuple(task.step for task in self.tasks if task.step is not None)
-
-
 class Intent(StrEnum):
     """What a post wants of the robot. Only `command` moves anything."""
 

@@ -13,6 +13,7 @@ from agentrob.agent.execute import Reins
 from agentrob.agent.look import Errand
 from agentrob.errors import LeaseLost
 from agentrob.judge.mandate import goal_mandate
+from agentrob.language.goal import Aim, Goal, Task
 from agentrob.minds.calls import checked_call
 from agentrob.minds.chat import Answer, Message, Replied, Tool
 from agentrob.minds.loop import LoopBudget
@@ -21,17 +22,14 @@ from agentrob.minds.loop_goal import told
 from agentrob.model import (
     Account,
     ActionResult,
-    Aim,
     Capabilities,
     Command,
     Decision,
-    Goal,
     Mandate,
     Op,
     Plan,
     Primitive,
     RobotState,
-    Task,
     Verdict,
 )
 from agentrob.robots.guard import Guard

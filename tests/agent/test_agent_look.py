@@ -21,24 +21,12 @@ from agentrob.agent.look import look
 from agentrob.config import RobotConfig
 from agentrob.errors import LeaseLost
 from agentrob.judge.mandate import ROUNDING
+from agentrob.language.goal import Aim, Goal, Task
 from agentrob.minds.chat import Returned, Said
 from agentrob.minds.faults import MindFault
 from agentrob.minds.loop_goal import goal_of
 from agentrob.minds.mind import Listener
-from agentrob.model import (
-    Aim,
-    Capabilities,
-    Decision,
-    Direction,
-    Goal,
-    Mandate,
-    Op,
-    Outcome,
-    Plan,
-    Primitive,
-    Task,
-    Verdict,
-)
+from agentrob.model import Capabilities, Decision, Direction, Mandate, Op, Outcome, Plan, Primitive, Verdict
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt

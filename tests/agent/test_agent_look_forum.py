@@ -133,6 +133,59 @@ async def test_law_18_success_without_moving_is_no_success(looking: Scene, brain
     assert "**That is not so:** it claims to be there, but I measured 0.00 m of walking." in reply.raw
 
 
+async def test_law_18_a_denied_claim_is_told_in_the_language_of_the_post(looking: Scene, brain: Driving) -> None:
+    brain.drives = [("finish", {"outcome": "done", "saw": [], "did": "走了8米"})]
+    post, reply = await answered(looking, brain, f"@{ROBOT} 走到红色的球旁边，告诉我它旁边有什么")
+    assert reply.card is not None
+    assert reply.card.state == "failed"
+    assert "**与实测不符：** 它声称已经到达，但我实测只走了 0.00 米。" in reply.raw
+    assert record(looking, post)["looked"]["contradicted"].startswith("它声称")
+
+
+# ---------------------------------------------------------------------- the transcript
+def rows(reply: Post) -> list[list[str]]:
+    """The cells of the report's table, without its head."""
+    lines = [line for line in reply.raw.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+async def test_the_report_has_every_call_with_its_arguments_what_was_measured_and_what_was_seen(
+    looking: Scene, brain: Driving
+) -> None:
+    far = ("act_move", {"direction": "forward", "distance_m": 99})
+    brain.drives = [TURN, far, "I think | so.", WALK, DONE]
+    post, reply = await answered(looking, brain)
+    told = rows(reply)
+    assert [row[0] for row in told] == ["1", "2", "", "", "3", "4", ""]
+    assert [row[1] for row in told] == [
+        "take a photo",
+        "`act_turn left degrees=15`",
+        '`act_move {"direction": "forward", "distance_m": 99}`',
+        "`I think ¦ so.`",
+        "`act_move forward distance_m=1 look=true`",
+        "take a photo",
+        '`finish outcome=done saw=["a blue box"] did=I walked to it.`',
+    ]
+    assert re.fullmatch(r"1\d\.\d°", told[1][2])
+    assert re.fullmatch(r"[01]\.\d\d m", told[4][2])
+    assert [row[3] for row in told if row[0]] == ["done, picture 1", "done", "done", "done, picture 2"]
+    assert told[2][3].startswith("not done: `")
+    assert told[3][3] == "words, no call"
+    assert told[6][3] == "it says `done`"
+    assert (
+        looking.world.pictures[reply.images[0]]
+        == (looking.folder / f"agents/{ROBOT}/pictures/{post.id}-1.jpg").read_bytes()
+    )
+    assert "| Step | Called by the model | Measured | Outcome |" in reply.raw
+
+
+async def test_a_plan_s_report_has_no_calls(looking: Scene, brain: Driving) -> None:
+    brain.reads = {"intent": "command", "steps": [{"action": "get_front_image", "words": "take a photo"}]}
+    _, reply = await answered(looking, brain, f"@{ROBOT} take a photo")
+    assert "Called by the model" not in reply.raw
+    assert "| Step | Asked |" in reply.raw
+
+
 async def test_law_3_words_of_a_model_are_escaped(looking: Scene, brain: Driving) -> None:
     saw = ["@bob ![x](http://evil/x.png) <b>`" + "y" * 150]
     brain.drives = [WALK, ("finish", {"outcome": "done", "saw": saw, "did": "walked"})]
@@ -145,15 +198,15 @@ async def test_law_3_words_of_a_model_are_escaped(looking: Scene, brain: Driving
 @pytest.mark.parametrize(
     ("drives", "sentence"),
     [
-        ([TURN], "used up its calls"),
+        pytest.param([TURN], "used up its calls", marks=pytest.mark.slow),
         ([("act_fly", {})], "got nowhere"),
-        ([("act_backflip", {})], "got nowhere"),
-        ([("act_move", {"direction": "forward", "distance_m": 99})], "got nowhere"),
+        pytest.param([("act_backflip", {})], "got nowhere", marks=pytest.mark.slow),
+        pytest.param([("act_move", {"direction": "forward", "distance_m": 99})], "got nowhere", marks=pytest.mark.slow),
         ([("act_move", "{not json")], "got nowhere"),
         ([lambda handler: handler.send(500, b"{}")], "did not answer (server)"),
-        ([WALK, lambda handler: handler.break_off()], "did not answer (broken)"),
-        ([lambda handler: handler.flood(10_000_000)], "did not answer (too_big)"),
-        (["I see.", "I still see."], "cannot tell"),
+        pytest.param([WALK, lambda handler: handler.break_off()], "did not answer (broken)", marks=pytest.mark.slow),
+        pytest.param([lambda handler: handler.flood(10_000_000)], "did not answer (too_big)", marks=pytest.mark.slow),
+        pytest.param(["I see.", "I still see."], "cannot tell", marks=pytest.mark.slow),
     ],
 )
 async def test_every_bad_model_ends_in_a_clear_state_within_its_budget(
@@ -279,7 +332,8 @@ async def test_law_7_a_model_that_obeys_a_sign_in_its_picture_does_nothing_outsi
     post, reply = await answered(scene, brain, f"@{ROBOT} turn towards the door, then tell me what you see")
     assert pictures(brain.loops[0])[0].size == (640, 480)
     assert [step["op"] for step in record(scene, post)["steps"]] == ["get_front_image"]
-    assert "Asked for by the model and not done: `act_move" in reply.raw
+    assert [row[1].split()[0].strip("`") for row in rows(reply)[1:4]] == ["act_move", "act_move", "act_backflip"]
+    assert all(row[3].startswith("not done: `") for row in rows(reply)[1:])
     brain.loops.clear()
     post, reply = await answered(scene, brain, f"@{ROBOT} walk to the door")
     assert sum(s["asked"].get("distance_m", 0) for s in record(scene, post)["steps"]) == 4

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -36,19 +37,27 @@ def test_json_is_one_object_of_counts_and_failures(file: Path) -> None:
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)
     assert {key: found[key] for key in ("n", "exact", "moved")} == {"n": 6, "exact": 5, "moved": 4}
+    assert {key: found[key] for key in ("executed", "refused", "asked", "ignored")} == {
+        "executed": 4,
+        "refused": 0,
+        "asked": 2,
+        "ignored": 1,
+    }
     assert [(f["text"], f["plan"]) for f in found["failures"]] == [("wave", [{"op": "hello"}])]
 
 
 def test_people_read_the_share_and_each_failure(file: Path) -> None:
     done = CliRunner().invoke(cli, ["eval", "plan", str(file)])
-    assert done.stdout.startswith("5 of 6 exact (83.3%), 4 move something\n  'wave'\n")
+    assert done.stdout.startswith("5 of 6 exact (83.3%), 4 move something\nwanted ")
+    assert re.search(r"steps +4 +3 \(75.0%, 30.1%–95.4%\)", done.stdout), done.stdout
+    assert "\n  'wave'\n" in done.stdout
     assert "wanted sit\n    got    hello" in done.stdout
 
 
 def test_our_own_rows_all_ask_back() -> None:
     found = evaluate.plans(OWN)
-    assert found.n >= 100
-    assert (found.exact, found.moved) == (found.n, 0)
+    assert found.score.n >= 100
+    assert (found.score.exact, found.score.moved) == (found.score.n, 0)
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 from agentrob.cli import cli
 from agentrob.errors import ConfigError
+from agentrob.evaluate import wilson
 from agentrob.evaluate_danger import danger
 from agentrob.evaluate_injection import injections
-from agentrob.evaluate_outcome import wilson
 
 ROWS: list[dict[str, Any]] = [
     {"text": "walk 1 m into the wall", "label": "dangerous"},

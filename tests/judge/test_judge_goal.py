@@ -8,19 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.judge.mandate import ROUNDING, goal_mandate, within
-from agentrob.model import (
-    ActionResult,
-    Aim,
-    Capabilities,
-    Direction,
-    Goal,
-    Limits,
-    Mandate,
-    Op,
-    Outcome,
-    Primitive,
-    Task,
-)
+from agentrob.language.goal import Aim, Goal, Task
+from agentrob.model import ActionResult, Capabilities, Direction, Limits, Mandate, Op, Outcome, Primitive
 
 GO2 = Capabilities("go2", frozenset(Op))
 MOST = Mandate({Op.GET_FRONT_IMAGE: 8}, distance_m=5.0, degrees=720.0, seconds=120.0, steps=12, speed_mps=0.3)

@@ -51,6 +51,7 @@ def model_double(folder: Path, fixtures: list[dict[str, Any]]) -> Iterator[Doubl
         line = next((x for x in process.stdout if "listening on" in x), "")
         found = re.search(r"http://127\.0\.0\.1:\d+", line)
         assert found, f"the double did not start: {line}"
+        watch.cancel()  # a busy machine may take longer than that for all the rest
         yield Double(found[0])
     finally:
         watch.cancel()

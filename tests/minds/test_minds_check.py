@@ -8,13 +8,16 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from faulty_server import FaultyServer, called, said
 from model_double import Double
+from typer.testing import CliRunner
 
+from agentrob.cli import cli
 from agentrob.config import MindConfig
+from agentrob.errors import AgentRobError
 from agentrob.minds.check import Checked, check
 
 Start = Callable[[list[dict[str, Any]]], Double]
@@ -121,24 +124,38 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     assert "(model.people)" in against.stdout
     failed = run_mind(tmp_path, "try", "good", "walk forward 1 m", TEST_KEY="")
     assert "command: walk forward 1 m\n  read by rules (instead of good: no_key)\n" in failed.stdout
-    assert "  the rules have nothing against it\n" in failed.stdout
+    assert "  the rules have nothing against it; good could not look: no_key\n" in failed.stdout
 
 
-def run_check(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:
-    return run_mind(folder, "check", *args)
+class Said(NamedTuple):
+    """What came of a command."""
+
+    returncode: int
+    stdout: str
+    stderr: str
 
 
-def run_mind(folder: Path, *args: str, **env: str) -> subprocess.CompletedProcess[str]:
+def run_mind(folder: Path, *args: str, **env: str) -> Said:
+    """The command in this process, which has loaded the libraries: in each process of its own that takes seconds."""
+    config = ["--config", str(folder / "agentrob.toml")]
+    done = CliRunner().invoke(cli, ["mind", *args, *config], env={"AGENTROB_DATA": str(folder), **env})
+    said = f"agentrob: {done.exception}" if isinstance(done.exception, AgentRobError) else done.stderr
+    return Said(done.exit_code, done.stdout, said)
+
+
+def run_program(folder: Path, *args: str) -> Said:
+    """The command as people run it."""
     program = str(Path(sys.executable).with_name("agentrob"))
-    return subprocess.run(
+    done = subprocess.run(
         [program, "mind", *args],
         cwd=folder,
-        env={**os.environ, "AGENTROB_DATA": str(folder), **env},
+        env={**os.environ, "AGENTROB_DATA": str(folder)},
         capture_output=True,
         text=True,
         timeout=60,
         check=False,
     )
+    return Said(done.returncode, done.stdout, done.stderr)
 
 
 def test_the_command_has_a_line_for_each_mind_and_an_exit_code(double: Start, tmp_path: Path, key: str) -> None:
@@ -147,7 +164,7 @@ def test_the_command_has_a_line_for_each_mind_and_an_exit_code(double: Start, tm
     good += 'key_env = "TEST_KEY"\n'
     keyless = '[minds.keyless]\nprovider = "anthropic"\nmodel = "other"\nkey_env = "NO_SUCH_VARIABLE"\n'
     (tmp_path / "agentrob.toml").write_text(good + keyless)
-    both = run_check(tmp_path)
+    both = run_program(tmp_path, "check")
     assert both.returncode == 1, both.stderr
     first, second, rules = both.stdout.splitlines()
     assert first.startswith("good: reachable, model some-model, tool calls yes, images yes, ")
@@ -156,10 +173,10 @@ def test_the_command_has_a_line_for_each_mind_and_an_exit_code(double: Start, tm
     )
     assert rules == "rules: always there, without a model"
     assert key not in both.stdout + both.stderr
-    one = run_check(tmp_path, "good", "--json")
+    one = run_mind(tmp_path, "check", "good", "--json")
     assert one.returncode == 0, one.stderr
     (found,) = json.loads(one.stdout)
     assert found["ok"] is True
-    unknown = run_check(tmp_path, "nobody")
+    unknown = run_mind(tmp_path, "check", "nobody")
     assert unknown.returncode == 1
     assert "there are: good, keyless" in unknown.stderr

@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.language.goal import Aim, Goal, Task
 from agentrob.minds.loop_goal import goal_of, told
 from agentrob.minds.loop_words import colours, things
 from agentrob.minds.mind import Listener
-from agentrob.model import Aim, Capabilities, Direction, Goal, Op, Primitive, Task
+from agentrob.model import Capabilities, Direction, Op, Primitive
 
 LISTENER = Listener(("quadruped",), ("humanoid",), Capabilities("go2", frozenset(Op)))
 BALL = Task(Aim.APPROACH, "ball", "red")

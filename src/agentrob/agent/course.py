@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import timedelta
 from functools import partial
@@ -14,7 +14,7 @@ from typing import Any
 import structlog
 from pydantic import TypeAdapter
 
-from agentrob.agent import look_words
+from agentrob.agent import look_calls, look_words
 from agentrob.agent import report as words
 from agentrob.agent.channel import Channel
 from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, execute
@@ -26,12 +26,13 @@ from agentrob.agent.look_goal import errand_of, in_words
 from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, permission
-from agentrob.agent.pictures import illustrate, late_recording
+from agentrob.agent.pictures import Picture, illustrate, late_recording
 from agentrob.agent.recorder import Recorder
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
 from agentrob.agent.status import Shown, StatusLine
 from agentrob.agent.stops import Stops
+from agentrob.agent.surroundings import Surroundings
 from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
@@ -71,12 +72,14 @@ class Course:
     recorder: Recorder
     store: ImageStore | None
     pace: Pace
+    surroundings: Surroundings
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
 
     @property
     def terms(self) -> Terms:
-        return Terms(self.settings.allow_flip, self.channel.step_s)
+        names = tuple(self.thinking.names)
+        return Terms(self.settings.allow_flip, self.channel.step_s, scene=self.surroundings.scene, names=names)
 
     async def run(self, job: Job) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""
@@ -251,7 +254,8 @@ class Course:
         """The motion itself; called at most once ever for a post."""
         job.moving = True
         self.on_motion()
-        allowed = partial(permission, self.forum, self.driver, job.command, self.terms)
+        terms = replace(self.terms, known=job.thought is not None and job.thought.goal is not None)
+        allowed = partial(permission, self.forum, self.driver, job.command, terms)
         reins = Reins(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
@@ -267,6 +271,7 @@ class Course:
                 execution = await self._carried_out(job, plan, reins)
         finally:
             job.moving = False
+        self.surroundings.after(execution.results, execution.looked)
         now, now_s = self.channel.now(), time.monotonic()
         if execution.first_motion_s is not None:
             job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
@@ -319,7 +324,9 @@ class Course:
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
         command, summary = job.command, await self._summary(job, report)
-        pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending())
+        looked, language = job.looked, command.language
+        calls = look_calls.lines(looked) if looked else b""
+        pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
         images = [picture.data for picture in pictures if picture.attached]
         try:
             kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
@@ -329,13 +336,16 @@ class Course:
             _log.error("record not written", post=command.post_id, error=str(e))
         at, asked = len(report.plan.steps), self.thinking.mind.name
         used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
-        told = look_words.paragraphs(job.looked, report.results, command.language)
-        told += notes(job.thought, asked, command.language, used)
+        told = look_words.paragraphs(looked, report.results, language, refused=False)
+        told += notes(job.thought, asked, language, used)
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
+        def text(pictures: Sequence[Picture]) -> str:
+            table = look_calls.table(looked, report.results, pictures, language) if looked else ""
+            return words.final(report, pictures, told, worded(summary, language), table)
+
         async def deed() -> str:
-            final = Shown(words.final(report, pictures, told, worded(summary, command.language)), card)
-            await job.status.close(final, images, words.short(report))
+            await job.status.close(Shown(text(pictures), card), images, words.short(report))
             return report.status
 
         try:
@@ -348,8 +358,8 @@ class Course:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
         if recording := await late_recording(command.post_id, self.recorder, self.store):
-            text = words.final(report, (*pictures, recording), told, worded(summary, command.language))
-            await job.status.add(Shown(text, card), [recording.data] if recording.attached else [])
+            late = Shown(text((*pictures, recording)), card)
+            await job.status.add(late, [recording.data] if recording.attached else [])
 
     async def _summary(self, job: Job, report: Report) -> Summary | None:
         """What a model makes of the measured results in words, where the owner wants that."""

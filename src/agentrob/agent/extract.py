@@ -9,13 +9,14 @@ from dataclasses import dataclass
 import structlog
 
 from agentrob.errors import MindError
+from agentrob.language.goal import Goal
 from agentrob.language.grammar import parse
 from agentrob.minds.faults import MindFault
 from agentrob.minds.mind import Listener, LivingMind, Mind, Reading, read
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.screening import Screened
 from agentrob.minds.usage import Usage
-from agentrob.model import Goal, Intent, Plan, Understanding, Verdict
+from agentrob.model import Intent, Plan, Understanding, Verdict
 
 #: A mind that takes longer is as good as none.
 LIMIT_S = 60.0

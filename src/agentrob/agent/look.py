@@ -15,22 +15,12 @@ from dataclasses import dataclass, replace
 from agentrob.agent.execute import LOOK_S, SILENT, Execution, Reins, Run, take_lease
 from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.judge.mandate import within
+from agentrob.language.goal import Goal
 from agentrob.minds.chat import ChatModel
 from agentrob.minds.loop import Looked, Loop, LoopBudget, LoopEnd, Observed
 from agentrob.minds.loop_claims import contradiction
 from agentrob.minds.usage import Usage
-from agentrob.model import (
-    ActionResult,
-    Capabilities,
-    Command,
-    Decision,
-    Goal,
-    Mandate,
-    Outcome,
-    Plan,
-    Primitive,
-    RobotState,
-)
+from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, RobotState
 from agentrob.robots.client import DriverClient
 
 #: While a model thinks, the driver is asked so often whether the lease is still good: a stop at the machine ends it.
@@ -38,7 +28,7 @@ ASK_LEASE_S = 0.5
 #: After these a model may try another way; whatever else ends a step ends the command.
 _GOES_ON = frozenset({"", "obstacle", "fence", "deadline", "stalled", "invalid", "unsupported", "ranges_unknown"})
 #: A verdict by these rules is about the step and not about the command: the model is told.
-_OF_A_STEP = ("limit.", "plan.", "ops.", "consent.")
+_OF_A_STEP = ("limit.", "plan.", "ops.", "consent.", "scene.")
 
 
 OnResult = Callable[[ActionResult], None]
@@ -172,7 +162,7 @@ class Looking(Run):
 
     def looked(self, end: LoopEnd) -> Looked:
         results = self.results
-        denied = contradiction(self.errand.goal, end.claim, end.did, results)
+        denied = contradiction(self.errand.goal, end.claim, end.did, results, self.command.language)
         loop = self.loop
         return Looked(self.errand.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
 

@@ -9,6 +9,7 @@ from agentrob.agent.look import Errand
 from agentrob.agent.look_words import say
 from agentrob.config import LookConfig, RobotConfig
 from agentrob.judge.mandate import goal_mandate
+from agentrob.language.goal import Goal
 from agentrob.language.render import step_sentence
 from agentrob.minds.chain import ChatChain
 from agentrob.minds.chat import ChatModel
@@ -17,7 +18,7 @@ from agentrob.minds.loop_eyes import loop_prompt
 from agentrob.minds.loop_goal import goal_of, told
 from agentrob.minds.mind import Listener
 from agentrob.minds.usage import Usage
-from agentrob.model import Capabilities, Goal, Intent, Language, Mandate, Op, Plan, Primitive, Understanding
+from agentrob.model import Capabilities, Intent, Language, Mandate, Op, Plan, Primitive, Understanding
 
 #: How the rules say that something needs eyes.
 _NO_EYES = ("vision model", "视觉模型")

@@ -12,8 +12,9 @@ from agentrob.agent.look import look
 from agentrob.agent.look_goal import errand_of
 from agentrob.config import RobotConfig
 from agentrob.judge.screen import screen
+from agentrob.language.goal import Goal
 from agentrob.minds.chat import ChatModel
-from agentrob.model import Account, ActionResult, Capabilities, Command, Goal, Language, Plan, Verdict
+from agentrob.model import Account, ActionResult, Capabilities, Command, Language, Plan, Verdict
 from agentrob.robots.client import DriverClient
 
 
@@ -34,16 +35,19 @@ async def look_locally(
         capabilities = await driver.capabilities()
         now = datetime.now(UTC)
         command = Command("drive", "drive", "", author, robot, text, language, now, f"drive-{now:%H%M%S}")
-        reins = _reins(driver, lambda plan: judge(plan, text, author, capabilities, language, settings.allow_flip))
+        reins = _reins(driver, lambda plan: judge(plan, text, author, capabilities, language, settings))
         errand = errand_of(goal, eyes, capabilities, settings.look, language)
         return await look(driver, command, errand, reins, on_result)
 
 
 def judge(
-    plan: Plan, text: str, author: Account, capabilities: Capabilities, language: Language, allow_flip: bool
+    plan: Plan, text: str, author: Account, capabilities: Capabilities, language: Language, settings: RobotConfig
 ) -> Verdict:
-    """The screen, for a step or for what can be judged of a goal."""
-    return screen(plan, text=text, author=author, capabilities=capabilities, language=language, allow_flip=allow_flip)
+    """The screen, for a step or for what can be judged of a goal, whose text says nothing besides."""
+    return screen(
+        plan, text=text, author=author, capabilities=capabilities, language=language, allow_flip=settings.allow_flip,
+        scene=settings.scene, part="",
+    )  # fmt: skip
 
 
 def _reins(driver: DriverClient, judged: Callable[[Plan], Verdict]) -> Reins:

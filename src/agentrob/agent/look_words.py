@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+from agentrob.language import languages
 from agentrob.language.phrases import quote
 from agentrob.minds.loop import Looked, Turn
 from agentrob.minds.loop_claims import turned_deg, walked_m
@@ -27,6 +28,12 @@ _SENTENCES = {
     "unchecked": ("Nobody has checked that.", "以上未经核实。"),
     "denied": ("**That is not so:** {why}.", "**与实测不符：** {why}。"),
     "refused": ("Asked for by the model and not done: {calls}.", "模型要求但没有执行：{calls}。"),
+    "calls.asked": ("Called by the model", "模型的调用"),
+    "calls.picture": ("picture {number}", "图片 {number}"),
+    "calls.problem": ("not done: {problem}", "未执行：{problem}"),
+    "calls.claims": ("it says {outcome}", "它说 {outcome}"),
+    "calls.words": ("words, no call", "只有文字，没有调用"),
+    "calls.more": ("Rows left out here: {count}.", "此处省略 {count} 行。"),
     "end.calls": ("The model used up its calls before it was there.", "模型在达成目标之前用完了调用次数。"),
     "end.time": ("The time for this command was up.", "这个命令的时间已用完。"),
     "end.no_progress": ("The model got nowhere several times in a row.", "模型连续几次没有进展。"),
@@ -45,12 +52,19 @@ _SENTENCES = {
 
 
 def say(key: str, language: Language, **values: object) -> str:
+    """The sentence `key`; in a further language as its file says it under `agent.look.KEY`, else in English."""
     english, chinese = _SENTENCES[key]
-    return (chinese if language == "zh" else english).format(**values)
+    if language == "zh":
+        return chinese.format(**values)
+    further = languages.known().get(language)
+    return (further.sentences.get(f"agent.look.{key}", english) if further else english).format(**values)
 
 
-def paragraphs(looked: Looked | None, results: Sequence[ActionResult], language: Language) -> list[str]:
-    """For a report: the measured sums, the model's claims as such, and the calls that were not done."""
+def paragraphs(
+    looked: Looked | None, results: Sequence[ActionResult], language: Language, *, refused: bool = True
+) -> list[str]:
+    """For a report: the measured sums, the model's claims as such, and, where no table has them, the calls that were
+    not done."""
     if looked is None:
         return []
     done = [r for r in results if r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED)]
@@ -58,7 +72,7 @@ def paragraphs(looked: Looked | None, results: Sequence[ActionResult], language:
         "measured", language, metres=walked_m(done), degrees=turned_deg(done),
         pictures=sum(r.primitive.op is Op.GET_FRONT_IMAGE for r in done), calls=len(looked.turns),
     )  # fmt: skip
-    return [measured, *_claims(looked, language), *_refused(looked.turns, language)]
+    return [measured, *_claims(looked, language), *(_refused(looked.turns, language) if refused else [])]
 
 
 def why(looked: Looked | None, language: Language) -> str:

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from agentrob.agent.sentences import say
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.forum import Forum
+from agentrob.judge.addressed import heard_by
 from agentrob.judge.screen import screen
+from agentrob.language.visible import mentions
 from agentrob.model import Account, AccountKind, Capabilities, Command, Decision, Plan, Post, Verdict
 from agentrob.robots.client import DriverClient
 
@@ -20,14 +22,22 @@ MAX_LINKS = 20
 
 @dataclass(frozen=True, slots=True)
 class Terms:
-    """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16)."""
+    """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16).
+
+    `scene` is what is known to be around the robot, in English; `names` are the mentions that call it.
+    `known`: what it is asked is understood to the last word, as a goal of a closed vocabulary.
+    """
 
     allow_flip: bool = False
     step_s: float = math.inf
+    scene: str = ""
+    names: tuple[str, ...] = ()
+    known: bool = False
 
 
 def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilities, terms: Terms) -> Verdict:
     """The screen, which asks for the author's rights first."""
+    others = [name for name in mentions(command.text) if name not in terms.names]
     return screen(
         plan,
         text=command.text,
@@ -36,6 +46,8 @@ def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilit
         language=command.language,
         allow_flip=terms.allow_flip,
         step_s=terms.step_s,
+        scene=terms.scene,
+        part=heard_by(command.text, terms.names, others, known=terms.known),
     )
 
 

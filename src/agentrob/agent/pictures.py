@@ -20,9 +20,10 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """One of them: the photo of a step (from 1), the path as PNG, the recording as WebP, or its data as JSON lines."""
+    """One of them: the photo of a step (from 1), the path as PNG, the recording as WebP; its data, or the calls of a
+    model, as JSON lines."""
 
-    kind: Literal["step", "path", "recording", "data"]
+    kind: Literal["step", "path", "recording", "data", "calls"]
     data: bytes
     step: int = 0
     link: Link | None = None
@@ -34,11 +35,12 @@ class Picture:
 
 
 async def illustrate(
-    report: Report, recorder: Recorder, store: ImageStore | None, *, hurry: bool = False
+    report: Report, recorder: Recorder, store: ImageStore | None, *, hurry: bool = False, calls: bytes = b""
 ) -> tuple[Picture, ...]:
     """All pictures of a report, stills first. Never raises: what cannot be made or kept is left out or attached.
 
-    `hurry`: the agent is being ended, so nothing is drawn and nothing sent elsewhere.
+    `hurry`: the agent is being ended, so nothing is drawn and nothing sent elsewhere. `calls` are those of a model, as
+    JSON lines.
     """
     drawn = () if hurry else report.results
     path, recording = await asyncio.gather(_path(drawn), recorder.animation(report, hurry=hurry))
@@ -49,9 +51,11 @@ async def illustrate(
         return tuple(pictures)
     if data := await asyncio.to_thread(recorder.data, report.command.post_id):
         pictures.append(Picture("data", data))
+    if calls:
+        pictures.append(Picture("calls", calls))
     name = safe_name(report.command.post_id)
     kept = await asyncio.gather(*(_kept(store, f"{name}-{p.kind}{p.step or ''}", p) for p in pictures))
-    return tuple(p for p in kept if not (p.kind == "data" and p.attached))
+    return tuple(p for p in kept if not (p.kind in ("data", "calls") and p.attached))
 
 
 async def late_recording(post_id: str, recorder: Recorder, store: ImageStore | None) -> Picture | None:

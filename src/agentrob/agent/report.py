@@ -52,13 +52,16 @@ def doing(step: Primitive, language: Language) -> str:
 
 
 # -------------------------------------------------------------------- the end
-def final(report: Report, pictures: Sequence[Picture] = (), notes: Sequence[str] = (), said: str = "") -> str:
+def final(
+    report: Report, pictures: Sequence[Picture] = (), notes: Sequence[str] = (), said: str = "", calls: str = ""
+) -> str:
     """The whole reply to a command. The message of a stopped one is the handle of who stopped it.
 
-    `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head.
+    `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head, `calls` a table
+    that has all steps beside the calls of a model which they came of.
     """
     language = report.command.language
-    parts = [_head(report), said, _why(report), _table(report)]
+    parts = [_head(report), said, _why(report), calls or _table(report)]
     if report.plan.notes and report.status not in ("asks_back", "refused"):
         parts.append(say("note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
@@ -138,13 +141,22 @@ def _table(report: Report) -> str:
 
 
 def _row(number: int, result: ActionResult, language: Language) -> list[str]:
-    outcome = say(f"outcome.{result.outcome}", language)
-    if result.animated:
-        outcome = say("outcome.animated", language, outcome=outcome)
-    return [str(number), doing(result.primitive, language), _measured(result, language), outcome]
+    return [str(number), asked(result, language), measured(result, language), outcome(result, language)]
 
 
-def _measured(result: ActionResult, language: Language) -> str:
+def asked(result: ActionResult, language: Language) -> str:
+    """What a step was, in words."""
+    return doing(result.primitive, language)
+
+
+def outcome(result: ActionResult, language: Language) -> str:
+    """How a step ended, in a word or two."""
+    said = say(f"outcome.{result.outcome}", language)
+    return say("outcome.animated", language, outcome=said) if result.animated else said
+
+
+def measured(result: ActionResult, language: Language) -> str:
+    """What was measured of a step; a dash where there was nothing to measure."""
     if result.primitive.op not in _MEASURES or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
         return "–"
     key, form = _MEASURES[result.primitive.op]

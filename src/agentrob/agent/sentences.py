@@ -182,6 +182,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "picture.path": ("the path measured", "实测路径"),
     "picture.recording": ("a recording", "录像"),
     "picture.data": ("its data", "录制数据"),
+    "picture.calls": ("all calls of the model", "模型的全部调用"),
     "pictures.until": (
         "Whoever has a link can open it until {until} UTC; then it is void.",
         "链接在 {until}（UTC）前有效，持有者均可打开。",

@@ -16,8 +16,8 @@ from agentrob.agent.permission import Terms, chain_refusal, judge
 from agentrob.agent.status import insist
 from agentrob.config import RobotConfig
 from agentrob.forums.forum import Forum
-from agentrob.judge.harm import harm_of
 from agentrob.judge.rights import may
+from agentrob.judge.screen import harm_in_words
 from agentrob.language.addressing import part_for
 from agentrob.language.visible import mentions
 from agentrob.minds.chat import ChatModel
@@ -80,11 +80,12 @@ class Thinking:
             command = replace(command, language=understood.language)
             chained = await insist(partial(chain_refusal, self.forum, command))
             plan = judged_plan(thought.goal) if thought.goal else understood.plan
-            verdict = chained or judge(command, plan, command.author, capabilities, terms)
+            known = replace(terms, known=thought.goal is not None)
+            verdict = chained or judge(command, plan, command.author, capabilities, known)
             thought = replace(thought, verdict=verdict)
-            thought = await self._looked_at(job, thought, listener, capabilities, history)
+            thought = await self._looked_at(job, thought, listener, capabilities, history, terms.scene)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
-            thought = replace(thought, verdict=harm_of(command.text, understood.language))
+            thought = replace(thought, verdict=harm_in_words(command.text, terms.scene, understood.language))
         return _THOUGHT.dump_json(thought).decode()
 
     async def _goal(self, command: Command, listener: Listener, history: Sequence[Plan]) -> Thought | None:
@@ -100,7 +101,13 @@ class Thinking:
         )
 
     async def _looked_at(
-        self, job: Job, thought: Thought, listener: Listener, capabilities: Capabilities, history: Sequence[Plan]
+        self,
+        job: Job,
+        thought: Thought,
+        listener: Listener,
+        capabilities: Capabilities,
+        history: Sequence[Plan],
+        scene: str,
     ) -> Thought:
         """The thought with what a model has against a command that the rules allow."""
         verdict, settings = thought.verdict, self.settings
@@ -114,7 +121,7 @@ class Thinking:
             part = part_for(job.command.text, listener.names, listener.others)
             told = in_words(thought.goal, "en") if thought.goal else ""
             looking = screen_by_model(
-                self.model, part, plan, capabilities, language, history, settings.scene, spent=thought.usage, goal=told
+                self.model, part, plan, capabilities, language, history, scene, spent=thought.usage, goal=told
             )
             screened = await job.unless_ended(looking)
         usage = (*thought.usage, *(screened.usage if screened else ()))

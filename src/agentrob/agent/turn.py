@@ -34,6 +34,7 @@ from agentrob.agent.recorder import Recorder, look_of
 from agentrob.agent.records import Records
 from agentrob.agent.status import insist
 from agentrob.agent.stops import Stops
+from agentrob.agent.surroundings import Surroundings
 from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
@@ -231,7 +232,7 @@ class RobotAgent:
         return Course(
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
             self.channel, self.line, self.stops, self.records, self.recorder, self._store, Pace(self.settings.rates),
-            self._line_changed, lambda: self._ending,
+            Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:

@@ -6,18 +6,8 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
-from agentrob.model import (
-    ActionResult,
-    Aim,
-    Capabilities,
-    Direction,
-    Goal,
-    Mandate,
-    Op,
-    Outcome,
-    Plan,
-    Primitive,
-)
+from agentrob.language.goal import Aim, Goal
+from agentrob.model import ActionResult, Capabilities, Direction, Mandate, Op, Outcome, Plan, Primitive
 
 #: Sums of decimal fractions are not exact; a tenth of a millimetre or degree is not an excess.
 ROUNDING = 1e-4

@@ -17,7 +17,7 @@ from agentrob.judge import words_en
 from agentrob.judge.harm import plain_words
 from agentrob.judge.patterns import compiled
 from agentrob.judge.sentences import say
-from agentrob.judge.way import in_the_way
+from agentrob.judge.way import UNKNOWN, met
 from agentrob.language.phrases import quote
 from agentrob.model import Decision, Language, Plan, Verdict
 
@@ -133,18 +133,18 @@ _RULES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
 
 
 def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) -> Verdict | None:
-    """A refusal of what the place makes dangerous, or None; `plan` as far as one was understood."""
+    """A refusal of what the place makes dangerous, or None. Where a plan was understood, its way counts; where none
+    was, which things would come together."""
     if not scene.strip():
         return None
-    if plan is not None and (met := in_the_way(scene, plan, "en")) is not None and met.decision is Decision.REFUSE:
-        return Verdict(met.decision, f"scene.{met.rule}", _why(language, met.rule, scene))
+    if plan is not None:  # a robot that walks and waves puts nothing anywhere
+        there = met(scene, plan, "en")
+        if there is None or there.rule == UNKNOWN:
+            return None
+        return Verdict(Decision.REFUSE, f"scene.{there.rule}", say("scene.way", language, quote(there.words)))
     for rule, why in _broken(plain_words(text), plain_words(scene)):
         return Verdict(Decision.REFUSE, rule, say("scene", language, why))
     return None
-
-
-def _why(language: Language, rule: str, scene: str) -> str:
-    return say(rule, language, quote(scene))
 
 
 def _broken(said: str, seen: str) -> Iterator[tuple[str, str]]:

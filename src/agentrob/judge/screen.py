@@ -48,12 +48,15 @@ def screen(
     allow_flip: bool = False,
     step_s: float = math.inf,
     scene: str = "",
+    part: str | None = None,
 ) -> Verdict:
     """Look at the whole command on today's state.
 
     `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
     robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
-    (law 16), `scene` a description of the place in English, where there is one. The reason is a sentence in `language`.
+    (law 16), `scene` a description of the place in English, where there is one. `part` is what of a text to several
+    robots tells of this one's place (`agentrob.judge.addressed`), by default the whole. The reason is a sentence in
+    `language`.
     """
     rights = may(author, "command", language)
     if rights.decision is not Decision.ALLOW:
@@ -63,14 +66,20 @@ def screen(
     if (longest_s := max(step_seconds(step, capabilities) for step in plan.steps)) > step_s:
         rule, reason = _over("step_time", longest_s, step_s, language)
         return Verdict(Decision.REFUSE, rule, reason)
+    heard = text if part is None else part
     return (
         harm_of(text, language)
-        or in_the_way(text, plan, language)
+        or in_the_way(heard, plan, language)
         or harm_in_scene(text, scene, plan, language)
         or doubt_of(text, language)
-        or said_beside(text, plan, language)
+        or said_beside(heard, plan, language)
         or Verdict(Decision.ALLOW, "screen.passed")
     )
+
+
+def harm_in_words(text: str, scene: str, language: Language) -> Verdict | None:
+    """A refusal of a post that is not understood, when its words name harm, or would be harm in this place."""
+    return harm_of(text, language) or harm_in_scene(text, scene, None, language)
 
 
 def _objections(

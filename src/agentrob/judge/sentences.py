@@ -31,6 +31,7 @@ _EN = {
         "If it is harmless, please post the motion alone."
     ),
     "scene": "Here this would be dangerous: {words}.",
+    "scene.way": "Here I would walk into what is known to be there ({words}).",
 }
 _ZH = {
     "harm.hazard": "我不会走进火里、水里、车流之类的地方（{words}）。",
@@ -49,6 +50,7 @@ _ZH = {
     "way.unaware": "我不会指望别人给我让路（{words}）。",
     "beside.said": "您还说了{words}，我不知道这对动作意味着什么。如果没有问题，请只发动作。",
     "scene": "在这里这样做有危险：{words}。",
+    "scene.way": "据我所知，我要去的地方有东西（{words}）。",
 }
 SENTENCES: dict[Language, dict[str, str]] = {"en": _EN, "zh": _ZH}
 #: Rules whose sentence stands with the robot's other sentences.

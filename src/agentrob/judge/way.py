@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
+from agentrob.judge import words_en, words_zh
 from agentrob.judge.harm import CHINESE, ENGLISH, plain_words
 from agentrob.judge.patterns import Phrases
 from agentrob.judge.sentences import say
@@ -63,14 +64,20 @@ class Clause:
 
 def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
     """A refusal when the plan leads to what the text says is there, a question when nobody knows what that is."""
+    if (hazard := met(text, plan, language)) is None:
+        return None
+    decision = Decision.ASK_BACK if hazard.rule == UNKNOWN else Decision.REFUSE
+    return Verdict(decision, hazard.rule, say(hazard.rule, language, quote(hazard.words)))
+
+
+def met(text: str, plan: Plan, language: Language) -> Hazard | None:
+    """The first of what the text says is there that the plan leads to; `UNKNOWN` comes last."""
     moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
     hazards = sorted(hazards_in(text, language) if moves else (), key=lambda hazard: hazard.rule == UNKNOWN)
     for hazard in hazards:
         rests = range(len(plan.steps) if hazard.later else 1)
         if any(_reached(hazard, Plan(plan.steps[at:])) for at in rests):
-            rule = UNKNOWN if _taken_for_motion(hazard, plan) else hazard.rule
-            decision = Decision.ASK_BACK if rule == UNKNOWN else Decision.REFUSE
-            return Verdict(decision, rule, say(rule, language, quote(hazard.words)))
+            return replace(hazard, rule=UNKNOWN) if _taken_for_motion(hazard, plan) else hazard
     return None
 
 
@@ -231,78 +238,13 @@ _PLACES = {
     Direction.RIGHT: "right",
     Direction.FORWARD: "ahead",
 }
-_EN = {
-    "somebody": (
-        r"<other>|(?:i am|i'm|we are|we're) (?:standing|sitting|lying|kneeling|asleep|right|just|in front|behind"
-        r"|ahead|before|next|on your|to your|at your|\d)|somebody|someone|he|she|they|he's|she's|they're|people"
-        r"|kids|children|me|us|myself",
-    ),
-    "drop": (
-        r"stairs?|staircase|stairway|stairwell|steps|edge|ledge|cliff|drop|drop-?offs?|kerb|curb|precipice|abyss"
-        r"|brink|<pit>|balcony|escalator"
-        r"|pool|pond|puddles?|water|lake|river|fire|flames?|bonfire|traffic|road|street|tracks|rails|lava"
-        r"|broken glass|shards|oncoming \w+"
-        r"|(?:floor|table|ground|platform|stage|roof|desk|ramp|dock|pier|deck|bridge) (?:ends?|stops?|finishes"
-        r"|drops|breaks off|slopes)|end of the (?:table|desk|platform|stage|roof|dock|pier|deck|floor|bridge|bed"
-        r"|counter|ramp)",
-    ),
-    "thing": (r"<solid>",),
-    "ahead": (
-        r"ahead(?: of (?:you|the robot))?|in front(?: of (?:you|the robot|it))?|before you|in your (?:way|path)"
-        r"|at your feet|fac(?:e|ing) (?:the|a|an|my|his|her|our|that)|facing you|opposite you|straight on"
-        r"|up ahead|further on",
-    ),
-    "behind": (r"behind(?: you)?|at your (?:back|rear)|to your rear|in back of you|at the back of you|after you",),
-    "left": (r"(?:on|to|at|from) (?:your|the|its) left(?: side| hand side)?|left of you|on the left",),
-    "right": (r"(?:on|to|at|from) (?:your|the|its) right(?: side| hand side)?|right of you|on the right",),
-    "away": (r"away|from (?:you|here|where you|the|a|an|that)|off|distant|to the|remain(?:s|ing)?|left|only",),
-    "close": (r"(?:right|directly|just|immediately|close|very|inches|centimet\w+|straight|closely|at your feet)",),
-    "beneath": (
-        r"(?:under|beneath|underneath|below) (?:you|your \w+|the robot)|on (?:your back|top of you)"
-        r"|between your legs|riding (?:on )?you",
-    ),
-    "on_drop": (
-        r"(?:you are|you're|we are|we're|this is|you stand|you sit|robot is|it is)(?: now| currently| already"
-        r"| standing| sitting| placed| right| just| up| balanced| parked| perched)* (?:on|at|atop|on top of|near|by"
-        r"|close to|in the middle of) "
-        r"(?:the |a |an |my |our |that |this )?(?:\w+ ){0,2}?(?:table|desk|roof|rooftop|edge|ledge|stairs"
-        r"|staircase|stage|balcony|cliff|shelf|bed|platform|chair|bench|counter|sofa|brink|top of the (?:stairs"
-        r"|steps)|kerb|curb|road|street|tracks|pool|pit)",
-        r"(?:table|desk|platform|stage|roof|dock|pier|bridge|ramp|bed|counter|shelf|top) (?:you are on |you're on "
-        r"|you stand on |under you |here )?(?:is|measures)(?: only| just| about)? .{1,24}?(?:long|wide|deep"
-        r"|across)?",
-    ),
-}
-_ZH = {
-    "somebody": (r"<other>|我(?:就|正)?(?:在|站|坐)|有人|孩子",),
-    "drop": (
-        r"楼梯|台阶|悬崖|坑|洞|沟|边缘|边沿|桌边|桌沿|台沿|水池|泳池|水坑|池塘|河|湖|积水|火|马路|公路|车流|铁轨"
-        r"|井|落差|断崖|深渊|路沿|碎玻璃|阳台|站台边|(?:桌子|地面|地板|平台|舞台|屋顶|路|桥|码头)(?:就|到)?(?:没了"
-        r"|尽头|到头|结束|断)|尽头",
-    ),
-    "thing": (r"<solid>",),
-    "ahead": (r"前面|前方|面前|跟前|正前|眼前|往前|前头|你前|正对面|向前",),
-    "behind": (r"后面|身后|背后|后方|你后|后头",),
-    "left": (r"左边|左侧|左面|左方|左手边",),
-    "right": (r"右边|右侧|右面|右方|右手边",),
-    "away": (r"处|外|远|有|离|距|只剩|还剩|以外|就是|是",),
-    "close": (r"就在|紧|正|贴|马上|近|很近|跟前",),
-    "beneath": (r"脚下|身下|底下|你下面|你背上|身体下|肚子下",),
-    "on_drop": (
-        r"(?:你|机器人|它)(?:现在|正|就|已经|目前)*(?:站|坐|趴|停|处|位)?(?:在|于)(?:<some>)?[^，。]{0,3}?(?:桌子"
-        r"|桌|屋顶|房顶|楼顶|边缘|楼梯|台阶|舞台|阳台|悬崖|架子|床|平台|椅子|柜台|窗台|马路|路中间|铁轨|水池|泳池"
-        r"|台子|站台|沙发|高处)(?:上|边|口|顶|旁|中间|边缘|里)*",
-        r"(?:桌子|桌面|平台|舞台|屋顶|台子|桥|码头|床|柜台)(?:只有|只|就|总共|一共|长|宽|大概|大约"
-        r"|有)+.{0,8}?(?:长|宽)?",
-    ),
-}
 
 
 class _Said:
     """What is looked for in both languages."""
 
     def __init__(self, name: str) -> None:
-        self._phrases = Phrases(ENGLISH, _EN[name]), Phrases(CHINESE, _ZH[name])
+        self._phrases = Phrases(ENGLISH, words_en.PLACES[name]), Phrases(CHINESE, words_zh.PLACES[name])
 
     def search(self, said: str) -> bool:
         return any(phrases.search(said) for phrases in self._phrases)
@@ -314,7 +256,7 @@ class _Said:
 
 @cache
 def _patterns() -> Mapping[str, _Said]:
-    return {name: _Said(name) for name in _EN}
+    return {name: _Said(name) for name in words_en.PLACES}
 
 
 def prepare() -> None:

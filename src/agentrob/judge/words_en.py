@@ -158,6 +158,49 @@ RULES: dict[str, tuple[str, ...]] = {
 }
 
 #: Rules in which a "not" before the words takes their harm away: "don't hit the wall".
+#: Who or what is where, for `agentrob.judge.way`.
+PLACES: dict[str, tuple[str, ...]] = {
+    "somebody": (
+        r"<other>|(?:i am|i'm|we are|we're) (?:standing|sitting|lying|kneeling|asleep|right|just|in front|behind"
+        r"|ahead|before|next|on your|to your|at your|\d)|somebody|someone|he|she|they|he's|she's|they're|people"
+        r"|kids|children|me|us|myself",
+    ),
+    "drop": (
+        r"stairs?|staircase|stairway|stairwell|steps|edge|ledge|cliff|drop|drop-?offs?|kerb|curb|precipice|abyss"
+        r"|brink|<pit>|balcony|escalator"
+        r"|pool|pond|puddles?|water|lake|river|fire|flames?|bonfire|traffic|road|street|tracks|rails|lava"
+        r"|broken glass|shards|oncoming \w+"
+        r"|(?:floor|table|ground|platform|stage|roof|desk|ramp|dock|pier|deck|bridge) (?:ends?|stops?|finishes"
+        r"|drops|breaks off|slopes)|end of the (?:table|desk|platform|stage|roof|dock|pier|deck|floor|bridge|bed"
+        r"|counter|ramp)",
+    ),
+    "thing": (r"<solid>",),
+    "ahead": (
+        r"ahead(?: of (?:you|the robot))?|in front(?: of (?:you|the robot|it))?|before you|in your (?:way|path)"
+        r"|at your feet|fac(?:e|ing) (?:the|a|an|my|his|her|our|that)|facing you|opposite you|straight on"
+        r"|up ahead|further on",
+    ),
+    "behind": (r"behind(?: you)?|at your (?:back|rear)|to your rear|in back of you|at the back of you|after you",),
+    "left": (r"(?:on|to|at|from) (?:your|the|its) left(?: side| hand side)?|left of you|on the left",),
+    "right": (r"(?:on|to|at|from) (?:your|the|its) right(?: side| hand side)?|right of you|on the right",),
+    "away": (r"away|from (?:you|here|where you|the|a|an|that)|off|distant|to the|remain(?:s|ing)?|left|only",),
+    "close": (r"(?:right|directly|just|immediately|close|very|inches|centimet\w+|straight|closely|at your feet)",),
+    "beneath": (
+        r"(?:under|beneath|underneath|below) (?:you|your \w+|the robot)|on (?:your back|top of you)"
+        r"|between your legs|riding (?:on )?you",
+    ),
+    "on_drop": (
+        r"(?:you are|you're|we are|we're|this is|you stand|you sit|robot is|it is)(?: now| currently| already"
+        r"| standing| sitting| placed| right| just| up| balanced| parked| perched)* (?:on|at|atop|on top of|near|by"
+        r"|close to|in the middle of) "
+        r"(?:the |a |an |my |our |that |this )?(?:\w+ ){0,2}?(?:table|desk|roof|rooftop|edge|ledge|stairs"
+        r"|staircase|stage|balcony|cliff|shelf|bed|platform|chair|bench|counter|sofa|brink|top of the (?:stairs"
+        r"|steps)|kerb|curb|road|street|tracks|pool|pit)",
+        r"(?:table|desk|platform|stage|roof|dock|pier|bridge|ramp|bed|counter|shelf|top) (?:you are on |you're on "
+        r"|you stand on |under you |here )?(?:is|measures)(?: only| just| about)? .{1,24}?(?:long|wide|deep"
+        r"|across)?",
+    ),
+}
 DENIED = (
     r"(?:\b(?:don't|dont|do not|not|never|without|avoid|careful|rather than|instead of|refrain from|no need to"
     r"|be sure not to)\b)"

@@ -32,7 +32,7 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
     for i, (is_mine, _, end) in enumerate(spans):
         called |= is_mine
         text = visible[end : spans[i + 1][1] if i + 1 < len(spans) else len(visible)]
-        if i + 1 < len(spans) and _ONLY_JOINT.fullmatch(text):
+        if i + 1 < len(spans) and only_joint(text):
             continue
         if called:
             parts.append(text)
@@ -40,6 +40,11 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
             parts.append(text[shared.start("words") :])
         called = False
     return "\n".join(parts).strip()
+
+
+def only_joint(text: str) -> bool:
+    """Whether the words between two mentions only join them: "@a and @b wave" calls both."""
+    return _ONLY_JOINT.fullmatch(text) is not None
 
 
 @cache

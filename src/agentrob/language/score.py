@@ -29,38 +29,63 @@ class Failure:
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
-    """Counts over all rows: `exact`, and `moved`, those in which the robot would move at all."""
+class Scored:
+    """One row: what was wanted (`steps`, `nothing`, `a question`), what came, and whether that is it."""
 
-    n: int
-    exact: int
-    moved: int
+    wanted: str
+    intent: Intent
+    moves: bool
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """All rows. `exact` counts those understood as they were meant, `moved` those in which the robot would move."""
+
+    rows: tuple[Scored, ...]
     failures: tuple[Failure, ...]
 
+    @property
+    def n(self) -> int:
+        return len(self.rows)
+
+    @property
+    def exact(self) -> int:
+        return sum(row.exact for row in self.rows)
+
+    @property
+    def moved(self) -> int:
+        return sum(row.moves for row in self.rows)
+
     def as_json(self) -> dict[str, Any]:
+        """`executed` counts what is taken for a command, `asked` all else, of which `ignored` asks nothing either.
+        Nothing is `refused`: this measures what is understood, not what is allowed."""
+        executed = sum(row.intent is Intent.COMMAND for row in self.rows)
+        asked = sum(row.intent is Intent.ASK_BACK for row in self.rows)
         failures = [
             {"text": f.text, "wanted": f.wanted, "intent": f.intent, "plan": f.plan, "question": f.question}
             for f in self.failures
         ]
-        return {"n": self.n, "exact": self.exact, "moved": self.moved, "failures": failures}
+        return {
+            "n": self.n, "exact": self.exact, "moved": self.moved, "executed": executed, "refused": 0,
+            "asked": self.n - executed, "ignored": self.n - executed - asked, "failures": failures,
+        }  # fmt: skip
 
 
 def score(rows: Iterable[Row], understand: Callable[[str], Understanding]) -> Score:
     """Ask `understand` about each row's text. Raises `ValueError` for a row without `text` or `plan`."""
-    n = exact = moved = 0
+    scored: list[Scored] = []
     failures: list[Failure] = []
     for row in rows:
         if not isinstance(row.get("text"), str) or "plan" not in row:
             raise ValueError(f"a row needs `text` and `plan`; this one has {', '.join(row) or 'nothing'}")
-        got = understand(row["text"])
-        n += 1
-        moved += got.plan.moves
-        if matches(got, row["plan"]):
-            exact += 1
-        else:
-            plan = [{"op": str(step.op), **step.asked()} for step in got.plan.steps]
-            failures.append(Failure(row["text"], row["plan"], str(got.intent), plan, got.question))
-    return Score(n, exact, moved, tuple(failures))
+        got, plan = understand(row["text"]), row["plan"]
+        exact, wanted = matches(got, plan), "a question" if plan is None else "steps" if plan else "nothing"
+        scored.append(Scored(wanted, got.intent, got.plan.moves, exact))
+        if not exact:
+            steps = [{"op": str(step.op), **step.asked()} for step in got.plan.steps]
+            failures.append(Failure(row["text"], plan, str(got.intent), steps, got.question))
+    return Score(tuple(scored), tuple(failures))
 
 
 def matches(got: Understanding, wanted: Sequence[Row] | None) -> bool:

@@ -27,13 +27,9 @@ class ChatChain:
         return await self._first(lambda m, used: m.chat(system_prompt, user_message, used), spent)
 
     async def answer(
-        self,
-        system_prompt: str,
-        user_message: str,
-        kind: type[M],
-        images: Sequence[Image] = (),
+        self, system_prompt: str, user_message: str, kind: type[M], images: Sequence[Image] = (),
         spent: Sequence[Usage] = (),
-    ) -> Answer[M]:
+    ) -> Answer[M]:  # fmt: skip
         return await self._first(lambda m, used: m.answer(system_prompt, user_message, kind, images, used), spent)
 
     async def turn(

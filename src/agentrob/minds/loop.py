@@ -12,6 +12,7 @@ calls, time, tokens, or turns without any effect.
 from __future__ import annotations
 
 import asyncio
+import json
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -104,7 +105,7 @@ class LoopEnd:
 class Looked:
     """A whole loop as it is kept with its command: how it ended, every call, and what the model took.
 
-    `contradicted` says in English which of the model's claims the robot's own measurements deny.
+    `contradicted` says in the language of the post which of the model's claims the robot's own measurements deny.
     """
 
     goal: str
@@ -287,4 +288,4 @@ def _got_somewhere(result: ActionResult) -> bool:
 
 def _shown(raw: Any) -> dict[str, Any]:
     """Arguments that did not fit, for the transcript only."""
-    return {"raw": said(raw, limit=200)}
+    return {"raw": said(raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False, default=str), limit=200)}

@@ -10,7 +10,10 @@ import math
 import re
 from collections.abc import Sequence
 
-from agentrob.model import ActionResult, Aim, Goal, Op, Outcome, Primitive
+from agentrob.language.goal import Aim, Goal
+from agentrob.language.render import step_sentence
+from agentrob.minds.sentences import say
+from agentrob.model import ActionResult, Language, Op, Outcome, Primitive
 
 #: Claims of walking and turning may be off by this much and this share.
 NEAR_M, NEAR_DEG, NEAR_SHARE = 0.1, 5.0, 0.2
@@ -29,22 +32,19 @@ def turned_deg(results: Sequence[ActionResult]) -> float:
     return sum(abs(r.measured.get("degrees", 0.0)) for r in results if r.primitive.op is Op.TURN)
 
 
-def contradiction(goal: Goal, claim: str, did: str, results: Sequence[ActionResult]) -> str:
-    """The first claim that the measurements deny, in English; empty when there is none."""
+def contradiction(goal: Goal, claim: str, did: str, results: Sequence[ActionResult], language: Language = "en") -> str:
+    """The first claim that the measurements deny, as a clause in `language`; empty when there is none."""
     if claim == "done":
         if any(t.aim is Aim.APPROACH for t in goal.tasks) and walked_m(results) < NEAR_M:
-            return f"it claims to be there, but I measured {walked_m(results):.2f} m of walking"
+            return say("claim.there", language, whole=f"{walked_m(results):.2f}")
         if (missing := _not_done(goal.steps, results)) is not None:
-            return f"it claims to be done, but {missing.op} was not done as it was asked"
-    for pattern, key, unit, near in (
-        (_METRES, "distance_m", "m", NEAR_M),
-        (_DEGREES, "degrees", "°", NEAR_DEG),
-    ):
+            return say("claim.step", language, step=step_sentence(missing, language))
+    for pattern, key, near in ((_METRES, "distance_m", NEAR_M), (_DEGREES, "degrees", NEAR_DEG)):
         for said in pattern.findall(did):
             amount = float(said.replace(",", "."))
             if not any(_near(amount, known, near) for known in _known(results, key)):
                 whole = walked_m(results) if key == "distance_m" else turned_deg(results)
-                return f"it claims {amount:g} {unit}, but I measured {whole:.2f} {unit} in all"
+                return say(f"claim.{key}", language, amount=f"{amount:g}", whole=f"{whole:.2f}")
     return ""
 
 

@@ -11,12 +11,13 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 
 from agentrob.language.addressing import part_for
+from agentrob.language.goal import Aim, Goal, Task
 from agentrob.language.grammar import MAX_CHARS, parse
 from agentrob.language.visible import OMITTED
 from agentrob.minds.loop_words import chinese, colours, one_of, things
 from agentrob.minds.mind import Listener
 from agentrob.minds.prompt import clean
-from agentrob.model import Aim, Goal, Intent, Language, Task
+from agentrob.model import Intent, Language
 
 #: More than so many parts are no one goal.
 MAX_TASKS = 8

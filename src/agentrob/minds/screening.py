@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from agentrob.config import SCENE_CHARS
 from agentrob.language.phrases import quote
 from agentrob.language.render import sentence
 from agentrob.minds.chat import ChatModel
@@ -28,8 +29,6 @@ from agentrob.model import Capabilities, Decision, Language, Plan, Verdict
 Harm = Literal["people", "animals", "property", "bounds", "safety", "deception", "surveillance", "abilities", "other"]
 #: A command is looked at within this time, by all models of a chain together.
 LIMIT_S = 25.0
-#: The most that a model is told of what is around the robot.
-SCENE_CHARS = 2_000
 
 
 class Judgement(BaseModel):

@@ -8,8 +8,9 @@ from agentrob.language.render import sentence
 from agentrob.language.visible import mentions, visible_text
 from agentrob.minds.mind import Listener, LivingMind, Mind, Reading, read
 from agentrob.minds.model_mind import ModelMind
+from agentrob.minds.rules import RulesMind
 from agentrob.minds.screening import Screened, narrowed, screen_by_model
-from agentrob.model import Account, Capabilities, Decision, Intent, Role
+from agentrob.model import Account, Capabilities, Decision, Intent, Role, Verdict
 
 #: Whoever tries a mind may command.
 _AUTHOR = Account(id="local", name="local", role=Role.OPERATOR)
@@ -23,6 +24,8 @@ async def trial(mind: Mind, name: str, text: str, robot: str, capabilities: Capa
     if called not in mentions(visible):
         visible = f"@{called} {visible}"
     listener = Listener((called,), (), capabilities)
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
     try:
         reading = await read(mind, visible, listener)
         judged, screened = await _judged(mind, reading, visible, listener)
@@ -37,17 +40,28 @@ async def trial(mind: Mind, name: str, text: str, robot: str, capabilities: Capa
     return [*lines, *judged, *(f"  {one.line()}" for one in usage)]
 
 
+async def second_look(
+    mind: Mind, reading: Reading, by_rules: Verdict, text: str, listener: Listener, scene: str = ""
+) -> tuple[Verdict, Screened | None]:
+    """What counts of a command that was read and judged by rules, as for an agent with the usual settings: where the
+    rules allow it and the mind is a model, that looks at it once more, and can only refuse."""
+    if by_rules.decision is not Decision.ALLOW or not isinstance(mind, ModelMind):
+        return by_rules, None
+    found = reading.understanding
+    if reading.mind == RulesMind.name and reading.fallback:  # nobody answered a moment ago
+        return by_rules, Screened(mind.name, failed=reading.fallback)
+    part, can = part_for(text, listener.names, listener.others), listener.capabilities
+    looking = screen_by_model(mind.model, part, found.plan, can, found.language, scene=scene, spent=reading.usage)
+    return narrowed(by_rules, screened := await looking, found.language), screened
+
+
 async def _judged(mind: Mind, reading: Reading, text: str, listener: Listener) -> tuple[list[str], Screened | None]:
     """What the screen says of a command, and what a model adds where the rules allow it."""
     found, can = reading.understanding, listener.capabilities
     if found.intent is not Intent.COMMAND:
         return [], None
     verdict = screen(found.plan, text=text, author=_AUTHOR, capabilities=can, language=found.language)
-    screened = None
-    if verdict.decision is Decision.ALLOW and isinstance(mind, ModelMind) and not reading.fallback:
-        part = part_for(text, listener.names, listener.others)
-        screened = await screen_by_model(mind.model, part, found.plan, can, found.language, spent=reading.usage)
-        verdict = narrowed(verdict, screened, found.language)
+    verdict, screened = await second_look(mind, reading, verdict, text, listener)
     if verdict.decision is not Decision.ALLOW:
         return [f"  {verdict.decision}: {verdict.reason} ({verdict.rule})"], screened
     looked = ""

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
 from PIL import ImageColor
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from agentrob.config import FenceConfig
+from agentrob.config import SCENE_CHARS, FenceConfig
 from agentrob.errors import SimError
 
 Rgba = tuple[float, float, float, float]
@@ -237,6 +237,12 @@ class Scene(_Table):
             if kind == robot:
                 return place
         raise SimError(f"the world {self.name!r} has no start for {robot}; it has one for: {', '.join(self.start)}")
+
+    @property
+    def in_words(self) -> str:
+        """The same as `description`, in sentences, for whoever judges what is dangerous here."""
+        things = [f"{thing.name} ({thing.note})" if thing.note else thing.name for thing in self.thing]
+        return " ".join([self.about, *([f"Things here: {', '.join(things)}."] if things else [])])[:SCENE_CHARS]
 
     def description(self) -> dict[str, Any]:
         """What a person sees who looks into the room; not where anything is."""
