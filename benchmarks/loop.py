@@ -6,7 +6,8 @@ The model is a server on loopback, in a process of its own, that answers at once
 process, with a camera of 640 x 480 as the simulated Go2's (pictures beyond 1024 pixels are made smaller, which counts
 as ours). A turn is a question with two pictures, the call checked, post, rights, limits and mandate judged anew, a step
 and a picture through the driver, and the result told. It is wall time; left out are the model's own time, measured by
-the server, and that of the robot and its camera, measured where the driver calls them. Guard and driver are counted.
+the server, and that of the robot and its camera, measured where the driver calls them
+(with them the looks of the guard while a step goes on). The rest of the driver is counted.
 """
 
 from __future__ import annotations

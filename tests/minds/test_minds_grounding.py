@@ -265,7 +265,7 @@ def quoting(text: str) -> st.SearchStrategy[list[ExtractedStep]]:
     return st.lists(quoted | STEPS, max_size=4)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=600, deadline=None)
 @given(st.data(), TEXTS, PLANS)
 def test_law_7_nothing_is_invented(data: st.DataObject, text: str, history: list[Plan]) -> None:
     """For any answer of a model, each amount and direction of the plan stands in the text or in what was done."""

@@ -157,7 +157,6 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
 }
 
-#: Rules in which a "not" before the words takes their harm away: "don't hit the wall".
 #: Who or what is where, for `agentrob.judge.way`.
 PLACES: dict[str, tuple[str, ...]] = {
     "somebody": (
@@ -201,6 +200,7 @@ PLACES: dict[str, tuple[str, ...]] = {
         r"|across)?",
     ),
 }
+#: Rules in which a "not" before the words takes their harm away: "don't hit the wall".
 DENIED = (
     r"(?:\b(?:don't|dont|do not|not|never|without|avoid|careful|rather than|instead of|refrain from|no need to"
     r"|be sure not to)\b)"
