@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from agentrob.agent.extract import OVER, Thought, by_rules, extract
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job
-from agentrob.agent.permission import Terms, chain_refusal, judge
+from agentrob.agent.permission import Terms, chain_refusal, judge, rights_on
 from agentrob.agent.status import insist
 from agentrob.config import RobotConfig
 from agentrob.forums.forum import Forum
@@ -70,7 +70,8 @@ class Thinking:
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
             chained = await insist(partial(chain_refusal, self.forum, command))
-            verdict = chained or judge(command, understood.plan, command.author, capabilities, terms)
+            rights = await insist(partial(rights_on, self.forum, command, terms))
+            verdict = chained or judge(command, understood.plan, command.author, capabilities, terms, rights)
             thought = replace(thought, verdict=verdict)
             thought = await self._looked_at(job, thought, listener, capabilities, history)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood

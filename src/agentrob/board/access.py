@@ -17,10 +17,10 @@ from dataclasses import dataclass
 from fastapi import Request
 from starlette.responses import Response
 
-from agentrob.board import accounts
+from agentrob.board import accounts, sight
 from agentrob.board.services import Services, services
 from agentrob.errors import BoardError
-from agentrob.model import Account, Role
+from agentrob.model import Account, AccountKind, Role
 
 _SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 
@@ -34,17 +34,26 @@ class Viewer:
     csrf: str
     secret: str
     by_token: bool = False
+    scopes: frozenset[str] = frozenset(accounts.SCOPES)
 
 
 async def viewer(request: Request) -> Viewer:
-    """Whoever asks, signed in or not. 401 for a bearer token that is not valid."""
+    """Whoever asks, signed in or not; from here on the store shows what they may see. 401 for a bad bearer token."""
+    who = _viewer(request)
+    parts = services(request)
+    boards = parts.store.everything.all_boards()
+    sight.let_see(sight.readable(boards, who.account, parts.settings.public_read))
+    return who
+
+
+def _viewer(request: Request) -> Viewer:
     parts = services(request)
     if (header := request.headers.get("authorization")) is not None:
         scheme, _, token = header.partition(" ")
-        account = accounts.by_token(parts.store.reader, token) if scheme.lower() == "bearer" else None
-        if account is None:
+        found = accounts.token_of(parts.store.reader, token) if scheme.lower() == "bearer" else None
+        if found is None:
             raise BoardError(401, "bad_token", "that token is not valid", "Authorization: Bearer <token>")
-        return Viewer(account, "", token, by_token=True)
+        return Viewer(found[0], "", token, by_token=True, scopes=found[1])
     secret = request.cookies.get(cookie_name(parts), "")
     if not _SECRET.fullmatch(secret):
         secret = accounts.new_secret()
@@ -61,8 +70,8 @@ async def reader(request: Request) -> Viewer:
     return who
 
 
-async def member(request: Request) -> Account:
-    """Who may write by API: signed in, not suspended, with the CSRF header when signed in by cookie. Else 401, 403."""
+async def stopper(request: Request) -> Account:
+    """Who may stop by API: whoever is signed in and not suspended, whatever the role and the token. Else 401, 403."""
     who = await viewer(request)
     account = account_of(who)
     if not who.by_token:
@@ -70,11 +79,37 @@ async def member(request: Request) -> Account:
     return account
 
 
-async def operator(request: Request) -> Account:
-    """Who may command: as `member`, and an operator or admin."""
-    account = await member(request)
-    if account.role is Role.MEMBER:
-        raise BoardError(403, "not_operator", "only operators may do this", "ask an admin for the role operator")
+async def member(request: Request) -> Account:
+    """Who may write by API: as `stopper`, with a token for writing when it is one. Roles are asked by what is done."""
+    return await _scoped(request, "write")
+
+
+async def moderator(request: Request) -> Account:
+    """Who may moderate: moderators and admins, with a token for it when it is one."""
+    account = await _scoped(request, "admin")
+    return has_role(account, Role.MODERATOR)
+
+
+async def administrator(request: Request) -> Account:
+    """Who may administer: admins who are people, with a token for it when it is one."""
+    account = await _scoped(request, "admin")
+    return has_role(account, Role.ADMIN)
+
+
+def has_role(account: Account, role: Role) -> Account:
+    """The account when it has this role or one above it and is nobody's robot. Else 403."""
+    if account.role.rank < role.rank or account.kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):
+        raise BoardError(403, f"not_{role}", f"this needs the role {role}", "ask an admin")
+    return account
+
+
+async def _scoped(request: Request, scope: str) -> Account:
+    who = await viewer(request)
+    account = account_of(who)
+    if scope not in who.scopes:
+        raise BoardError(403, "token_scope", f"this token is not good for {scope}", f"one with the scope {scope}")
+    if not who.by_token:
+        check_form(who, request.headers.get("x-csrf-token"))
     return account
 
 

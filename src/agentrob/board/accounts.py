@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 import secrets
+from collections.abc import Collection
 from typing import Any
 
 from argon2 import PasswordHasher
@@ -27,15 +28,22 @@ NAME = re.compile(r"[a-z][a-z0-9_-]{1,31}")
 PASSWORD_MIN, PASSWORD_MAX = 8, 200
 SESSION_DAYS = 30
 LINK_MINUTES = 10
+#: Somebody must be told such a link by whatever way there is.
+PASSWORD_LINK_MINUTES = 24 * 60
+SCOPES = ("read", "write", "admin")
 _MINUTE_US = 60_000_000
 
 _hasher = PasswordHasher()
 # Built once, since every request asks.
-_BY_SESSION = ACCOUNT.join(db.sessions, db.sessions.c.account_id == db.accounts.c.id).where(
-    db.sessions.c.hash == bindparam("hash"), db.sessions.c.expires_us > bindparam("now")
+_BY_SESSION = (
+    ACCOUNT.add_columns(db.sessions.c.expires_us)
+    .join(db.sessions, db.sessions.c.account_id == db.accounts.c.id)
+    .where(db.sessions.c.hash == bindparam("hash"))
 )
-_BY_TOKEN = ACCOUNT.join(db.tokens, db.tokens.c.account_id == db.accounts.c.id).where(
-    db.tokens.c.hash == bindparam("hash"), db.tokens.c.revoked_us.is_(None)
+_BY_TOKEN = (
+    ACCOUNT.add_columns(db.tokens.c.scopes)
+    .join(db.tokens, db.tokens.c.account_id == db.accounts.c.id)
+    .where(db.tokens.c.hash == bindparam("hash"), db.tokens.c.revoked_us.is_(None))
 )
 #: Verified when the name is unknown, so that the time of an answer does not tell which names exist.
 _NOBODY = _hasher.hash(secrets.token_hex())
@@ -133,15 +141,25 @@ def end_session(connection: Connection, secret: str) -> None:
 
 def by_session(reader: Reader, secret: str) -> Account | None:
     """The account that a session signs in."""
-    row = reader.first(_BY_SESSION, hash=hash_of(secret), now=now_us())
-    return account_from(row) if row else None
+    digest = hash_of(secret)
+    row = reader.kept(("session", digest), lambda: reader.first(_BY_SESSION, hash=digest))
+    return account_from(row) if row and row.expires_us > now_us() else None
 
 
-def new_token(connection: Connection, account: Account, label: str = "") -> str:
-    """A bearer token; it is shown once and cannot be read again."""
+def new_token(
+    connection: Connection, account: Account, label: str = "", scopes: Collection[str] = ("read", "write")
+) -> str:
+    """A bearer token; it is shown once and cannot be read again. 422 for a scope that there is not.
+
+    Every token looks and stops; `write` posts and uploads, `admin` moderates and administers, each only what the
+    account itself may.
+    """
+    if not scopes or not set(scopes) <= set(SCOPES):
+        raise BoardError(422, "bad_scopes", "those are no scopes of a token", f"of: {', '.join(SCOPES)}")
     secret = "agentrob_" + new_secret()
     values = {"hash": hash_of(secret), "account_id": int(account.id), "label": label[:64], "created_us": now_us()}
-    connection.execute(insert(db.tokens).values(**values))
+    named = " ".join(s for s in SCOPES if s in scopes or s == "read")
+    connection.execute(insert(db.tokens).values(**values, scopes=named))
     return secret
 
 
@@ -156,8 +174,15 @@ def revoke_tokens(connection: Connection, account: Account, label: str | None = 
 
 def by_token(reader: Reader, secret: str) -> Account | None:
     """The account that a bearer token signs in."""
-    row = reader.first(_BY_TOKEN, hash=hash_of(secret))
-    return account_from(row) if row else None
+    found = token_of(reader, secret)
+    return found[0] if found else None
+
+
+def token_of(reader: Reader, secret: str) -> tuple[Account, frozenset[str]] | None:
+    """The account that a bearer token signs in, and what the token is good for (`SCOPES`)."""
+    digest = hash_of(secret)
+    row = reader.kept(("token", digest), lambda: reader.first(_BY_TOKEN, hash=digest))
+    return (account_from(row), frozenset(row.scopes.split())) if row else None
 
 
 def new_link(connection: Connection, account: Account) -> str:

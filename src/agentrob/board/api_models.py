@@ -9,6 +9,7 @@ from typing import Annotated, Any, Generic, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from agentrob.board import records
+from agentrob.board.rights import RobotSettings
 from agentrob.model import Account, AccountKind, Role
 
 T = TypeVar("T")
@@ -165,6 +166,18 @@ class RobotOut(_Out):
     has_frame: bool
 
 
+class RightsOut(_Out):
+    """What `judge.rights` needs to know: each right is the least role, `owner` or `nobody`."""
+
+    owner: str
+    command: dict[str, str] = Field(description="by class of action: photo, gesture, move, risky")
+    approve: str
+    release: str
+    board: str = Field(description="the least role that commands on the board that was asked for")
+    approval: tuple[str, ...] = Field(description="classes of action that need somebody's approval")
+    closed_until: Time | None = Field(description="the end of the robot's maintenance, when it is closed now")
+
+
 class Items(_Out, Generic[T]):
     items: tuple[T, ...]
 
@@ -266,3 +279,16 @@ class Shaper:
 def robot_out(name: str, card: Mapping[str, Any], seen_at: datetime | None, viewers: int, has_frame: bool) -> RobotOut:
     seen = time_out(seen_at) if seen_at else None
     return RobotOut(name=name, card=dict(card), seen_at=seen, viewers=viewers, has_frame=has_frame)
+
+
+def rights_out(kept: RobotSettings, board: records.Board, now: datetime) -> RightsOut:
+    closed = kept.closed_until(now)
+    return RightsOut(
+        owner=kept.owner,
+        command=dict(kept.command),
+        approve=kept.approve,
+        release=kept.release,
+        board=str(board.command_role),
+        approval=kept.approval,
+        closed_until=time_out(closed) if closed else None,
+    )

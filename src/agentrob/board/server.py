@@ -45,7 +45,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
         await asyncio.to_thread(bootstrap, settings)
         hub, stage = Hub(settings.base_url), Stage()
         store = Store(settings, hub.published)
-        hub.start(store.reader)
+        hub.start(store.everything)
         app.state.services = Services(settings, store, hub, stage)
         try:
             yield

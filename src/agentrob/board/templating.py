@@ -46,8 +46,10 @@ KINDS = {
     AccountKind.MONITORING_AGENT: "a program that watches",
 }
 ROLES = {
+    Role.GUEST: "guest: looks and stops",
     Role.MEMBER: "member: looks, writes, stops",
     Role.OPERATOR: "operator: commands robots",
+    Role.MODERATOR: "moderator: commands robots, hides and locks",
     Role.ADMIN: "administrator",
 }
 

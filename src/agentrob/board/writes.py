@@ -6,28 +6,28 @@ same transaction.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from sqlalchemy import Connection, insert, select, update
 
+from agentrob.board import audit
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, event_id, row_id
-from agentrob.board.records import Event, EventKind, Image, Post, Written, from_us
+from agentrob.board.reader import Reader, event_id, not_found, row_id
+from agentrob.board.records import Board, Event, EventKind, Image, Post, Topic, Written, from_us
 from agentrob.board.render import render
 from agentrob.board.writer import Transaction
 from agentrob.errors import BoardError
+from agentrob.language.stop import stop_intent
 from agentrob.language.visible import mentions, visible_text
-from agentrob.model import Account, Role
+from agentrob.model import Account, AccountKind, Role
 
 MAX_IMAGES = 32
 Card = Mapping[str, Any]
 
 
-def now_us() -> int:
-    return time.time_ns() // 1000
+now_us = audit.now_us
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +47,7 @@ def create_topic(t: Transaction, board_id: str, title: str, draft: Draft) -> Wri
     if old := _written_before(t, draft):
         return old
     board = Reader(t.connection).board(board_id)
+    may_post(draft.author, board, draft.body)
     at = now_us()
     row = {"board_id": board.id, "title": title, "author_id": int(draft.author.id)}
     topic_id = _insert(t, db.topics, **row, created_us=at, last_post_us=at)
@@ -57,8 +58,31 @@ def reply(t: Transaction, topic_id: str, draft: Draft) -> Written:
     """A new post in a topic."""
     if old := _written_before(t, draft):
         return old
-    topic = Reader(t.connection).topic(topic_id)
+    reader = Reader(t.connection)
+    topic = reader.topic(topic_id)
+    may_post(draft.author, reader.board(topic.board_id), draft.body, topic)
     return _add_post(t, int(topic.id), draft, now_us())
+
+
+def may_post(author: Account, board: Board, body: str, topic: Topic | None = None) -> None:
+    """403 where the author may not write, 404 where it may not even look.
+
+    A stop may be posted wherever its author may look (law 15), and robots answer wherever they were asked.
+    """
+    if author.role.rank < board.read_role.rank:
+        raise not_found("topic", topic.id) if topic else not_found("board", board.id)
+    if author.kind is AccountKind.ROBOT_AGENT or says_stop(body):
+        return
+    if author.role.rank < max(board.post_role.rank, Role.MEMBER.rank):
+        what = f"writing on the board {board.id} needs the role {board.post_role}"
+        raise BoardError(403, "board_role", what, "ask an admin; a stop may be posted all the same")
+    if topic is not None and topic.locked and author.role.rank < Role.MODERATOR.rank:
+        raise BoardError(403, "locked", "this topic is locked", "begin a new one; a stop may be posted all the same")
+
+
+def says_stop(body: str) -> bool:
+    """Whether a text says stop, in any thread: no limit stands in its way (law 15)."""
+    return stop_intent(visible_text(body)) is not None
 
 
 def edit(
@@ -79,6 +103,7 @@ def edit(
         return post
     if post.removed:
         raise BoardError(409, "removed", "the post was removed", "write a new one")
+    may_post(editor, reader.board(post.board_id), body, reader.topic(post.topic_id))
     at = now_us()
     version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
     t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
@@ -91,12 +116,12 @@ def edit(
     return reader.post(post.id)
 
 
-def remove(t: Transaction, by: Account, post_id: str) -> Post:
-    """Hide a post. Its author may, and admins; again does nothing."""
+def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
+    """Hide a post. Its author may, and moderators; again does nothing."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
-    if post.author.id != by.id and by.role is not Role.ADMIN:
-        raise BoardError(403, "not_yours", "only its author or an admin may remove a post")
+    if post.author.id != by.id and by.role.rank < Role.MODERATOR.rank:
+        raise BoardError(403, "not_yours", "only its author or a moderator may remove a post")
     if post.removed:
         return post
     values = {"removed": True, "removed_by": int(by.id), "version": post.version + 1}
@@ -105,6 +130,8 @@ def remove(t: Transaction, by: Account, post_id: str) -> Post:
     counted = update(db.topics).where(topics.id == int(post.topic_id)).values(posts=topics.posts - 1)
     t.connection.execute(counted)
     _event(t, EventKind.POST_REMOVED, now_us(), topic_id=int(post.topic_id), post_id=int(post.id))
+    if post.author.id != by.id:
+        audit.note(t.connection, by.name, "post.hide", f"post:{post.id}", author=post.author.name, reason=reason)
     return reader.post(post.id)
 
 
