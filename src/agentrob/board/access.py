@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from fastapi import Request
 from starlette.responses import Response
 
-from agentrob.board import accounts, sight
+from agentrob.board import accounts, administration, sight
 from agentrob.board.services import Services, services
+from agentrob.board.writer import Transaction
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
@@ -93,6 +94,8 @@ async def moderator(request: Request) -> Account:
 async def administrator(request: Request) -> Account:
     """Who may administer: admins who are people, with a token for it when it is one."""
     account = await _scoped(request, "admin")
+    if account.kind is not AccountKind.HUMAN:
+        raise BoardError(403, "not_admin", "only people administer", "a token of an admin's own account")
     return has_role(account, Role.ADMIN)
 
 
@@ -131,6 +134,14 @@ def account_of(viewer: Viewer) -> Account:
 # -------------------------------------------------------------------- sessions
 async def sign_in(services: Services, name: str, password: str, address: str) -> str:
     """A new session. 401 for a wrong name or password (the same words for both), 429 after too many attempts."""
+    await _check_password(services, name, password, address)
+    account = services.store.account(name.strip())
+    if account is None or account.suspended:
+        raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
+    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
+
+
+async def _check_password(services: Services, name: str, password: str, address: str) -> None:
     services.attempts.count(name, address)
     row = services.store.reader.first(accounts.password_of(name))
     async with services.hashing:
@@ -138,22 +149,45 @@ async def sign_in(services: Services, name: str, password: str, address: str) ->
     if row is None or not right:
         raise BoardError(401, "wrong_password", "that name or password is wrong", "try again, or ask an admin")
     services.attempts.forget(name)
-    account = services.store.account(name.strip())
-    if account is None or account.suspended:
-        raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
-    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
 
 
-async def sign_up(services: Services, name: str, password: str, address: str) -> str:
-    """A new member account and its session. 403 when sign-up is off, 409 when the name is taken, 422."""
-    if not services.settings.sign_up:
+async def sign_up(services: Services, name: str, password: str, address: str, invite: str = "") -> str:
+    """A new account and its session: a member, or what the invite gives. 403 when sign-up is off and there is no
+    invite, 404 when the invite is void, 409 when the name is taken, 422, 429."""
+    if not services.settings.sign_up and not invite:
         raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself", "ask an admin")
     services.attempts.count("", address)
     name = accounts.checked_name(name)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
-    account = await services.store.do(lambda t: accounts.create(t.connection, name, password_hash=password_hash))
-    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
+
+    def make(t: Transaction) -> str:
+        role = administration.spend_invite(t.connection, invite) if invite else Role.MEMBER
+        made = administration.add_account(t.connection, name, name, role=role, password_hash=password_hash)
+        return accounts.new_session(t.connection, int(made.id))
+
+    if not invite:
+        services.attempts.count_sign_up(address, services.settings.limits.sign_ups)
+    try:
+        return await services.store.do(make)
+    except BoardError:
+        services.attempts.forget_sign_up(address)
+        raise
+
+
+async def new_password(services: Services, secret: str, password: str) -> str:
+    """Spend a one-time link for a new password: a session; all others end. 404 for a void link, 422."""
+    async with services.hashing:
+        password_hash = await asyncio.to_thread(accounts.hash_password, password)
+    return await services.store.do(lambda t: accounts.spend_password_link(t.connection, secret, password_hash))
+
+
+async def change_password(services: Services, account: Account, old: str, new: str, address: str) -> str:
+    """Another password for who knows the old one: a session; all others end. 401, 422, 429."""
+    await _check_password(services, account.name, old, address)
+    async with services.hashing:
+        password_hash = await asyncio.to_thread(accounts.hash_password, new)
+    return await services.store.do(lambda t: accounts.set_password(t.connection, int(account.id), password_hash))
 
 
 async def enter(services: Services, secret: str) -> str:

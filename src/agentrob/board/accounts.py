@@ -185,21 +185,46 @@ def token_of(reader: Reader, secret: str) -> tuple[Account, frozenset[str]] | No
     return (account_from(row), frozenset(row.scopes.split())) if row else None
 
 
-def new_link(connection: Connection, account: Account) -> str:
-    """The secret of a link that signs in once, within ten minutes."""
+def new_link(connection: Connection, account: Account, purpose: str = "enter") -> str:
+    """The secret of a link for one use: signs in within ten minutes, or sets a new password within a day."""
     now, secret = now_us(), new_secret()
     connection.execute(delete(db.links).where(db.links.c.expires_us < now))
-    values = {"hash": hash_of(secret), "account_id": int(account.id), "expires_us": now + LINK_MINUTES * _MINUTE_US}
-    connection.execute(insert(db.links).values(**values))
+    minutes = PASSWORD_LINK_MINUTES if purpose == "password" else LINK_MINUTES
+    values = {"account_id": int(account.id), "purpose": purpose, "expires_us": now + minutes * _MINUTE_US}
+    connection.execute(insert(db.links).values(hash=hash_of(secret), **values))
     return secret
 
 
 def spend_link(connection: Connection, secret: str) -> str:
     """A session for a link that was not used yet. 404 when it is unknown, used or expired."""
-    c, now = db.links.c, now_us()
-    spent = update(db.links).where(c.hash == hash_of(secret), c.used_us.is_(None), c.expires_us > now)
-    if connection.execute(spent.values(used_us=now)).rowcount != 1:
-        hint = "ask for a new one: agentrob demo link"
-        raise BoardError(404, "no_such_link", "this link was used before or has expired", hint)
-    account_id = connection.execute(select(c.account_id).where(c.hash == hash_of(secret))).scalar_one()
+    return new_session(connection, _spend(connection, secret, "enter"))
+
+
+def spend_password_link(connection: Connection, secret: str, password_hash: str) -> str:
+    """A new password, and a session; all others end. 404 when the link is unknown, used or expired."""
+    account_id = _spend(connection, secret, "password")
+    return set_password(connection, account_id, password_hash)
+
+
+def set_password(connection: Connection, account_id: int, password_hash: str) -> str:
+    """A new password and a new session; all sessions of before end, since one may be a thief's."""
+    connection.execute(update(db.accounts).where(db.accounts.c.id == account_id).values(password_hash=password_hash))
+    connection.execute(delete(db.sessions).where(db.sessions.c.account_id == account_id))
+    connection.execute(delete(db.links).where(db.links.c.account_id == account_id, db.links.c.used_us.is_(None)))
     return new_session(connection, account_id)
+
+
+def end_sessions(connection: Connection, account: Account) -> int:
+    """End all sessions of an account; how many there were."""
+    return connection.execute(delete(db.sessions).where(db.sessions.c.account_id == int(account.id))).rowcount
+
+
+def _spend(connection: Connection, secret: str, purpose: str) -> int:
+    c, now = db.links.c, now_us()
+    spent = update(db.links).where(
+        c.hash == hash_of(secret), c.purpose == purpose, c.used_us.is_(None), c.expires_us > now
+    )
+    if connection.execute(spent.values(used_us=now)).rowcount != 1:
+        hint = "ask for a new one: agentrob demo link" if purpose == "enter" else "ask an admin for a new one"
+        raise BoardError(404, "no_such_link", "this link was used before or has expired", hint)
+    return int(connection.execute(select(c.account_id).where(c.hash == hash_of(secret))).scalar_one())

@@ -30,6 +30,7 @@ from agentrob.board.api_models import (
     TopicOut,
     TopicWritten,
     account_out,
+    board_out,
     time_out,
 )
 from agentrob.board.events import EventStream
@@ -91,7 +92,7 @@ async def account(request: Request, name: str, who: Reading) -> Response:
 async def boards(request: Request, who: Reading) -> Response:
     """All boards."""
     found = services(request).store.boards()
-    return out(Items(items=tuple(BoardOut(id=b.id, name=b.name, description=b.description) for b in found)))
+    return out(Items(items=tuple(map(board_out, found))))
 
 
 @router.get("/boards/{board_id}/topics", response_model=Paged[TopicOut], responses=NOT_FOUND)

@@ -30,12 +30,12 @@ Title = Annotated[
 Ids = Annotated[list[str], Field(max_length=32, description="ids from POST /images")]
 
 
-def _whole(value: object) -> object:
+def whole(value: object) -> object:
     """JSON knows one kind of number: 2.0 is 2."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-Count = Annotated[int, Field(ge=0, le=1000), BeforeValidator(_whole)]
+Count = Annotated[int, Field(ge=0, le=1000), BeforeValidator(whole)]
 
 
 class _In(BaseModel):
@@ -110,6 +110,8 @@ class BoardOut(_Out):
     id: str
     name: str
     description: str
+    post_role: Role
+    command_role: Role
 
 
 class TopicOut(_Out):
@@ -121,6 +123,7 @@ class TopicOut(_Out):
     created_at: Time
     last_post_at: Time
     posts: int
+    locked: bool
 
 
 class ImageOut(_Out):
@@ -223,6 +226,11 @@ def account_out(a: Account) -> AccountOut:
     )
 
 
+def board_out(b: records.Board) -> BoardOut:
+    roles = {"post_role": b.post_role, "command_role": b.command_role}
+    return BoardOut(id=b.id, name=b.name, description=b.description, **roles)
+
+
 class Shaper:
     """Makes models of records for one viewer: addresses begin with `base_url`, keys are shown to their owner only."""
 
@@ -240,6 +248,7 @@ class Shaper:
             created_at=time_out(t.created_at),
             last_post_at=time_out(t.last_post_at),
             posts=t.posts,
+            locked=t.locked,
         )
 
     def image(self, i: records.Image) -> ImageOut:

@@ -10,6 +10,7 @@ from typing import Any
 from sqlalchemy import Connection, insert, select
 
 from agentrob.board import schema as db
+from agentrob.board.records import from_us
 
 #: Whoever types on the machine that the forum runs on.
 SHELL = "shell"
@@ -45,3 +46,8 @@ def statement(before: int | None, limit: int, target: str | None = None) -> Any:
     if before is not None:
         chosen = chosen.where(a.id < before)
     return chosen if target is None else chosen.where(a.target == target)
+
+
+def entry(row: Any) -> Entry:
+    """The record of a row."""
+    return Entry(str(row.id), from_us(row.at_us), row.actor, row.action, row.target, row.detail)

@@ -50,7 +50,7 @@ _ACCOUNT_BY_NAME = ACCOUNT.where(db.accounts.c.name == bindparam("name"))
 _IMAGES_OF_POSTS = (
     select(db.post_images.c.post_id, db.images.c.id, db.images.c.width, db.images.c.height, db.images.c.media_type)
     .join(db.images, db.images.c.id == db.post_images.c.image_id)
-    .where(db.post_images.c.post_id.in_(bindparam("ids", expanding=True)))
+    .where(db.post_images.c.post_id.in_(bindparam("ids", expanding=True)), db.images.c.gone_us.is_(None))
     .order_by(db.post_images.c.post_id, db.post_images.c.position)
 )
 _EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)

@@ -37,8 +37,8 @@ _ROBOT = (
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """When a robot is in maintenance: each week on `days` from `start` to `end` (the next day when earlier) in `zone`,
-    or, with `until`, from now until then. `note` is shown."""
+    """When a robot is in maintenance: on `days` (none: each day) from `start` to `end` in `zone`, the next day if that
+    is earlier; or, with `until`, from now to then. `note` is shown."""
 
     days: tuple[str, ...] = ()
     start: str = "00:00"
@@ -55,7 +55,7 @@ class Closed:
         today = now.astimezone(zone).date()
         start, end = time.fromisoformat(self.start), time.fromisoformat(self.end)
         for day in (today, today - timedelta(days=1)):
-            if DAYS[day.weekday()] not in self.days:
+            if self.days and DAYS[day.weekday()] not in self.days:
                 continue
             first = datetime.combine(day, start, zone)
             last = datetime.combine(day if end > start else day + timedelta(days=1), end, zone)
@@ -155,10 +155,9 @@ def _check_closed(closed: Closed) -> None:
         ZoneInfo(closed.zone)
     except (ValueError, OSError, KeyError):
         raise BoardError(
-            422, "bad_hours", f"{closed.zone[:40]!r} is no time zone", "a name such as Europe/Berlin"
+            404, "no_such_zone", f"there is no time zone {closed.zone[:40]!r}", "a name such as Europe/Berlin"
         ) from None
-    fine = closed.until is not None or (closed.days and set(closed.days) <= set(DAYS))
-    if not fine or not _CLOCK.fullmatch(closed.start) or not _CLOCK.fullmatch(closed.end):
+    if not set(closed.days) <= set(DAYS) or not _CLOCK.fullmatch(closed.start) or not _CLOCK.fullmatch(closed.end):
         hint = f"days of {', '.join(DAYS)}, from and to as 09:00; or until, a time"
         raise BoardError(422, "bad_hours", "those are no maintenance hours", hint)
 
@@ -215,6 +214,6 @@ def hours_in_words(closed: Sequence[Closed]) -> str:
     return "\n".join(
         f"until {c.until:%Y-%m-%dT%H:%MZ} {c.note}".strip()
         if c.until is not None
-        else f"{','.join(c.days)} {c.start}-{c.end} {c.zone}"
+        else f"{','.join(c.days) or 'mon-sun'} {c.start}-{c.end} {c.zone}"
         for c in closed
     )

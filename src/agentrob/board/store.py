@@ -29,6 +29,7 @@ class Store:
     """
 
     def __init__(self, settings: BoardSettings, published: Callable[[list[int]], None] = lambda _: None) -> None:
+        self._limits = settings.limits
         self._engines = [open_engine(settings, writes=False), open_engine(settings, writes=True)]
         try:
             self.reader = Reader(self._engines[0].connect(), sight.now)
@@ -117,7 +118,7 @@ class Store:
         key: str | None = None,
         images: Sequence[str] = (),
     ) -> Written:
-        draft = writes.Draft(author, body, key, images)
+        draft = writes.Draft(author, body, key, images, limits=self._limits)
         return await self.writer.do(
             lambda t: writes.create_topic(t, board_id, title, draft), lambda: writes.says_stop(body)
         )
@@ -133,7 +134,7 @@ class Store:
         images: Sequence[str] = (),
         card: Mapping[str, Any] | None = None,
     ) -> Written:
-        draft = writes.Draft(author, body, key, images, reply_to, card)
+        draft = writes.Draft(author, body, key, images, reply_to, card, self._limits)
         return await self.writer.do(lambda t: writes.reply(t, topic_id, draft), lambda: writes.says_stop(body))
 
     async def edit(
@@ -161,4 +162,4 @@ class Store:
 
     async def add_image(self, by: Account, sha256: str, image: Image, key: str | None = None) -> tuple[Image, bool]:
         """Register a picture whose file is in place; False when the key had been used: then it is the old one."""
-        return await self.do(lambda t: writes.add_image(t, by, sha256, image, key))
+        return await self.do(lambda t: writes.add_image(t, by, sha256, image, key, self._limits.uploads))
