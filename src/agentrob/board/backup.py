@@ -12,6 +12,7 @@ import json
 import os
 import tarfile
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -19,8 +20,8 @@ from pathlib import Path
 from typing import IO, Any
 
 from alembic.migration import MigrationContext
-from sqlalchemy import Connection, Engine, Integer, func, insert, select, text
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy import Connection, Integer, func, insert, select, text
+from sqlalchemy.exc import DBAPIError, IntegrityError
 
 from agentrob import __version__
 from agentrob.board import schema as db
@@ -64,7 +65,7 @@ def restore(settings: BoardSettings, source: Path) -> dict[str, int]:
                 raise BoardError(422, "bad_backup", f"{source} is not whole: {counts}, said {manifest['tables']}")
             _go_on_counting(connection)
             counts["pictures"] = _restore_pictures(tar, connection, settings.images_dir)
-    except (OSError, tarfile.TarError, KeyError, ValueError) as e:
+    except (OSError, EOFError, zlib.error, tarfile.TarError, KeyError, ValueError, IntegrityError) as e:
         raise BoardError(422, "bad_backup", f"{source} cannot be read as a backup: {e}") from e
     except DBAPIError as e:
         raise unavailable(e) from e
@@ -96,21 +97,19 @@ def export(settings: BoardSettings, target: Path, account: str | None = None) ->
 def _snapshot(settings: BoardSettings) -> Iterator[Connection]:
     """One moment of the database, however much is written meanwhile."""
     migrate(settings)
-    engine = open_engine(settings, writes=False)
+    sqlite = settings.database_path is not None
+    engine = open_engine(settings, writes=not sqlite)
     try:
-        isolated = engine.execution_options(isolation_level=_isolation(engine))
-        with isolated.connect() as connection:
-            if engine.dialect.name == "sqlite":
+        with engine.connect() as connection:
+            if sqlite:  # WAL: what is read stays as it was at the first read
                 connection.exec_driver_sql("BEGIN")
+            else:
+                connection = connection.execution_options(isolation_level="REPEATABLE READ")  # noqa: PLW2901
             yield connection
     except DBAPIError as e:
         raise unavailable(e) from e
     finally:
         engine.dispose()
-
-
-def _isolation(engine: Engine) -> Any:
-    return "AUTOCOMMIT" if engine.dialect.name == "sqlite" else "REPEATABLE READ"
 
 
 @contextmanager
