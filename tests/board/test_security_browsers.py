@@ -135,9 +135,11 @@ def test_a_revoked_token_and_a_narrow_one_do_no_more_than_they_say(world: World)
 
 
 # -------------------------------------------------------------------- addresses
-ELSEWHERE = ["https://evil.example", "//evil.example", "/\\evil.example", "\\\\evil.example", "javascript:alert(1)",
-             "/%0d%0aSet-Cookie:x=1", "/\r\nSet-Cookie: x=1", "/\t/evil.example", "///evil.example", "http:evil.example",
-             "/@evil.example\u2028", "data:text/html,x", " //evil.example", "/ /evil.example"]  # fmt: skip
+ELSEWHERE = [
+    *("https://evil.example", "//evil.example", "/\\evil.example", "\\\\evil.example", "javascript:alert(1)"),
+    *("/%0d%0aSet-Cookie:x=1", "/\r\nSet-Cookie: x=1", "/\t/evil.example", "///evil.example", "http:evil.example"),
+    *("/@evil.example\u2028", "data:text/html,x", " //evil.example", "/ /evil.example"),
+]
 
 
 @pytest.mark.parametrize("where", ELSEWHERE)
@@ -244,7 +246,15 @@ def test_a_file_s_name_is_nothing_and_its_type_is_what_it_is(world: World, name:
 
 # -------------------------------------------------------------------- names
 LOOKS_LIKE = [
-    *("Quadruped", "\u051bu\u0430dru\u0440\u0435d", "ｑｕａｄｒｕｐｅｄ", "quadrup3d", "qu\u00adadruped", "𝐪𝐮𝐚𝐝𝐫𝐮𝐩𝐞𝐝", "Quadruped 🤖"),
+    *(
+        "Quadruped",
+        "\u051bu\u0430dru\u0440\u0435d",
+        "ｑｕａｄｒｕｐｅｄ",
+        "quadrup3d",
+        "qu\u00adadruped",
+        "𝐪𝐮𝐚𝐝𝐫𝐮𝐩𝐞𝐝",
+        "Quadruped 🤖",
+    ),
     *("the real quadruped", "Q.u.a.d.r.u.p.e.d", "q̈uadruped", "Ⓠuadruped", "quaⅾruped", "QUADRUPED"),
     *("Admin", "Аdmin", "m0derator"),
 ]
