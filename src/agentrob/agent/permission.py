@@ -66,7 +66,7 @@ def judge(
 
 
 async def permission(
-    forum: Forum, driver: DriverClient, command: Command, plan: Plan, terms: Terms
+    forum: Forum, driver: DriverClient, command: Command, terms: Terms, plan: Plan
 ) -> tuple[Verdict, Capabilities | None]:
     """Read the post, its author, the rights and the robot's limits anew and judge again; also the limits judged by.
 
