@@ -106,7 +106,7 @@ def guilty(world: World, chromium: Browser, rows: Sequence[str]) -> list[str]:
     return found
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("policy", [True, False], ids=["as served", "without its content policy"])
 def test_no_attack_runs_on_any_page(tmp_path: Any, chromium: Browser, policy: bool) -> None:
     rows = payloads()
