@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
@@ -152,6 +153,11 @@ def show(
     if viewer.account is None:
         access.keep(response, known, viewer)
     return response
+
+
+def piece(template: str, data: Mapping[str, Any]) -> str:
+    """A part of a page, safe to put into one as it is."""
+    return Markup(_TEMPLATES.get_template(template).render(data))  # made by a template that escapes
 
 
 @dataclass(frozen=True, slots=True)
