@@ -13,7 +13,10 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from agentrob.model_accounts import Account
+from agentrob.model_accounts import Account, AccountKind, ActionClass, RobotRights, Role
+
+#: What stands elsewhere and is asked for here, beside all that is defined below.
+__all__ = ["Account", "AccountKind", "ActionClass", "RobotRights", "Role"]
 
 #: The code (ISO 639-1) of a language that `agentrob.language` knows: en, zh, and what a user adds.
 Language = str

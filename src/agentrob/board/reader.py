@@ -56,7 +56,7 @@ _IMAGES_OF_POSTS = (
 )
 _EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)
 _NEWEST_EVENT = select(db.events.c.id, db.events.c.at_us).order_by(db.events.c.id.desc()).limit(1)
-#: The newest change by an admin or moderator, and the newest event of a topic: whatever its posts show changes with one.
+#: The newest change in the audit log, and the newest event of a topic: whatever its posts show changes with one.
 _TOPIC_VERSION = select(
     select(func.max(db.audit.c.id)).scalar_subquery(),
     select(func.max(db.events.c.id)).where(db.events.c.topic_id == bindparam("id")).scalar_subquery(),
@@ -92,8 +92,8 @@ def account_from(row: Row[Any]) -> Account:
 class Reader:
     """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503.
 
-    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there. `keeps`: what
-    was read is kept until somebody else commits; never within a transaction that writes.
+    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there. `keeps`:
+    what was read is kept until somebody else commits; never within a transaction that writes.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""The posts of a page of a topic as HTML: most of the page's time, so made once for a viewer until one of them changes."""
+"""The posts of a topic's page as HTML: most of its time is spent on them, so they are made once until one changes."""
 
 from __future__ import annotations
 
