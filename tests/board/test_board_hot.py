@@ -98,7 +98,9 @@ def test_a_hot_page_shows_what_changed_and_to_each_only_what_is_theirs(board: Ru
     edit = f'href="/p/{post}/edit"'
     assert (edit in page("author"), edit in page("op")) == (True, False)
     board.client("author").patch(f"/posts/{post}", json={"body": "second words"}).raise_for_status()
-    assert [("<p>first words" in page(n), "<p>second words" in page(n)) for n in ("op", "author")] == [(False, True)] * 2
+    assert [("<p>first words" in page(n), "<p>second words" in page(n)) for n in ("op", "author")] == [
+        (False, True)
+    ] * 2
     shell = admin.find_account(board.settings, "admin")
     elsewhere(board, lambda t: writes.remove(t, shell, post))
     assert not [n for n in ("op", "author") if "<p>second words" in page(n)]
@@ -175,7 +177,7 @@ def test_nobody_gets_the_answer_to_somebody_else_s_question(board: RunningBoard)
 
 def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
-    kept, reader = Topics(max_kept=100), board.services.store.everything
+    kept, reader = Topics(max_kept=100), board.services.store.everything  # read on the board's own loop
     made: list[int] = []
 
     def ask(n: int, size: int = 30) -> int:
