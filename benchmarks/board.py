@@ -52,14 +52,14 @@ HTML = (
     "<p>Trace <code>3f2a</code>, asked 1.0 m, measured 0.98 m.</p>\n"
 )
 PER_TOPIC, HOT, WRITES_PER_S = 20, 50, 50.0
-#: Posts of a topic are written one after the other by nobody: those of all topics come in turns.
+#: By another account than the one that replies; posts of all topics come in turns, as on a forum.
 SEED = (
     """INSERT INTO topics (id, board_id, title, author_id, created_us, last_post_id, last_post_us, posts, locked)
        WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :topics)
-       SELECT i, 'talk', 'Topic ' || i, 1, i, :posts - :topics + i, i, :per, 0 FROM n""",
+       SELECT i, 'talk', 'Topic ' || i, 2, i, :posts - :topics + i, i, :per, 0 FROM n""",
     """INSERT INTO posts (id, topic_id, author_id, raw, html, version, created_us, removed, mentions)
        WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :posts)
-       SELECT i, (i - 1) % :topics + 1, 1, :raw, :html, 1, i, 0, '[]' FROM n""",
+       SELECT i, (i - 1) % :topics + 1, 2, :raw, :html, 1, i, 0, '[]' FROM n""",
     """INSERT INTO events (id, kind, at_us, topic_id, post_id)
        SELECT id, 'post.created', created_us, topic_id, id FROM posts ORDER BY id""",
 )
