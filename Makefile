@@ -22,7 +22,7 @@ test: setup-dev
 	$(BIN)/pytest -q -m "not slow and alone" $(ARGS)
 
 test-slow: setup-dev
-	@scripts/system-packages render browser peers
+	@scripts/system-packages render browser postgres peers
 	@scripts/model-double
 	@scripts/peers
 	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not alone and not sim and not browser" $(ARGS)

@@ -13,40 +13,16 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
+from agentrob.model_accounts import Account, AccountKind, ActionClass, RobotRights, Role
+
+#: What stands elsewhere and is asked for here, beside all that is defined below.
+__all__ = ["Account", "AccountKind", "ActionClass", "RobotRights", "Role"]
+
 #: The code (ISO 639-1) of a language that `agentrob.language` knows: en, zh, and what a user adds.
 Language = str
 
 
-# ------------------------------------------------------------------ who and what was said
-class AccountKind(StrEnum):
-    """What stands behind an account. Robot and monitoring agents are never obeyed."""
-
-    HUMAN = "human"
-    COMMANDING_AGENT = "commanding_agent"
-    ROBOT_AGENT = "robot_agent"
-    MONITORING_AGENT = "monitoring_agent"
-
-
-class Role(StrEnum):
-    """What an account may do: members look and stop, operators command, admins run the forum."""
-
-    MEMBER = "member"
-    OPERATOR = "operator"
-    ADMIN = "admin"
-
-
-@dataclass(frozen=True, slots=True)
-class Account:
-    """An identity as the forum vouches for it; `name` is the handle after the @, unique and lower case."""
-
-    id: str
-    name: str
-    kind: AccountKind = AccountKind.HUMAN
-    role: Role = Role.MEMBER
-    suspended: bool = False
-    display_name: str = ""
-
-
+# ------------------------------------------------------------------ what was said
 @dataclass(frozen=True, slots=True)
 class StatusCard:
     """The machine-readable state of one command, shown by a forum that can as a card on the status post.

@@ -79,7 +79,9 @@ class Course:
     @property
     def terms(self) -> Terms:
         names = tuple(self.thinking.names)
-        return Terms(self.settings.allow_flip, self.channel.step_s, scene=self.surroundings.scene, names=names)
+        return Terms(
+            self.settings.allow_flip, self.channel.step_s, robot=self.name, scene=self.surroundings.scene, names=names
+        )
 
     async def run(self, job: Job) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""

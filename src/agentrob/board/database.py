@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import sqlite3
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event
+from alembic.migration import MigrationContext
+from sqlalchemy import Connection, Engine, create_engine, event, func, select
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board.settings import BoardSettings
@@ -15,6 +17,8 @@ from agentrob.errors import BoardError
 
 #: How long is waited for somebody who makes the same database.
 LOCKED_S = 5.0
+#: Any numbers, the same for all who migrate and who write.
+_MIGRATION_LOCK, _WRITER_LOCK = 4_107_001, 4_107_002
 
 
 def open_engine(settings: BoardSettings, *, writes: bool) -> Engine:
@@ -32,6 +36,8 @@ def open_engine(settings: BoardSettings, *, writes: bool) -> Engine:
         event.listen(engine, "connect", _set_up_sqlite)
         if writes:
             event.listen(engine, "begin", _begin_immediate)
+    elif writes and engine.dialect.name == "postgresql":
+        event.listen(engine, "begin", partial(_one_writer, settings.busy_timeout_s))
     return engine if writes else engine.execution_options(isolation_level="AUTOCOMMIT")
 
 
@@ -67,18 +73,42 @@ def _begin_immediate(connection: Connection) -> None:
     connection.exec_driver_sql("BEGIN IMMEDIATE")
 
 
-def migrate(settings: BoardSettings) -> None:
-    """Bring the tables to this version's shape; does nothing when they are. Two processes may try at once."""
+def _one_writer(patience_s: float, connection: Connection) -> None:
+    """As in SQLite: who writes waits for who writes. So events become visible in the order of their ids, and nobody
+    who follows them misses one that was committed late."""
+    connection.exec_driver_sql(f"SET LOCAL lock_timeout = '{int(patience_s * 1000)}ms'")
+    connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_WRITER_LOCK})")
+
+
+def migrate(settings: BoardSettings, to: str = "head") -> None:
+    """Bring the tables to this version's shape; does nothing when they are. Two processes may try at once.
+
+    `to` is a revision, also an earlier one, for who goes back to an earlier version of AgentRob.
+    """
     from alembic import command
     from alembic.config import Config
+    from alembic.script import ScriptDirectory
+    from alembic.util import CommandError
 
     engine = open_engine(settings, writes=True)
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     try:
         with engine.begin() as connection:
+            if engine.dialect.name == "postgresql":
+                connection.execute(select(func.pg_advisory_xact_lock(_MIGRATION_LOCK)))
             config.attributes["connection"] = connection
-            command.upgrade(config, "head")
+            if to == "head":
+                command.upgrade(config, "head")
+            else:
+                known = [r.revision for r in ScriptDirectory.from_config(config).walk_revisions()]
+                if to not in known:
+                    raise BoardError(404, "no_such_revision", f"there is no revision {to!r}", ", ".join(known))
+                current = MigrationContext.configure(connection).get_current_revision()
+                down = current in known and known.index(to) >= known.index(str(current))
+                (command.downgrade if down else command.upgrade)(config, to)
+    except CommandError as e:
+        raise BoardError(409, "other_version", f"the tables cannot be brought there: {e}", "update AgentRob") from e
     except DBAPIError as e:
         raise unavailable(e) from e
     finally:
@@ -88,7 +118,7 @@ def migrate(settings: BoardSettings) -> None:
 def unavailable(error: DBAPIError) -> BoardError:
     """What a database that cannot be used now means for whoever asked: 503, try again."""
     text = str(error.orig)
-    if isinstance(error, OperationalError) and ("locked" in text or "busy" in text):
+    if isinstance(error, OperationalError) and any(w in text for w in ("locked", "busy", "lock timeout")):
         return BoardError(503, "busy", "the database is busy; nothing was written", "try again", retry_after_s=1.0)
     if "full" in text:
         return BoardError(

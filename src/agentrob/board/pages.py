@@ -12,13 +12,14 @@ from fastapi import APIRouter, Depends, Request
 from starlette.datastructures import FormData
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
-from agentrob.board import access, buttons, robot_view
+from agentrob.board import access, buttons, rights, robot_view
 from agentrob.board.access import Viewer
 from agentrob.board.api_models import POST_BYTES
-from agentrob.board.records import Page, Post, Topic
-from agentrob.board.services import services
+from agentrob.board.records import Post, Topic
+from agentrob.board.services import Services, services
 from agentrob.board.store import Store
 from agentrob.board.templating import error_page, go, hint_of, own_path, sentence, show, static_file, with_receipt
+from agentrob.board.topic_posts import posts_of_topic
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
 
@@ -175,8 +176,13 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
     known = services(request)
     account, view = robot_view.robot(known, name)
     latest = _latest(known.store, account, once=True)
-    data = {"robot": view, "account": account, "latest": latest}
+    data = {"robot": view, "account": account, "latest": latest, "administers": _administers(known, viewer, name)}
     return show(request, viewer, "robot.html", data, here="robots")
+
+
+def _administers(known: Services, viewer: Viewer, robot: str) -> bool:
+    owner = rights.settings_of(known.store.reader, robot).owner
+    return viewer.account is not None and rights.reaches(viewer.account, "owner", owner)
 
 
 @router.get("/robots/{name}/fragment")
@@ -319,8 +325,8 @@ def _topic(
     known = services(request)
     newest = known.store.newest_event_id()  # before the posts are read, so that nothing falls between
     found = known.store.topic(topic_id)
-    posts: Page[Post] = known.store.posts(topic_id, after, POSTS)
-    data: Data = {"topic": found, "posts": posts, "first_page": not after, "board": known.store.board(found.board_id)}
+    shown = posts_of_topic(known, viewer, topic_id, after, POSTS)
+    data: Data = {"topic": found, "shown": shown, "first_page": not after, "board": known.store.board(found.board_id)}
     data |= {"after": newest, "robots": robot_view.robots(known), "key": _nonce()}
     data |= {"draft": draft, "problem": _problem(error)}
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")

@@ -21,11 +21,12 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_robots
+from agentrob.board import api, api_admin, api_moderation, api_robots
 from agentrob.board.admin import bootstrap
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
 from agentrob.board.gate import Gate
+from agentrob.board.hot import Hot
 from agentrob.board.problem import of_http, of_validation, problem
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings, address_of
@@ -35,6 +36,8 @@ from agentrob.errors import BoardError, RobotBusy
 from agentrob.hostlock import HostLock
 
 log = structlog.get_logger(__name__)
+#: How often pictures are deleted that are older than they are kept.
+EXPIRE_S = 3600.0
 
 
 def create_app(settings: BoardSettings) -> FastAPI:
@@ -45,11 +48,14 @@ def create_app(settings: BoardSettings) -> FastAPI:
         await asyncio.to_thread(bootstrap, settings)
         hub, stage = Hub(settings.base_url), Stage()
         store = Store(settings, hub.published)
-        hub.start(store.reader)
-        app.state.services = Services(settings, store, hub, stage)
+        hub.start(store.everything)
+        app.state.services = parts = Services(settings, store, hub, stage)
+        beside = [asyncio.create_task(hub.follow()), asyncio.create_task(api_admin.expire_pictures(parts, EXPIRE_S))]
         try:
             yield
         finally:
+            for task in beside:
+                task.cancel()
             end_streams(app)
             await asyncio.to_thread(store.close)
 
@@ -61,8 +67,9 @@ def create_app(settings: BoardSettings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
     )
+    app.add_middleware(Hot)
     app.add_middleware(Gate, settings=settings)
-    for router in (api.router, api_robots.router, api_robots.files):
+    for router in (api.router, api_robots.router, api_admin.router, api_moderation.router, api_robots.files):
         app.include_router(router)
     _add_pages(app)
     _add_errors(app)
@@ -78,9 +85,10 @@ def end_streams(app: FastAPI) -> None:
 
 
 def _add_pages(app: FastAPI) -> None:
-    from agentrob.board.pages import router
+    from agentrob.board import pages, pages_admin, pages_entry, pages_moderation
 
-    app.include_router(router)
+    for module in (pages, pages_admin, pages_moderation, pages_entry):
+        app.include_router(module.router)
 
 
 def _add_errors(app: FastAPI) -> None:
@@ -120,7 +128,8 @@ def _add_errors(app: FastAPI) -> None:
 def _logged(request: Request) -> str:
     """The path without the secret of a one-time link."""
     path = request.url.path
-    return "/enter/…" if path.startswith("/enter/") else path
+    secret = path.split("/")[1] if path.count("/") > 1 else ""
+    return f"/{secret}/…" if secret in ("enter", "invite", "password") else path
 
 
 def _describe(app: FastAPI, settings: BoardSettings) -> None:
@@ -156,7 +165,8 @@ class Server(uvicorn.Server):
             log_config=None,
             access_log=False,
             server_header=False,
-            proxy_headers=settings.secure,
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=list(settings.trusted_proxies),
             timeout_keep_alive=30,
             timeout_graceful_shutdown=1,
         )
@@ -196,7 +206,7 @@ def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None
         if settings.port == 0:
             host, port = listener.getsockname()[:2]
             settings = replace(settings, port=port, base_url=address_of(host, port))
-        with _only_server_of(settings):
+        with only_server_of(settings):
             bootstrap(settings)
             Server(create_app(settings), settings, ready).run(sockets=[listener])
             log.info("board.ended")
@@ -215,7 +225,7 @@ def _listen(settings: BoardSettings) -> socket.socket:
 
 
 @contextmanager
-def _only_server_of(settings: BoardSettings) -> Iterator[None]:
+def only_server_of(settings: BoardSettings) -> Iterator[None]:
     """Two servers of one database would not tell each other's events."""
     path = settings.database_path
     key = str(path.resolve()) if path else settings.database

@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
@@ -46,8 +47,10 @@ KINDS = {
     AccountKind.MONITORING_AGENT: "a program that watches",
 }
 ROLES = {
+    Role.GUEST: "guest: looks and stops",
     Role.MEMBER: "member: looks, writes, stops",
     Role.OPERATOR: "operator: commands robots",
+    Role.MODERATOR: "moderator: commands robots, hides and locks",
     Role.ADMIN: "administrator",
 }
 
@@ -152,6 +155,11 @@ def show(
     return response
 
 
+def piece(template: str, data: Mapping[str, Any]) -> str:
+    """A part of a page, safe to put into one as it is."""
+    return Markup(_TEMPLATES.get_template(template).render(data))  # made by a template that escapes
+
+
 @dataclass(frozen=True, slots=True)
 class Receipt:
     """That a button was pressed, shown on the page that follows. `deed` is stop or reset."""
@@ -238,7 +246,7 @@ async def error_page(request: Request, error: BoardError, draft: str = "") -> Re
 
 def hint_of(error: BoardError) -> str:
     """What to do about an error, for people: hints that are for programs are replaced."""
-    if error.retry_after_s is not None:
+    if error.retry_after_s is not None and (error.retry_after_s <= 300 or not error.hint):
         return f"wait {max(1, math.ceil(error.retry_after_s))} seconds, then try again"
     if error.status == 401 and error.code != "wrong_password":
         return HINTS[401]

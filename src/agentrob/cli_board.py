@@ -1,0 +1,166 @@
+"""The words a person types to run the embedded forum: `agentrob init`, backups, migrations, the log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from agentrob import config as configuration
+from agentrob.config import Config
+from agentrob.errors import ConfigError
+from agentrob.model import Role
+
+if TYPE_CHECKING:
+    from agentrob.board.settings import BoardSettings
+
+ConfigFile = Annotated[Path | None, typer.Option("--config", "-c", help="Configuration file. [default: agentrob.toml]")]
+
+
+def settings_of(config: Path | None) -> BoardSettings:
+    """The board's settings, its database made or migrated."""
+    from agentrob.board import admin
+    from agentrob.board.settings import BoardSettings
+
+    loaded = configuration.load(config)
+    settings = BoardSettings.from_config(loaded.board, loaded.data_dir)
+    admin.bootstrap(settings)
+    return settings
+
+
+# ---------------------------------------------------------------------- init
+def init(
+    admin: Annotated[str, typer.Option(help="The handle of the first admin.")],
+    url: Annotated[str, typer.Option(help="The address that browsers see, as https://forum.example.org.")] = "",
+    listen: Annotated[str, typer.Option(help="Where the forum listens.")] = configuration.DEFAULT_LISTEN,
+    title: Annotated[str, typer.Option(help="What the forum is called.")] = "AgentRob",
+    data: Annotated[str, typer.Option(help="Where everything is kept.")] = "",
+    database: Annotated[str, typer.Option(help="A database URL. [default: SQLite in the data folder]")] = "",
+    invites: Annotated[int, typer.Option(min=0, max=1000, help="How many people one invite lets in.")] = 0,
+    config: Annotated[Path, typer.Option("--config", "-c", help="The file to write.")] = Path("agentrob.toml"),
+) -> None:
+    """Begin a forum: a configuration file, the database, the first admin, and a link to set the admin's password."""
+    from agentrob.board import administration
+    from agentrob.board.admin import bootstrap, writing
+    from agentrob.board.audit import SHELL
+    from agentrob.board.settings import BoardSettings
+    from agentrob.model import AccountKind
+
+    if config.exists():
+        raise ConfigError(f"{config} is there already; to add an admin: agentrob board account add NAME --role admin")
+    board = {"listen": listen, "base_url": url, "title": title, "database": database, "sign_up": False}
+    made = configuration.parse({"data": data, "board": board}, "agentrob init")
+    settings = BoardSettings.from_config(made.board, made.data_dir)
+    bootstrap(settings)
+    with writing(settings) as connection:
+        administration.add_account(connection, SHELL, admin, kind=AccountKind.HUMAN, role=Role.ADMIN)
+        link = administration.link(connection, SHELL, admin, "password")
+        invite = administration.invite(connection, SHELL, Role.MEMBER, invites, 30) if invites else ""
+    made.write(config, "Written by agentrob init. docs/deploy.md says what else may stand here.")
+    typer.echo(f"configuration: {config}\ndatabase: {_without_password(settings.database)}")
+    typer.echo(f"set the password of {admin}, once, within a day: {settings.base_url}{link}")
+    if invite:
+        typer.echo(f"invite {invites} members within 30 days: {settings.base_url}{invite}")
+    typer.echo(f"then: agentrob board serve --config {config}")
+
+
+def _without_password(url: str) -> str:
+    from sqlalchemy import make_url
+
+    return make_url(url).render_as_string(hide_password=True)
+
+
+# ---------------------------------------------------------------------- backup
+def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: ConfigFile = None) -> None:
+    """Write the whole forum into one file, while it runs or not."""
+    from agentrob.board.backup import backup as write
+
+    typer.echo(_counted(write(settings_of(config), file)))
+
+
+def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
+    """Put a backup into an empty database, of whichever kind. The forum must not be running."""
+    from agentrob.board.backup import restore as read
+    from agentrob.board.server import only_server_of
+
+    loaded = configuration.load(config)
+    settings = _settings(loaded)
+    with only_server_of(settings):
+        typer.echo(_counted(read(settings, file)))
+
+
+def export(
+    file: Annotated[Path, typer.Argument(help="The new file.")],
+    account: Annotated[str | None, typer.Option(help="Only what this account wrote.")] = None,
+    config: ConfigFile = None,
+) -> None:
+    """Write what people wrote, without secrets, as JSON files and pictures in a tar."""
+    from agentrob.board.backup import export as write
+
+    typer.echo(f"{write(settings_of(config), file, account)} posts")
+
+
+def migrate(
+    to: Annotated[str, typer.Option(help="A revision, also an earlier one.")] = "head", config: ConfigFile = None
+) -> None:
+    """Bring the tables to the shape of this version, or back to an earlier one before going back to it."""
+    from agentrob.board.database import migrate as run
+    from agentrob.board.server import only_server_of
+
+    settings = _settings(configuration.load(config))
+    with only_server_of(settings):
+        run(settings, to)
+    typer.echo(f"the tables are at {to}")
+
+
+def _settings(loaded: Config) -> BoardSettings:
+    from agentrob.board.settings import BoardSettings
+
+    return BoardSettings.from_config(loaded.board, loaded.data_dir)
+
+
+def _counted(counts: dict[str, int]) -> str:
+    return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "nothing"
+
+
+def audit(
+    target: Annotated[str | None, typer.Option(help="Only of this, as account:ann.")] = None,
+    limit: Annotated[int, typer.Option(min=1, max=10000)] = 50,
+    config: ConfigFile = None,
+) -> None:
+    """Who changed what, newest first."""
+    from agentrob.board import admin
+    from agentrob.board import audit as log
+
+    with admin.writing(settings_of(config)) as connection:
+        for row in connection.execute(log.statement(None, limit, target)):
+            e = log.entry(row)
+            details = " ".join(f"{k}={v}" for k, v in e.detail.items())
+            typer.echo(f"{e.at:%Y-%m-%d %H:%M:%S} {e.actor} {e.action} {e.target} {details}".rstrip())
+
+
+def expire(config: ConfigFile = None) -> None:
+    """Delete camera pictures that are older than their robots' owners keep them; a running forum does so each hour."""
+    from agentrob.board import moderation
+
+    settings = settings_of(config)
+    digests = in_transaction(settings, moderation.expire_pictures)
+    taken = in_transaction(settings, lambda t: moderation.take_away(t, settings.images_dir, digests))
+    typer.echo(f"{len(digests)} pictures expired, {taken} files deleted")
+
+
+def in_transaction(settings: BoardSettings, job: Any) -> Any:
+    """Run a job of the writer here, beside a server that may be running."""
+    from agentrob.board import admin
+    from agentrob.board.writer import Transaction
+
+    with admin.writing(settings) as connection:
+        return job(Transaction(connection))
+
+
+def add_to(cli: typer.Typer, board: typer.Typer) -> None:
+    """Put these words into the command line."""
+    cli.command()(init)
+    for word in (backup, restore, export, migrate, audit, expire):
+        board.command()(word)
