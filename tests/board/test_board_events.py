@@ -230,7 +230,7 @@ def test_a_listener_that_does_not_read_is_cut_off_and_misses_nothing(
     monkeypatch.setattr("agentrob.board.events.MAX_PENDING", 10)
     op = board.client("op")
     start = now(op)
-    listener = board.services.hub.listen()
+    listener = board.services.hub.listen(boards=frozenset({"robots", "talk"}))
     topic = post_topic(op)["topic"]["id"]
     wanted = 30
     for n in range(wanted):

@@ -23,10 +23,14 @@ def account(kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER, sus
 
 @pytest.mark.parametrize("kind", [AccountKind.HUMAN, AccountKind.COMMANDING_AGENT])
 def test_members_look_and_stop_operators_command_human_admins_release(kind: AccountKind) -> None:
+    assert allowed(account(kind, Role.GUEST)) == {"look", "stop"}
     assert allowed(account(kind, Role.MEMBER)) == {"look", "stop"}
     assert allowed(account(kind, Role.OPERATOR)) == {"look", "stop", "command"}
-    human = {"release"} if kind is AccountKind.HUMAN else set()
-    assert allowed(account(kind, Role.ADMIN)) == {"look", "stop", "command"} | human
+    human = kind is AccountKind.HUMAN
+    assert allowed(account(kind, Role.MODERATOR)) == {"look", "stop", "command"} | ({"approve"} if human else set())
+    assert allowed(account(kind, Role.ADMIN)) == {"look", "stop", "command"} | (
+        {"approve", "release"} if human else set()
+    )
 
 
 @pytest.mark.parametrize("role", Role)
@@ -54,5 +58,5 @@ def test_a_refusal_names_its_rule_and_speaks_the_language() -> None:
 
 
 def test_an_unknown_action_is_an_error() -> None:
-    with pytest.raises(ValueError, match="look, stop, command and release"):
+    with pytest.raises(ValueError, match="look, stop, command, approve and release"):
         may(account(role=Role.ADMIN), "fly")  # type: ignore[arg-type]

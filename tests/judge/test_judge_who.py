@@ -15,31 +15,47 @@ NOT_OFFERED = ("damp", "home", "limits")
 
 #: "yes", or the rule that refuses. `own`: `release` of a robot that the account owns. "nobody": there is no such right.
 TABLE = """
-kind              role      suspended  look       stop              command           release           own               damp              home              limits
-human             member    no         yes        yes               operator          owner             yes               nobody            nobody            nobody
-human             operator  no         yes        yes               yes               owner             yes               nobody            nobody            nobody
-human             admin     no         yes        yes               yes               yes               yes               nobody            nobody            nobody
-commanding_agent  member    no         yes        yes               operator          owner             owner             nobody            nobody            nobody
-commanding_agent  operator  no         yes        yes               yes               owner             owner             nobody            nobody            nobody
-commanding_agent  admin     no         yes        yes               yes               owner             owner             nobody            nobody            nobody
-robot_agent       member    no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
-robot_agent       operator  no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
-robot_agent       admin     no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
-monitoring_agent  member    no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
-monitoring_agent  operator  no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
-monitoring_agent  admin     no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
-human             member    yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-human             operator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-human             admin     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-commanding_agent  member    yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-commanding_agent  operator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-commanding_agent  admin     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-robot_agent       member    yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-robot_agent       operator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-robot_agent       admin     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-monitoring_agent  member    yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-monitoring_agent  operator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
-monitoring_agent  admin     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended
+kind              role       suspended  look       stop              command           approve           release           own               damp              home              limits
+human             guest      no         yes        yes               operator          approver          owner             yes               nobody            nobody            nobody
+human             member     no         yes        yes               operator          approver          owner             yes               nobody            nobody            nobody
+human             operator   no         yes        yes               yes               approver          owner             yes               nobody            nobody            nobody
+human             moderator  no         yes        yes               yes               yes               owner             yes               nobody            nobody            nobody
+human             admin      no         yes        yes               yes               yes               yes               yes               nobody            nobody            nobody
+commanding_agent  guest      no         yes        yes               operator          approver          owner             owner             nobody            nobody            nobody
+commanding_agent  member     no         yes        yes               operator          approver          owner             owner             nobody            nobody            nobody
+commanding_agent  operator   no         yes        yes               yes               approver          owner             owner             nobody            nobody            nobody
+commanding_agent  moderator  no         yes        yes               yes               approver          owner             owner             nobody            nobody            nobody
+commanding_agent  admin      no         yes        yes               yes               approver          owner             owner             nobody            nobody            nobody
+robot_agent       guest      no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
+robot_agent       member     no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
+robot_agent       operator   no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
+robot_agent       moderator  no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
+robot_agent       admin      no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
+monitoring_agent  guest      no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
+monitoring_agent  member     no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
+monitoring_agent  operator   no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
+monitoring_agent  moderator  no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
+monitoring_agent  admin      no         yes        monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent  monitoring_agent
+human             guest      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+human             member     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+human             operator   yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+human             moderator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+human             admin      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+commanding_agent  guest      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+commanding_agent  member     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+commanding_agent  operator   yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+commanding_agent  moderator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+commanding_agent  admin      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+robot_agent       guest      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+robot_agent       member     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+robot_agent       operator   yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+robot_agent       moderator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+robot_agent       admin      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+monitoring_agent  guest      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+monitoring_agent  member     yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+monitoring_agent  operator   yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+monitoring_agent  moderator  yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
+monitoring_agent  admin      yes        suspended  suspended         suspended         suspended         suspended         suspended         suspended         suspended         suspended
 """  # noqa: E501 (a table is read along its rows)
 
 HEAD, *ROWS = [line.split() for line in TABLE.strip().splitlines()]

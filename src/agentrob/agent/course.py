@@ -76,7 +76,7 @@ class Course:
 
     @property
     def terms(self) -> Terms:
-        return Terms(self.settings.allow_flip, self.channel.step_s)
+        return Terms(self.settings.allow_flip, self.channel.step_s, self.name)
 
     async def run(self, job: Job) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""

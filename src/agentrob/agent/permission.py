@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from agentrob.agent.sentences import say
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
-from agentrob.forums.forum import Forum
+from agentrob.forums.forum import Forum, Keeper
 from agentrob.judge.screen import screen
-from agentrob.model import Account, AccountKind, Capabilities, Command, Decision, Plan, Post, Verdict
+from agentrob.model import Account, AccountKind, Capabilities, Command, Decision, Plan, Post, RobotRights, Verdict
 from agentrob.robots.client import DriverClient
 
 #: Through so many commanding agents may a command come (law 1), and so many posts of a chain are read.
@@ -20,13 +20,38 @@ MAX_LINKS = 20
 
 @dataclass(frozen=True, slots=True)
 class Terms:
-    """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16)."""
+    """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16).
+
+    `robot` is the robot's account, by which a forum may keep who may command it.
+    """
 
     allow_flip: bool = False
     step_s: float = math.inf
+    robot: str = ""
 
 
-def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilities, terms: Terms) -> Verdict:
+async def rights_on(forum: Forum, command: Command, terms: Terms) -> RobotRights | None:
+    """What the forum keeps of who may command the robot where this stands now; None where forums keep no such thing.
+
+    A forum that should know and does not grants nothing. Raises `ForumError`; then nothing is granted either.
+    """
+    if not isinstance(forum, Keeper) or not terms.robot:
+        return None
+    try:
+        post = await forum.post(command.post_id)  # a moderator may have moved its topic to another board
+        return await forum.robot_rights(terms.robot, post.board_id)
+    except (ForumNotFound, ForumDenied):
+        return RobotRights()
+
+
+def judge(
+    command: Command,
+    plan: Plan,
+    author: Account,
+    capabilities: Capabilities,
+    terms: Terms,
+    rights: RobotRights | None = None,
+) -> Verdict:
     """The screen, which asks for the author's rights first."""
     return screen(
         plan,
@@ -36,19 +61,23 @@ def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilit
         language=command.language,
         allow_flip=terms.allow_flip,
         step_s=terms.step_s,
+        rights=rights,
     )
 
 
 async def permission(
     forum: Forum, driver: DriverClient, command: Command, terms: Terms, plan: Plan
 ) -> tuple[Verdict, Capabilities | None]:
-    """Read the post, its author and the robot's limits anew and judge again; also the limits that were judged by.
+    """Read the post, its author, the rights and the robot's limits anew and judge again; also the limits judged by.
 
     What cannot be read is not granted. Rules that begin with `command.` say that the command is no longer what it was.
     """
     try:
-        post, author, capabilities = await asyncio.gather(
-            forum.post(command.post_id), forum.account(command.author.name), driver.capabilities()
+        post, author, rights, capabilities = await asyncio.gather(
+            forum.post(command.post_id),
+            forum.account(command.author.name),
+            rights_on(forum, command, terms),
+            driver.capabilities(),
         )
     except ForumNotFound:
         return _denied("command.removed", command), None
@@ -57,7 +86,7 @@ async def permission(
     if (changed := _changed(post, author, command)) is not None:
         return _denied(changed, command), None
     assert author is not None
-    return judge(command, plan, author, capabilities, terms), capabilities
+    return judge(command, plan, author, capabilities, terms, rights), capabilities
 
 
 def _changed(post: Post, author: Account | None, command: Command) -> str | None:

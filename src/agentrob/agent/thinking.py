@@ -12,7 +12,7 @@ from agentrob.agent.extract import OVER, Thought, by_rules, extract
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job
 from agentrob.agent.look_goal import eyes, goal_for, honest, in_words, judged_plan
-from agentrob.agent.permission import Terms, chain_refusal, judge
+from agentrob.agent.permission import Terms, chain_refusal, judge, rights_on
 from agentrob.agent.status import insist
 from agentrob.config import RobotConfig
 from agentrob.forums.forum import Forum
@@ -80,7 +80,8 @@ class Thinking:
             command = replace(command, language=understood.language)
             chained = await insist(partial(chain_refusal, self.forum, command))
             plan = judged_plan(thought.goal) if thought.goal else understood.plan
-            verdict = chained or judge(command, plan, command.author, capabilities, terms)
+            rights = await insist(partial(rights_on, self.forum, command, terms))
+            verdict = chained or judge(command, plan, command.author, capabilities, terms, rights)
             thought = replace(thought, verdict=verdict)
             thought = await self._looked_at(job, thought, listener, capabilities, history)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood

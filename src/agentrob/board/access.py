@@ -17,10 +17,11 @@ from dataclasses import dataclass
 from fastapi import Request
 from starlette.responses import Response
 
-from agentrob.board import accounts
+from agentrob.board import accounts, administration, sight
 from agentrob.board.services import Services, services
+from agentrob.board.writer import Transaction
 from agentrob.errors import BoardError
-from agentrob.model import Account, Role
+from agentrob.model import Account, AccountKind, Role
 
 _SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 
@@ -34,17 +35,26 @@ class Viewer:
     csrf: str
     secret: str
     by_token: bool = False
+    scopes: frozenset[str] = frozenset(accounts.SCOPES)
 
 
 async def viewer(request: Request) -> Viewer:
-    """Whoever asks, signed in or not. 401 for a bearer token that is not valid."""
+    """Whoever asks, signed in or not; from here on the store shows what they may see. 401 for a bad bearer token."""
+    who = _viewer(request)
+    parts = services(request)
+    boards = parts.store.everything.all_boards()
+    sight.let_see(sight.readable(boards, who.account, parts.settings.public_read))
+    return who
+
+
+def _viewer(request: Request) -> Viewer:
     parts = services(request)
     if (header := request.headers.get("authorization")) is not None:
         scheme, _, token = header.partition(" ")
-        account = accounts.by_token(parts.store.reader, token) if scheme.lower() == "bearer" else None
-        if account is None:
+        found = accounts.token_of(parts.store.reader, token) if scheme.lower() == "bearer" else None
+        if found is None:
             raise BoardError(401, "bad_token", "that token is not valid", "Authorization: Bearer <token>")
-        return Viewer(account, "", token, by_token=True)
+        return Viewer(found[0], "", token, by_token=True, scopes=found[1])
     secret = request.cookies.get(cookie_name(parts), "")
     if not _SECRET.fullmatch(secret):
         secret = accounts.new_secret()
@@ -61,8 +71,8 @@ async def reader(request: Request) -> Viewer:
     return who
 
 
-async def member(request: Request) -> Account:
-    """Who may write by API: signed in, not suspended, with the CSRF header when signed in by cookie. Else 401, 403."""
+async def stopper(request: Request) -> Account:
+    """Who may stop by API: whoever is signed in and not suspended, whatever the role and the token. Else 401, 403."""
     who = await viewer(request)
     account = account_of(who)
     if not who.by_token:
@@ -70,11 +80,39 @@ async def member(request: Request) -> Account:
     return account
 
 
-async def operator(request: Request) -> Account:
-    """Who may command: as `member`, and an operator or admin."""
-    account = await member(request)
-    if account.role is Role.MEMBER:
-        raise BoardError(403, "not_operator", "only operators may do this", "ask an admin for the role operator")
+async def member(request: Request) -> Account:
+    """Who may write by API: as `stopper`, with a token for writing when it is one. Roles are asked by what is done."""
+    return await _scoped(request, "write")
+
+
+async def moderator(request: Request) -> Account:
+    """Who may moderate: moderators and admins, with a token for it when it is one."""
+    account = await _scoped(request, "admin")
+    return has_role(account, Role.MODERATOR)
+
+
+async def administrator(request: Request) -> Account:
+    """Who may administer: admins who are people, with a token for it when it is one."""
+    account = await _scoped(request, "admin")
+    if account.kind is not AccountKind.HUMAN:
+        raise BoardError(403, "not_admin", "only people administer", "a token of an admin's own account")
+    return has_role(account, Role.ADMIN)
+
+
+def has_role(account: Account, role: Role) -> Account:
+    """The account when it has this role or one above it and is nobody's robot. Else 403."""
+    if account.role.rank < role.rank or account.kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):
+        raise BoardError(403, f"not_{role}", f"this needs the role {role}", "ask an admin")
+    return account
+
+
+async def _scoped(request: Request, scope: str) -> Account:
+    who = await viewer(request)
+    account = account_of(who)
+    if scope not in who.scopes:
+        raise BoardError(403, "token_scope", f"this token is not good for {scope}", f"one with the scope {scope}")
+    if not who.by_token:
+        check_form(who, request.headers.get("x-csrf-token"))
     return account
 
 
@@ -96,6 +134,14 @@ def account_of(viewer: Viewer) -> Account:
 # -------------------------------------------------------------------- sessions
 async def sign_in(services: Services, name: str, password: str, address: str) -> str:
     """A new session. 401 for a wrong name or password (the same words for both), 429 after too many attempts."""
+    await _check_password(services, name, password, address)
+    account = services.store.account(name.strip())
+    if account is None or account.suspended:
+        raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
+    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
+
+
+async def _check_password(services: Services, name: str, password: str, address: str) -> None:
     services.attempts.count(name, address)
     row = services.store.reader.first(accounts.password_of(name))
     async with services.hashing:
@@ -103,22 +149,45 @@ async def sign_in(services: Services, name: str, password: str, address: str) ->
     if row is None or not right:
         raise BoardError(401, "wrong_password", "that name or password is wrong", "try again, or ask an admin")
     services.attempts.forget(name)
-    account = services.store.account(name.strip())
-    if account is None or account.suspended:
-        raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
-    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
 
 
-async def sign_up(services: Services, name: str, password: str, address: str) -> str:
-    """A new member account and its session. 403 when sign-up is off, 409 when the name is taken, 422."""
-    if not services.settings.sign_up:
+async def sign_up(services: Services, name: str, password: str, address: str, invite: str = "") -> str:
+    """A new account and its session: a member, or what the invite gives. 403 when sign-up is off and there is no
+    invite, 404 when the invite is void, 409 when the name is taken, 422, 429."""
+    if not services.settings.sign_up and not invite:
         raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself", "ask an admin")
     services.attempts.count("", address)
     name = accounts.checked_name(name)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
-    account = await services.store.do(lambda t: accounts.create(t.connection, name, password_hash=password_hash))
-    return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))
+
+    def make(t: Transaction) -> str:
+        role = administration.spend_invite(t.connection, invite) if invite else Role.MEMBER
+        made = administration.add_account(t.connection, name, name, role=role, password_hash=password_hash)
+        return accounts.new_session(t.connection, int(made.id))
+
+    if not invite:
+        services.attempts.count_sign_up(address, services.settings.limits.sign_ups)
+    try:
+        return await services.store.do(make)
+    except BoardError:
+        services.attempts.forget_sign_up(address)
+        raise
+
+
+async def new_password(services: Services, secret: str, password: str) -> str:
+    """Spend a one-time link for a new password: a session; all others end. 404 for a void link, 422."""
+    async with services.hashing:
+        password_hash = await asyncio.to_thread(accounts.hash_password, password)
+    return await services.store.do(lambda t: accounts.spend_password_link(t.connection, secret, password_hash))
+
+
+async def change_password(services: Services, account: Account, old: str, new: str, address: str) -> str:
+    """Another password for who knows the old one: a session; all others end. 401, 422, 429."""
+    await _check_password(services, account.name, old, address)
+    async with services.hashing:
+        password_hash = await asyncio.to_thread(accounts.hash_password, new)
+    return await services.store.do(lambda t: accounts.set_password(t.connection, int(account.id), password_hash))
 
 
 async def enter(services: Services, secret: str) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 import secrets
+from collections.abc import Collection
 from typing import Any
 
 from argon2 import PasswordHasher
@@ -27,15 +28,22 @@ NAME = re.compile(r"[a-z][a-z0-9_-]{1,31}")
 PASSWORD_MIN, PASSWORD_MAX = 8, 200
 SESSION_DAYS = 30
 LINK_MINUTES = 10
+#: Somebody must be told such a link by whatever way there is.
+PASSWORD_LINK_MINUTES = 24 * 60
+SCOPES = ("read", "write", "admin")
 _MINUTE_US = 60_000_000
 
 _hasher = PasswordHasher()
 # Built once, since every request asks.
-_BY_SESSION = ACCOUNT.join(db.sessions, db.sessions.c.account_id == db.accounts.c.id).where(
-    db.sessions.c.hash == bindparam("hash"), db.sessions.c.expires_us > bindparam("now")
+_BY_SESSION = (
+    ACCOUNT.add_columns(db.sessions.c.expires_us)
+    .join(db.sessions, db.sessions.c.account_id == db.accounts.c.id)
+    .where(db.sessions.c.hash == bindparam("hash"))
 )
-_BY_TOKEN = ACCOUNT.join(db.tokens, db.tokens.c.account_id == db.accounts.c.id).where(
-    db.tokens.c.hash == bindparam("hash"), db.tokens.c.revoked_us.is_(None)
+_BY_TOKEN = (
+    ACCOUNT.add_columns(db.tokens.c.scopes)
+    .join(db.tokens, db.tokens.c.account_id == db.accounts.c.id)
+    .where(db.tokens.c.hash == bindparam("hash"), db.tokens.c.revoked_us.is_(None))
 )
 #: Verified when the name is unknown, so that the time of an answer does not tell which names exist.
 _NOBODY = _hasher.hash(secrets.token_hex())
@@ -133,15 +141,25 @@ def end_session(connection: Connection, secret: str) -> None:
 
 def by_session(reader: Reader, secret: str) -> Account | None:
     """The account that a session signs in."""
-    row = reader.first(_BY_SESSION, hash=hash_of(secret), now=now_us())
-    return account_from(row) if row else None
+    digest = hash_of(secret)
+    row = reader.kept(("session", digest), lambda: reader.first(_BY_SESSION, hash=digest))
+    return account_from(row) if row and row.expires_us > now_us() else None
 
 
-def new_token(connection: Connection, account: Account, label: str = "") -> str:
-    """A bearer token; it is shown once and cannot be read again."""
+def new_token(
+    connection: Connection, account: Account, label: str = "", scopes: Collection[str] = ("read", "write")
+) -> str:
+    """A bearer token; it is shown once and cannot be read again. 422 for a scope that there is not.
+
+    Every token looks and stops; `write` posts and uploads, `admin` moderates and administers, each only what the
+    account itself may.
+    """
+    if not scopes or not set(scopes) <= set(SCOPES):
+        raise BoardError(422, "bad_scopes", "those are no scopes of a token", f"of: {', '.join(SCOPES)}")
     secret = "agentrob_" + new_secret()
     values = {"hash": hash_of(secret), "account_id": int(account.id), "label": label[:64], "created_us": now_us()}
-    connection.execute(insert(db.tokens).values(**values))
+    named = " ".join(s for s in SCOPES if s in scopes or s == "read")
+    connection.execute(insert(db.tokens).values(**values, scopes=named))
     return secret
 
 
@@ -156,25 +174,57 @@ def revoke_tokens(connection: Connection, account: Account, label: str | None = 
 
 def by_token(reader: Reader, secret: str) -> Account | None:
     """The account that a bearer token signs in."""
-    row = reader.first(_BY_TOKEN, hash=hash_of(secret))
-    return account_from(row) if row else None
+    found = token_of(reader, secret)
+    return found[0] if found else None
 
 
-def new_link(connection: Connection, account: Account) -> str:
-    """The secret of a link that signs in once, within ten minutes."""
+def token_of(reader: Reader, secret: str) -> tuple[Account, frozenset[str]] | None:
+    """The account that a bearer token signs in, and what the token is good for (`SCOPES`)."""
+    digest = hash_of(secret)
+    row = reader.kept(("token", digest), lambda: reader.first(_BY_TOKEN, hash=digest))
+    return (account_from(row), frozenset(row.scopes.split())) if row else None
+
+
+def new_link(connection: Connection, account: Account, purpose: str = "enter") -> str:
+    """The secret of a link for one use: signs in within ten minutes, or sets a new password within a day."""
     now, secret = now_us(), new_secret()
     connection.execute(delete(db.links).where(db.links.c.expires_us < now))
-    values = {"hash": hash_of(secret), "account_id": int(account.id), "expires_us": now + LINK_MINUTES * _MINUTE_US}
-    connection.execute(insert(db.links).values(**values))
+    minutes = PASSWORD_LINK_MINUTES if purpose == "password" else LINK_MINUTES
+    values = {"account_id": int(account.id), "purpose": purpose, "expires_us": now + minutes * _MINUTE_US}
+    connection.execute(insert(db.links).values(hash=hash_of(secret), **values))
     return secret
 
 
 def spend_link(connection: Connection, secret: str) -> str:
     """A session for a link that was not used yet. 404 when it is unknown, used or expired."""
-    c, now = db.links.c, now_us()
-    spent = update(db.links).where(c.hash == hash_of(secret), c.used_us.is_(None), c.expires_us > now)
-    if connection.execute(spent.values(used_us=now)).rowcount != 1:
-        hint = "ask for a new one: agentrob demo link"
-        raise BoardError(404, "no_such_link", "this link was used before or has expired", hint)
-    account_id = connection.execute(select(c.account_id).where(c.hash == hash_of(secret))).scalar_one()
+    return new_session(connection, _spend(connection, secret, "enter"))
+
+
+def spend_password_link(connection: Connection, secret: str, password_hash: str) -> str:
+    """A new password, and a session; all others end. 404 when the link is unknown, used or expired."""
+    account_id = _spend(connection, secret, "password")
+    return set_password(connection, account_id, password_hash)
+
+
+def set_password(connection: Connection, account_id: int, password_hash: str) -> str:
+    """A new password and a new session; all sessions of before end, since one may be a thief's."""
+    connection.execute(update(db.accounts).where(db.accounts.c.id == account_id).values(password_hash=password_hash))
+    connection.execute(delete(db.sessions).where(db.sessions.c.account_id == account_id))
+    connection.execute(delete(db.links).where(db.links.c.account_id == account_id, db.links.c.used_us.is_(None)))
     return new_session(connection, account_id)
+
+
+def end_sessions(connection: Connection, account: Account) -> int:
+    """End all sessions of an account; how many there were."""
+    return connection.execute(delete(db.sessions).where(db.sessions.c.account_id == int(account.id))).rowcount
+
+
+def _spend(connection: Connection, secret: str, purpose: str) -> int:
+    c, now = db.links.c, now_us()
+    spent = update(db.links).where(
+        c.hash == hash_of(secret), c.purpose == purpose, c.used_us.is_(None), c.expires_us > now
+    )
+    if connection.execute(spent.values(used_us=now)).rowcount != 1:
+        hint = "ask for a new one: agentrob demo link" if purpose == "enter" else "ask an admin for a new one"
+        raise BoardError(404, "no_such_link", "this link was used before or has expired", hint)
+    return int(connection.execute(select(c.account_id).where(c.hash == hash_of(secret))).scalar_one())

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from sqlalchemy import Connection, insert, select
 from sqlalchemy.exc import DBAPIError
 
-from agentrob.board import accounts
+from agentrob.board import accounts, administration, audit
 from agentrob.board import schema as db
+from agentrob.board.audit import SHELL
 from agentrob.board.database import migrate, open_engine, unavailable
 from agentrob.board.reader import Reader, not_found
 from agentrob.board.settings import BoardSettings
@@ -25,7 +26,7 @@ FIRST_BOARDS = (
 def bootstrap(settings: BoardSettings) -> None:
     """Make or migrate the database; the first boards when there are none. Doing it again does nothing."""
     migrate(settings)
-    with _writing(settings) as connection:
+    with writing(settings) as connection:
         if connection.execute(select(db.boards.c.id).limit(1)).first() is None:
             rows = [dict(zip(("id", "name", "description"), b, strict=True)) for b in FIRST_BOARDS]
             connection.execute(insert(db.boards), [row | {"position": n} for n, row in enumerate(rows)])
@@ -42,15 +43,15 @@ def create_account(
 ) -> Account:
     """A new account. `BoardError` 409 when the name is taken, 422 when name or password cannot be."""
     password_hash = accounts.hash_password(password) if password is not None else None
-    with _writing(settings) as connection:
-        return accounts.create(
-            connection, name, kind=kind, role=role, password_hash=password_hash, display_name=display_name
+    with writing(settings) as connection:
+        return administration.add_account(
+            connection, SHELL, name, kind=kind, role=role, password_hash=password_hash, display_name=display_name
         )
 
 
 def find_account(settings: BoardSettings, name: str) -> Account:
     """The account of that name. `BoardError` 404."""
-    with _writing(settings) as connection:
+    with writing(settings) as connection:
         account = Reader(connection).account(name)
     if account is None:
         raise not_found("account", name)
@@ -66,38 +67,39 @@ def change_account(
     password: str | None = None,
 ) -> None:
     """Change what is given."""
-    values: dict[str, object] = {}
-    if role is not None:
-        values["role"] = str(role)
-    if suspended is not None:
-        values["suspended"] = suspended
-    if password is not None:
-        values["password_hash"] = accounts.hash_password(password)
-    if values:
-        with _writing(settings) as connection:
-            accounts.change(connection, account, **values)
+    password_hash = accounts.hash_password(password) if password is not None else None
+    with writing(settings) as connection:
+        administration.change_account(connection, SHELL, account.name, role=role, suspended=suspended)
+        if password_hash is not None:
+            accounts.set_password(connection, int(account.id), password_hash)
 
 
-def issue_token(settings: BoardSettings, account: Account, label: str = "") -> str:
+def issue_token(
+    settings: BoardSettings, account: Account, label: str = "", scopes: Sequence[str] = ("read", "write")
+) -> str:
     """A bearer token for a program. Only its hash is kept: it cannot be shown again."""
-    with _writing(settings) as connection:
-        return accounts.new_token(connection, account, label)
+    with writing(settings) as connection:
+        return administration.add_token(connection, SHELL, account.name, label, scopes)
 
 
 def revoke_tokens(settings: BoardSettings, account: Account, label: str | None = None) -> int:
     """End the account's bearer tokens at once, with a label only those of that label; returns how many were ended."""
-    with _writing(settings) as connection:
-        return accounts.revoke_tokens(connection, account, label)
+    with writing(settings) as connection:
+        ended = accounts.revoke_tokens(connection, account, label)
+        if ended:
+            audit.note(connection, SHELL, "token.revoke", f"account:{account.name}", tokens=ended, label=label)
+        return ended
 
 
 def issue_link(settings: BoardSettings, account: Account) -> str:
     """The path of a page that signs in once, within ten minutes: put `settings.base_url` before it."""
-    with _writing(settings) as connection:
-        return "/enter/" + accounts.new_link(connection, account)
+    with writing(settings) as connection:
+        return administration.link(connection, SHELL, account.name, "enter")
 
 
 @contextmanager
-def _writing(settings: BoardSettings) -> Iterator[Connection]:
+def writing(settings: BoardSettings) -> Iterator[Connection]:
+    """One transaction beside a server that may be running."""
     engine = open_engine(settings, writes=True)
     try:
         with engine.begin() as connection:

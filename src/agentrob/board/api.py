@@ -10,8 +10,8 @@ from fastapi import APIRouter, Depends, Header, Query, Request
 from pydantic import BaseModel
 from starlette.responses import Response
 
-from agentrob.board import accounts
-from agentrob.board.access import Viewer, member, reader, viewer
+from agentrob.board import accounts, sight
+from agentrob.board.access import Viewer, member, reader, stopper, viewer
 from agentrob.board.api_models import (
     POST_BYTES,
     AccountOut,
@@ -30,6 +30,7 @@ from agentrob.board.api_models import (
     TopicOut,
     TopicWritten,
     account_out,
+    board_out,
     time_out,
 )
 from agentrob.board.events import EventStream
@@ -46,6 +47,7 @@ KEY = r"^[!-~]{1,200}$"
 EVENT_ID = r"^[0-9]{1,18}(-[0-9a-f]{1,16})?$"
 Reading = Annotated[Viewer, Depends(reader)]
 Member = Annotated[Account, Depends(member)]
+Stopper = Annotated[Account, Depends(stopper)]
 Key = Annotated[str | None, Header(alias="Idempotency-Key", pattern=KEY)]
 Cursor = Annotated[str | None, Query(pattern=r"^[0-9a-f]{1,15}$", description="`next` of the page before")]
 Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT)]
@@ -90,7 +92,7 @@ async def account(request: Request, name: str, who: Reading) -> Response:
 async def boards(request: Request, who: Reading) -> Response:
     """All boards."""
     found = services(request).store.boards()
-    return out(Items(items=tuple(BoardOut(id=b.id, name=b.name, description=b.description) for b in found)))
+    return out(Items(items=tuple(map(board_out, found))))
 
 
 @router.get("/boards/{board_id}/topics", response_model=Paged[TopicOut], responses=NOT_FOUND)
@@ -218,18 +220,23 @@ async def events(
     read = parts.store.reader
     start = read.known_event(resume) if resume is not None else event_number(read.newest_event_id())
     topic_id = parts.store.topic(topic).id if topic is not None else None
-    listener = parts.hub.listen(topic_id, who.account.id if who.account else None)
+    listener = parts.hub.listen(topic_id, who.account.id if who.account else None, sight.now())
     return EventStream(parts.hub, listener, who.account, start, heartbeat, still_allowed(parts, who))
 
 
 def still_allowed(parts: Services, who: Viewer) -> Callable[[], bool]:
-    """Whether whoever opened a stream may still read: not signed out, not suspended, the token not revoked."""
-    if who.account is None:
-        return lambda: True
+    """Whether whoever opened a stream still sees all that it saw then: not signed out, not suspended, the token not
+    revoked, no board closed to it."""
+    saw = sight.now()
 
     def allowed() -> bool:
-        signed_in = accounts.by_token if who.by_token else accounts.by_session
-        account = signed_in(parts.store.reader, who.secret)
-        return account is not None and not account.suspended
+        account = None
+        if who.account is not None:
+            signed_in = accounts.by_token if who.by_token else accounts.by_session
+            account = signed_in(parts.store.reader, who.secret)
+            if account is None or account.suspended:
+                return False
+        sees = sight.readable(parts.store.everything.all_boards(), account, parts.settings.public_read)
+        return saw <= sees
 
     return allowed

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Generic, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from agentrob.board import records
+from agentrob.board.rights import RobotSettings
 from agentrob.model import Account, AccountKind, Role
 
 T = TypeVar("T")
@@ -29,12 +30,12 @@ Title = Annotated[
 Ids = Annotated[list[str], Field(max_length=32, description="ids from POST /images")]
 
 
-def _whole(value: object) -> object:
+def whole(value: object) -> object:
     """JSON knows one kind of number: 2.0 is 2."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-Count = Annotated[int, Field(ge=0, le=1000), BeforeValidator(_whole)]
+Count = Annotated[int, Field(ge=0, le=1000), BeforeValidator(whole)]
 
 
 class _In(BaseModel):
@@ -109,6 +110,8 @@ class BoardOut(_Out):
     id: str
     name: str
     description: str
+    post_role: Role
+    command_role: Role
 
 
 class TopicOut(_Out):
@@ -120,6 +123,7 @@ class TopicOut(_Out):
     created_at: Time
     last_post_at: Time
     posts: int
+    locked: bool
 
 
 class ImageOut(_Out):
@@ -163,6 +167,18 @@ class RobotOut(_Out):
     seen_at: Time | None
     viewers: int
     has_frame: bool
+
+
+class RightsOut(_Out):
+    """What `judge.rights` needs to know: each right is the least role, `owner` or `nobody`."""
+
+    owner: str
+    command: dict[str, str] = Field(description="by class of action: photo, gesture, move, risky")
+    approve: str
+    release: str
+    board: str = Field(description="the least role that commands on the board that was asked for")
+    approval: tuple[str, ...] = Field(description="classes of action that need somebody's approval")
+    closed_until: Time | None = Field(description="the end of the robot's maintenance, when it is closed now")
 
 
 class Items(_Out, Generic[T]):
@@ -210,6 +226,11 @@ def account_out(a: Account) -> AccountOut:
     )
 
 
+def board_out(b: records.Board) -> BoardOut:
+    roles = {"post_role": b.post_role, "command_role": b.command_role}
+    return BoardOut(id=b.id, name=b.name, description=b.description, **roles)
+
+
 class Shaper:
     """Makes models of records for one viewer: addresses begin with `base_url`, keys are shown to their owner only."""
 
@@ -227,6 +248,7 @@ class Shaper:
             created_at=time_out(t.created_at),
             last_post_at=time_out(t.last_post_at),
             posts=t.posts,
+            locked=t.locked,
         )
 
     def image(self, i: records.Image) -> ImageOut:
@@ -266,3 +288,16 @@ class Shaper:
 def robot_out(name: str, card: Mapping[str, Any], seen_at: datetime | None, viewers: int, has_frame: bool) -> RobotOut:
     seen = time_out(seen_at) if seen_at else None
     return RobotOut(name=name, card=dict(card), seen_at=seen, viewers=viewers, has_frame=has_frame)
+
+
+def rights_out(kept: RobotSettings, board: records.Board, now: datetime) -> RightsOut:
+    closed = kept.closed_until(now)
+    return RightsOut(
+        owner=kept.owner,
+        command=dict(kept.command),
+        approve=kept.approve,
+        release=kept.release,
+        board=str(board.command_role),
+        approval=kept.approval,
+        closed_until=time_out(closed) if closed else None,
+    )

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import Any
+from datetime import UTC, datetime
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request, UploadFile
+from fastapi import APIRouter, Query, Request, UploadFile
 from starlette.responses import FileResponse, Response
 
-from agentrob.board import buttons, images
-from agentrob.board.api import Key, Member, Reading, out, shaper, still_allowed
-from agentrob.board.api_models import EventOut, ImageOut, Items, RobotIn, RobotOut, Viewers, robot_out
+from agentrob.board import buttons, images, rights
+from agentrob.board.api import Key, Member, Reading, Stopper, out, shaper, still_allowed
+from agentrob.board.api_models import (
+    EventOut,
+    ImageOut,
+    Items,
+    RightsOut,
+    RobotIn,
+    RobotOut,
+    Viewers,
+    rights_out,
+    robot_out,
+)
 from agentrob.board.problem import documented
 from agentrob.board.reader import not_found
 from agentrob.board.services import Services, services
@@ -43,6 +54,16 @@ async def robot(request: Request, name: str, who: Reading) -> Response:
     return out(_robot(parts, buttons.known_robot(parts, name)))
 
 
+@router.get("/robots/{name}/rights", response_model=RightsOut)
+async def robot_rights(
+    request: Request, name: str, who: Reading, board: Annotated[str, Query(max_length=32)]
+) -> Response:
+    """Who may do what with this robot on this board now: what its agent asks again before every motion."""
+    store = services(request).store
+    kept = rights.settings_of(store.reader, buttons.known_robot(services(request), name).name)
+    return out(rights_out(kept, store.board(board), datetime.now(UTC)))
+
+
 @router.put("/robots/{name}", response_model=RobotOut)
 async def publish(request: Request, name: str, told: RobotIn, by: Member) -> Response:
     """The robot's agent tells of it, at least every 5 s while it lives."""
@@ -71,6 +92,7 @@ async def show(request: Request, name: str, by: Member) -> Response:
 async def frame(request: Request, name: str, who: Reading) -> Response:
     """The last live picture."""
     parts = services(request)
+    buttons.check_camera(parts, name, who.account)
     jpeg = parts.stage.live_frame(buttons.known_robot(parts, name).name)
     if jpeg is None:
         raise not_found("picture", name, "there is one while somebody looks at the camera")
@@ -86,13 +108,14 @@ async def camera(request: Request, name: str, who: Reading) -> Response:
     """Live pictures as a multipart stream. Whoever opens it is a viewer; the first one makes a `robot.watch` event."""
     parts = services(request)
     name = buttons.known_robot(parts, name).name
+    buttons.check_camera(parts, name, who.account)
     if parts.stage.robot(name).viewers == 0:
         await buttons.watch(parts, name)
     return CameraStream(parts.stage, name, still_allowed(parts, who))
 
 
 @router.post("/robots/{name}/stop", response_model=EventOut)
-async def stop(request: Request, name: str, by: Member, key: Key = None) -> Response:
+async def stop(request: Request, name: str, by: Stopper, key: Key = None) -> Response:
     """Stop a robot: every signed-in account may, and nothing stands in its way."""
     return out(shaper(request, by).event(await buttons.stop(services(request), name, by, key)))
 
@@ -138,7 +161,7 @@ def _own(by: Account, name: str) -> None:
 @router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415))
 async def upload(request: Request, file: UploadFile, by: Member, key: Key = None) -> Response:
     """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins."""
-    if by.kind is not AccountKind.ROBOT_AGENT and by.role is Role.MEMBER:
+    if by.kind is not AccountKind.ROBOT_AGENT and by.role.rank < Role.OPERATOR.rank:
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
     parts = services(request)
     data = await file.read(images.MAX_BYTES + 1)
@@ -155,6 +178,8 @@ async def picture(request: Request, image_id: str, who: Reading) -> Response:
     image, digest = parts.store.reader.image(image_id)
     if not parts.store.reader.image_shown(image.id, who.account):
         raise not_found("image", image_id)
+    if (robot := parts.store.reader.image_robot(image.id)) is not None:
+        buttons.check_camera(parts, robot, who.account)
     path = images.path_of(parts.settings.images_dir, digest)
     headers = {"Cache-Control": "private, max-age=3600"}
     return FileResponse(path, media_type=image.media_type, headers=headers, content_disposition_type="inline")

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 import structlog
 
+from agentrob.board import rights
 from agentrob.board.reader import not_found
 from agentrob.board.records import Event, EventKind
 from agentrob.board.services import Services
@@ -37,9 +38,20 @@ async def stop(services: Services, robot: str, by: Account, key: str | None = No
 async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
     """Put a simulated room back. 403 for those who may not command."""
     name = known_robot(services, robot).name
-    if by.role is Role.MEMBER:
+    kept = rights.settings_of(services.store.reader, name)
+    if by.role.rank < Role.OPERATOR.rank or not rights.reaches(by, kept.command["move"], kept.owner):
         raise BoardError(403, "not_operator", "only operators may reset the room", "ask an admin for the role operator")
+    if (until := kept.closed_until(datetime.now(UTC))) is not None:
+        raise BoardError(403, "closed", f"this robot is in maintenance until {until:%Y-%m-%d %H:%M} UTC", "come again")
     return await services.store.record(EventKind.ROBOT_RESET, name, by, key=key)
+
+
+def check_camera(services: Services, robot: str, viewer: Account | None) -> None:
+    """403 for those who may not see what this robot's camera saw."""
+    kept = rights.settings_of(services.store.reader, robot)
+    if not rights.sees_camera(kept, viewer, robot):
+        what = f"pictures of this robot's camera need the role {kept.camera_role}"
+        raise BoardError(403, "camera_role", what, "ask the robot's owner")
 
 
 async def watch(services: Services, robot: str) -> None:

@@ -65,11 +65,14 @@ def _frame(event: EventOut) -> bytes:
 class Listener:
     """One open stream of an account (None: not signed in): what waits to be sent to it, of one topic or of all.
 
-    `ended` is set when the stream is to end: it is closed, or too much waits since its listener does not read.
+    `ended` is set when the stream is to end: it is closed, or too much waits since its listener does not read. `boards`
+    are those whose posts it is told of.
     """
 
-    def __init__(self, topic_id: str | None = None, account_id: str | None = None) -> None:
-        self.topic_id, self.account_id = topic_id, account_id
+    def __init__(
+        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] = frozenset()
+    ) -> None:
+        self.topic_id, self.account_id, self.boards = topic_id, account_id, boards
         self.ended = asyncio.Event()
         self._pending: deque[Happening] = deque()
         self._waiter: asyncio.Future[None] | None = None
@@ -80,6 +83,8 @@ class Listener:
 
     def offer(self, happening: Happening) -> None:
         if self.closed or self.topic_id not in (None, happening.topic_id):
+            return
+        if happening.event.post is not None and happening.event.post.board_id not in self.boards:
             return
         self._pending.append(happening)
         if len(self._pending) > MAX_PENDING:
@@ -152,7 +157,9 @@ class Hub:
         """
         self._tell(event, written=False)
 
-    def listen(self, topic_id: str | None = None, account_id: str | None = None) -> Listener:
+    def listen(
+        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] = frozenset()
+    ) -> Listener:
         """Begin to listen; give the listener back with `leave`. 503 when too many do, 429 when this account does."""
         if self.closed or len(self._listeners) >= MAX_LISTENERS:
             raise BoardError(503, "no_more_streams", "no more event streams now", "poll /api/v1/changes", 5.0)
@@ -161,7 +168,7 @@ class Hub:
             who = "visitors who are not signed in have" if account_id is None else "this account has"
             hint = f"at most {most}: close one, or poll /api/v1/changes"
             raise BoardError(429, "too_many_streams", f"{who} too many event streams open", hint, 5.0)
-        listener = Listener(topic_id, account_id)
+        listener = Listener(topic_id, account_id, boards)
         self._listeners.add(listener)
         return listener
 
@@ -218,7 +225,7 @@ class EventStream(Response):
     async def _replay(self, send: Send) -> None:
         assert self._hub.reader is not None
         while not self._listener.closed:
-            events = self._hub.reader.events(self._after, 100, self._listener.topic_id)
+            events = self._hub.reader.events(self._after, 100, self._listener.topic_id, self._listener.boards)
             if not events:
                 return
             for event in events:

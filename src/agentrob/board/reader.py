@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import sqlite3
+from collections.abc import Callable, Hashable, Sequence
+from typing import Any, TypeVar
 
-from sqlalchemy import Connection, Integer, Row, Select, and_, bindparam, func, select
+from sqlalchemy import Connection, Integer, Row, Select, and_, bindparam, func, or_, select
 from sqlalchemy.exc import DBAPIError
 
 from agentrob.board import schema as db
@@ -14,6 +15,9 @@ from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, T
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
+T = TypeVar("T")
+#: So much is kept of what was read since the last commit.
+MAX_KEPT = 2000
 #: The longest page that anybody gets.
 MAX_LIMIT = 100
 _LARGEST_ID = 2**63 - 1
@@ -41,11 +45,12 @@ _POSTS_OF_TOPIC = (
 )
 _TOPIC = _TOPICS.where(db.topics.c.id == bindparam("id"))
 _POSTS_BY_ID = _POSTS.where(db.posts.c.id.in_(bindparam("ids", expanding=True)))
+_BOARDS = select(db.boards).order_by(db.boards.c.position, db.boards.c.id)
 _ACCOUNT_BY_NAME = ACCOUNT.where(db.accounts.c.name == bindparam("name"))
 _IMAGES_OF_POSTS = (
     select(db.post_images.c.post_id, db.images.c.id, db.images.c.width, db.images.c.height, db.images.c.media_type)
     .join(db.images, db.images.c.id == db.post_images.c.image_id)
-    .where(db.post_images.c.post_id.in_(bindparam("ids", expanding=True)))
+    .where(db.post_images.c.post_id.in_(bindparam("ids", expanding=True)), db.images.c.gone_us.is_(None))
     .order_by(db.post_images.c.post_id, db.post_images.c.position)
 )
 _EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)
@@ -78,25 +83,66 @@ def account_from(row: Row[Any]) -> Account:
 
 
 class Reader:
-    """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503."""
+    """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503.
 
-    def __init__(self, connection: Connection) -> None:
+    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there.
+    """
+
+    def __init__(self, connection: Connection, sees: Callable[[], frozenset[str]] | None = None) -> None:
         self.connection = connection
+        self._sees = sees
+        self._kept: dict[Hashable, Any] = {}
+        self._kept_at: int | None = None
 
     def rows(self, statement: Select[Any], **values: Any) -> Sequence[Row[Any]]:
         try:
             return self.connection.execute(statement, values).all()
         except DBAPIError as e:
+            if e.connection_invalidated:  # a server that was started again: the next read connects anew
+                self.connection.rollback()
             raise unavailable(e) from e
+
+    def kept(self, key: Hashable, read: Callable[[], T]) -> T:
+        """What `read` gives, or gave since the last commit of anybody: then nothing can have changed."""
+        newest = self._version()
+        if newest is None:
+            return read()
+        if newest != self._kept_at or len(self._kept) >= MAX_KEPT:
+            self._kept, self._kept_at = {}, newest
+        if key not in self._kept:
+            self._kept[key] = read()
+        found: T = self._kept[key]
+        return found
+
+    def _version(self) -> int | None:
+        """A number that changes with every commit of another connection; None where there is no such thing."""
+        if self.connection.dialect.name != "sqlite":
+            return None
+        raw: Any = self.connection.connection.dbapi_connection
+        try:
+            return int(raw.execute("PRAGMA data_version").fetchone()[0])
+        except sqlite3.Error:
+            return None
+
+    def seen(self) -> frozenset[str] | None:
+        """The boards that are seen now; None for all that there are."""
+        if self._sees is None:
+            return None
+        sees = self._sees()
+        return None if sees.issuperset(b.id for b in self.all_boards()) else sees
 
     def first(self, statement: Select[Any], **values: Any) -> Row[Any] | None:
         found = self.rows(statement, **values)
         return found[0] if found else None
 
     # ---------------------------------------------------------------- boards and topics
+    def all_boards(self) -> tuple[Board, ...]:
+        """All there are, whoever asks."""
+        return self.kept("boards", lambda: tuple(map(_board, self.rows(_BOARDS))))
+
     def boards(self) -> tuple[Board, ...]:
-        order = (db.boards.c.position, db.boards.c.id)
-        return tuple(Board(r.id, r.name, r.description) for r in self.rows(select(db.boards).order_by(*order)))
+        boards, seen = self.all_boards(), self.seen()
+        return boards if seen is None else tuple(b for b in boards if b.id in seen)
 
     def board(self, board_id: str) -> Board:
         boards = self.boards()
@@ -111,6 +157,8 @@ class Reader:
         statement = _TOPICS.where(t.posts > 0).order_by(t.last_post_id.desc()).limit(_limit(limit) + 1)
         if board_id is not None:
             statement = statement.where(t.board_id == self.board(board_id).id)
+        elif (seen := self.seen()) is not None:
+            statement = statement.where(t.board_id.in_(seen))
         if cursor:
             statement = statement.where(t.last_post_id < from_cursor(cursor))
         rows = self.rows(statement)
@@ -118,7 +166,7 @@ class Reader:
 
     def topic(self, topic_id: str) -> Topic:
         row = self.first(_TOPIC, id=row_id(topic_id, "topic"))
-        if row is None:
+        if row is None or ((seen := self.seen()) is not None and row.board_id not in seen):
             raise not_found("topic", topic_id)
         return _topic(row)
 
@@ -133,7 +181,10 @@ class Reader:
         """What an account wrote, newest first, without what was removed."""
         p = db.posts.c
         mine = and_(p.author_id == int(author.id), p.removed.is_(False))
-        return self._posts(self.rows(_POSTS.where(mine).order_by(p.id.desc()).limit(_limit(limit))))
+        statement = _POSTS.where(mine).order_by(p.id.desc()).limit(_limit(limit))
+        if (seen := self.seen()) is not None:
+            statement = statement.where(db.topics.c.board_id.in_(seen))
+        return self._posts(self.rows(statement))
 
     def cursor_before(self, post_id: str, limit: int) -> str | None:
         p = db.posts.c
@@ -141,6 +192,7 @@ class Reader:
         topic_id = self.first(select(p.topic_id).where(p.id == number))
         if topic_id is None:
             raise not_found("post", post_id)
+        self.topic(str(topic_id[0]))
         earlier = and_(p.topic_id == topic_id[0], p.id < number)
         counted = self.rows(select(func.count()).select_from(db.posts).where(earlier))[0][0]
         start = counted - counted % _limit(limit)
@@ -156,7 +208,8 @@ class Reader:
         return found[0]
 
     def posts_by_id(self, ids: Sequence[int]) -> tuple[Post, ...]:
-        return self._posts(self.rows(_POSTS_BY_ID, ids=ids))
+        rows, seen = self.rows(_POSTS_BY_ID, ids=ids), self.seen()
+        return self._posts(rows if seen is None else [r for r in rows if r.board_id in seen])
 
     def find(self, author: Account, key: str) -> Post | None:
         p = db.posts.c
@@ -183,18 +236,27 @@ class Reader:
     def image(self, image_id: str) -> tuple[Image, str]:
         """The image and the hash that names its file."""
         row = self.first(select(db.images).where(db.images.c.id == row_id(image_id, "image")))
-        if row is None:
+        if row is None or row.gone_us is not None:
             raise not_found("image", image_id)
         return Image(str(row.id), row.width, row.height, row.media_type), row.sha256
 
     def image_shown(self, image_id: str, viewer: Account | None) -> bool:
-        """Whether a post that is not removed shows the image; its owner always sees it."""
+        """Whether a post that is seen and not removed shows the image; its owner always sees it."""
         i, pi = db.images.c, db.post_images.c
         number = int(image_id)
         if viewer and self.first(select(i.id).where(i.id == number, i.account_id == int(viewer.id))):
             return True
         shown = select(pi.post_id).join(db.posts, db.posts.c.id == pi.post_id)
+        if (seen := self.seen()) is not None:
+            shown = shown.join(db.topics, db.topics.c.id == db.posts.c.topic_id).where(db.topics.c.board_id.in_(seen))
         return self.first(shown.where(pi.image_id == number, db.posts.c.removed.is_(False)).limit(1)) is not None
+
+    def image_robot(self, image_id: str) -> str | None:
+        """The robot whose agent uploaded the image: what its camera saw. None when a person did."""
+        robots = and_(db.images.c.id == int(image_id), db.accounts.c.kind == AccountKind.ROBOT_AGENT)
+        query = select(db.accounts.c.name).join(db.images, db.images.c.account_id == db.accounts.c.id).where(robots)
+        row = self.first(query)
+        return row.name if row else None
 
     # ---------------------------------------------------------------- accounts
     def account(self, name: str) -> Account | None:
@@ -225,10 +287,16 @@ class Reader:
                 return int(number)
         raise not_found("event", wanted, f"the newest is {self.newest_event_id()}")
 
-    def events(self, after: int, limit: int, topic_id: str | None = None) -> tuple[Event, ...]:
-        """Oldest first, with posts as they are now."""
+    def events(
+        self, after: int, limit: int, topic_id: str | None = None, boards: frozenset[str] | None = None
+    ) -> tuple[Event, ...]:
+        """Oldest first, with posts as they are now; of posts only those of `boards` when given."""
         e = db.events.c
         statement = _EVENTS.where(e.id > after).order_by(e.id).limit(_limit(limit))
+        if (seen := self.seen() if boards is None else boards) is not None:
+            statement = statement.outerjoin(db.topics, db.topics.c.id == e.topic_id).where(
+                or_(e.topic_id.is_(None), db.topics.c.board_id.in_(seen))
+            )
         if topic_id is not None:
             statement = statement.where(e.topic_id == row_id(topic_id, "topic"))
         rows = self.rows(statement)
@@ -237,9 +305,13 @@ class Reader:
 
 
 # -------------------------------------------------------------------- rows to records
+def _board(r: Row[Any]) -> Board:
+    return Board(r.id, r.name, r.description, Role(r.read_role), Role(r.post_role), Role(r.command_role))
+
+
 def _topic(r: Row[Any]) -> Topic:
     created, last = from_us(r.created_us), from_us(r.last_post_us)
-    return Topic(str(r.id), r.board_id, r.title, account_from(r), created, last, r.posts)
+    return Topic(str(r.id), r.board_id, r.title, account_from(r), created, last, r.posts, r.locked)
 
 
 def _post(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:

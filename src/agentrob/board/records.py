@@ -12,7 +12,7 @@ from datetime import UTC, datetime, timedelta
 from enum import StrEnum
 from typing import Any, Generic, TypeVar
 
-from agentrob.model import Account
+from agentrob.model import Account, Role
 
 T = TypeVar("T")
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
@@ -37,11 +37,14 @@ class EventKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """A category; `id` is its slug."""
+    """A category; `id` is its slug. The roles are the least ones that read, post and command here."""
 
     id: str
     name: str
     description: str = ""
+    read_role: Role = Role.GUEST
+    post_role: Role = Role.MEMBER
+    command_role: Role = Role.OPERATOR
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +58,7 @@ class Topic:
     created_at: datetime
     last_post_at: datetime
     posts: int
+    locked: bool = False
 
     @property
     def path(self) -> str:

@@ -15,10 +15,12 @@ from sqlalchemy import (
     Index,
     Integer,
     MetaData,
+    PrimaryKeyConstraint,
     String,
     Table,
     Text,
     UniqueConstraint,
+    false,
 )
 
 metadata = MetaData(
@@ -63,6 +65,7 @@ tokens = Table(
     Column("hash", String(64), primary_key=True),
     _account(),
     Column("label", String(64), nullable=False, default=""),
+    Column("scopes", String(40), nullable=False, default="read write", server_default="read write"),
     Column("created_us", BigInteger, nullable=False),
     Column("revoked_us", BigInteger),
 )
@@ -77,16 +80,30 @@ sessions = Table(
     Column("expires_us", BigInteger, nullable=False),
 )
 
-#: One-time sign-in links.
+#: One-time links: `enter` signs in, `password` sets a new password.
 links = Table(
     "links",
     metadata,
     Column("hash", String(64), primary_key=True),
     _account(),
+    Column("purpose", String(10), nullable=False, default="enter", server_default="enter"),
     Column("expires_us", BigInteger, nullable=False),
     Column("used_us", BigInteger),
 )
 
+#: Links by which people make their own accounts. `role` is what they get, `left` how many may still use it.
+invites = Table(
+    "invites",
+    metadata,
+    Column("hash", String(64), primary_key=True),
+    _account("by_id", nullable=True),
+    Column("role", String(10), nullable=False),
+    Column("left", Integer, nullable=False),
+    Column("created_us", BigInteger, nullable=False),
+    Column("expires_us", BigInteger, nullable=False),
+)
+
+#: The least role for each; a board that guests may read is open to the world only where the whole forum is.
 boards = Table(
     "boards",
     metadata,
@@ -94,6 +111,36 @@ boards = Table(
     Column("name", String(64), nullable=False),
     Column("description", String(200), nullable=False, default=""),
     Column("position", Integer, nullable=False, default=0),
+    Column("read_role", String(10), nullable=False, default="guest", server_default="guest"),
+    Column("post_role", String(10), nullable=False, default="member", server_default="member"),
+    Column("command_role", String(10), nullable=False, default="operator", server_default="operator"),
+)
+
+#: What is kept of a robot besides its account; one without a row has the defaults of `rights`.
+robots = Table(
+    "robots",
+    metadata,
+    _account(),
+    _account("owner_id", nullable=True),
+    Column("rights", JSON, nullable=False),
+    Column("camera_role", String(10), nullable=False),
+    Column("camera_days", Integer, nullable=False),
+    Column("closed", JSON, nullable=False),
+    PrimaryKeyConstraint("account_id"),
+)
+
+#: Who changed what: never changed, never deleted. `actor` is a handle, or `shell` for the command line.
+audit = Table(
+    "audit",
+    metadata,
+    _id(),
+    Column("at_us", BigInteger, nullable=False),
+    Column("actor", String(40), nullable=False),
+    Column("action", String(40), nullable=False),
+    Column("target", String(80), nullable=False),
+    Column("detail", JSON, nullable=False),
+    Index(None, "target", "id"),
+    sqlite_autoincrement=True,
 )
 
 #: `last_post_id` orders topics by activity; `posts` counts those that are not removed. Both are kept by `writes`.
@@ -108,6 +155,7 @@ topics = Table(
     Column("last_post_id", Id, nullable=False, default=0),
     Column("last_post_us", BigInteger, nullable=False),
     Column("posts", Integer, nullable=False, default=0),
+    Column("locked", Boolean, nullable=False, default=False, server_default=false()),
     Index(None, "board_id", "last_post_id"),
     Index(None, "last_post_id"),
     sqlite_autoincrement=True,
@@ -146,7 +194,7 @@ post_versions = Table(
     Column("until_us", BigInteger, nullable=False),
 )
 
-#: The files themselves are in the images folder, named by `sha256`.
+#: The files themselves are in the images folder, named by `sha256`; since `gone_us` there is none any more.
 images = Table(
     "images",
     metadata,
@@ -157,6 +205,8 @@ images = Table(
     Column("width", Integer, nullable=False),
     Column("height", Integer, nullable=False),
     Column("created_us", BigInteger, nullable=False),
+    Column("gone_us", BigInteger),
+    Index(None, "account_id", "id"),
     sqlite_autoincrement=True,
 )
 

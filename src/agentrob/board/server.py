@@ -21,7 +21,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_robots
+from agentrob.board import api, api_admin, api_moderation, api_robots
 from agentrob.board.admin import bootstrap
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
@@ -35,6 +35,8 @@ from agentrob.errors import BoardError, RobotBusy
 from agentrob.hostlock import HostLock
 
 log = structlog.get_logger(__name__)
+#: How often pictures are deleted that are older than they are kept.
+EXPIRE_S = 3600.0
 
 
 def create_app(settings: BoardSettings) -> FastAPI:
@@ -45,11 +47,13 @@ def create_app(settings: BoardSettings) -> FastAPI:
         await asyncio.to_thread(bootstrap, settings)
         hub, stage = Hub(settings.base_url), Stage()
         store = Store(settings, hub.published)
-        hub.start(store.reader)
-        app.state.services = Services(settings, store, hub, stage)
+        hub.start(store.everything)
+        app.state.services = parts = Services(settings, store, hub, stage)
+        expiring = asyncio.create_task(api_admin.expire_pictures(parts, EXPIRE_S))
         try:
             yield
         finally:
+            expiring.cancel()
             end_streams(app)
             await asyncio.to_thread(store.close)
 
@@ -62,7 +66,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
         redoc_url=None,
     )
     app.add_middleware(Gate, settings=settings)
-    for router in (api.router, api_robots.router, api_robots.files):
+    for router in (api.router, api_robots.router, api_admin.router, api_moderation.router, api_robots.files):
         app.include_router(router)
     _add_pages(app)
     _add_errors(app)
@@ -156,7 +160,8 @@ class Server(uvicorn.Server):
             log_config=None,
             access_log=False,
             server_header=False,
-            proxy_headers=settings.secure,
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=list(settings.trusted_proxies),
             timeout_keep_alive=30,
             timeout_graceful_shutdown=1,
         )

@@ -7,17 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from agentrob.config import BoardConfig
+from agentrob.config import BoardConfig, BoardLimitsConfig
 from agentrob.errors import ConfigError
 
 PROPOSED_PORT = 8088
+NO_LIMITS = BoardLimitsConfig(posts=0, commands=0, uploads=0, sign_ups=0)
 
 
 @dataclass(frozen=True, slots=True)
 class BoardSettings:
     """`database` is a SQLAlchemy URL, `base_url` what browsers see (no slash at its end; https makes cookies Secure).
 
-    `sign_up`: anybody may make an account (as `member`). `public_read`: reading needs no sign-in.
+    `sign_up`: anybody may make an account (as `member`). `public_read`: reading needs no sign-in. `trusted_proxies` may
+    say whose request it is.
     """
 
     database: str
@@ -28,6 +30,8 @@ class BoardSettings:
     title: str = "AgentRob"
     sign_up: bool = False
     public_read: bool = False
+    limits: BoardLimitsConfig = NO_LIMITS
+    trusted_proxies: tuple[str, ...] = ()
     busy_timeout_s: float = 2.0
 
     @classmethod
@@ -44,7 +48,14 @@ class BoardSettings:
         database = board.database or f"sqlite:///{data_dir / 'board' / 'board.sqlite3'}"
         if "://" not in database:
             database = f"sqlite:///{Path(database).expanduser()}"
-        return cls(database, host, port, base_url, data_dir / "board" / "images", board.title, sign_up)
+        limits = board.limits or (NO_LIMITS if local else BoardLimitsConfig())
+        proxies = board.trusted_proxies
+        if proxies is None:
+            proxies = ("127.0.0.1", "::1") if base_url.startswith("https://") else ()
+        images = data_dir / "board" / "images"
+        return cls(
+            database, host, port, base_url, images, board.title, sign_up, board.public_read, limits, proxies
+        )  # fmt: skip
 
     @property
     def secure(self) -> bool:

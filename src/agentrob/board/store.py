@@ -12,27 +12,28 @@ from typing import Any, Literal
 
 from sqlalchemy.exc import DBAPIError
 
-from agentrob.board import writes
+from agentrob.board import sight, writes
 from agentrob.board.database import open_engine, unavailable
 from agentrob.board.reader import Reader
 from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Job, T, Writer
-from agentrob.language.stop import stop_intent
-from agentrob.language.visible import visible_text
 from agentrob.model import Account
 
 
 class Store:
     """One open database. Made once per process by `server.create_app`; pages get it as `services(request).store`.
 
-    `published` is called on the event loop with the ids of new events, in order, after each commit.
+    `published` is called on the event loop with the ids of new events, in order, after each commit. `reader` sees what
+    the request that runs may see (`sight`), `everything` all: what it gives needs its own look at who asks.
     """
 
     def __init__(self, settings: BoardSettings, published: Callable[[list[int]], None] = lambda _: None) -> None:
+        self._limits = settings.limits
         self._engines = [open_engine(settings, writes=False), open_engine(settings, writes=True)]
         try:
-            self.reader = Reader(self._engines[0].connect())
+            self.reader = Reader(self._engines[0].connect(), sight.now)
+            self.everything = Reader(self.reader.connection)
         except DBAPIError as e:
             raise unavailable(e) from e
         self.writer = Writer(self._engines[1], published)
@@ -117,8 +118,10 @@ class Store:
         key: str | None = None,
         images: Sequence[str] = (),
     ) -> Written:
-        draft = writes.Draft(author, body, key, images)
-        return await self.writer.do(lambda t: writes.create_topic(t, board_id, title, draft), lambda: _stops(body))
+        draft = writes.Draft(author, body, key, images, limits=self._limits)
+        return await self.writer.do(
+            lambda t: writes.create_topic(t, board_id, title, draft), lambda: writes.says_stop(body)
+        )
 
     async def reply(
         self,
@@ -131,8 +134,8 @@ class Store:
         images: Sequence[str] = (),
         card: Mapping[str, Any] | None = None,
     ) -> Written:
-        draft = writes.Draft(author, body, key, images, reply_to, card)
-        return await self.writer.do(lambda t: writes.reply(t, topic_id, draft), lambda: _stops(body))
+        draft = writes.Draft(author, body, key, images, reply_to, card, self._limits)
+        return await self.writer.do(lambda t: writes.reply(t, topic_id, draft), lambda: writes.says_stop(body))
 
     async def edit(
         self,
@@ -146,11 +149,11 @@ class Store:
     ) -> Post:
         """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
         job: Job[Post] = lambda t: writes.edit(t, editor, post_id, body, key, images, card)  # noqa: E731
-        return await self.writer.do(job, lambda: _stops(body))
+        return await self.writer.do(job, lambda: writes.says_stop(body))
 
-    async def remove(self, by: Account, post_id: str) -> Post:
-        """Hide a post for everybody; its author and admins may (403). Again does nothing."""
-        return await self.do(lambda t: writes.remove(t, by, post_id))
+    async def remove(self, by: Account, post_id: str, reason: str = "") -> Post:
+        """Hide a post for everybody; its author and moderators may (403). Again does nothing."""
+        return await self.do(lambda t: writes.remove(t, by, post_id, reason))
 
     async def record(self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None) -> Event:
         """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
@@ -159,9 +162,4 @@ class Store:
 
     async def add_image(self, by: Account, sha256: str, image: Image, key: str | None = None) -> tuple[Image, bool]:
         """Register a picture whose file is in place; False when the key had been used: then it is the old one."""
-        return await self.do(lambda t: writes.add_image(t, by, sha256, image, key))
-
-
-def _stops(body: str) -> bool:
-    """Whether a text says stop, in any thread: no limit stands in its way (law 15)."""
-    return stop_intent(visible_text(body)) is not None
+        return await self.do(lambda t: writes.add_image(t, by, sha256, image, key, self._limits.uploads))

@@ -46,8 +46,10 @@ KINDS = {
     AccountKind.MONITORING_AGENT: "a program that watches",
 }
 ROLES = {
+    Role.GUEST: "guest: looks and stops",
     Role.MEMBER: "member: looks, writes, stops",
     Role.OPERATOR: "operator: commands robots",
+    Role.MODERATOR: "moderator: commands robots, hides and locks",
     Role.ADMIN: "administrator",
 }
 
@@ -238,7 +240,7 @@ async def error_page(request: Request, error: BoardError, draft: str = "") -> Re
 
 def hint_of(error: BoardError) -> str:
     """What to do about an error, for people: hints that are for programs are replaced."""
-    if error.retry_after_s is not None:
+    if error.retry_after_s is not None and (error.retry_after_s <= 300 or not error.hint):
         return f"wait {max(1, math.ceil(error.retry_after_s))} seconds, then try again"
     if error.status == 401 and error.code != "wrong_password":
         return HINTS[401]

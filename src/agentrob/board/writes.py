@@ -6,28 +6,30 @@ same transaction.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from sqlalchemy import Connection, insert, select, update
 
+from agentrob.board import audit, limits
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, event_id, row_id
-from agentrob.board.records import Event, EventKind, Image, Post, Written, from_us
+from agentrob.board.reader import Reader, event_id, not_found, row_id
+from agentrob.board.records import Board, Event, EventKind, Image, Post, Topic, Written, from_us
 from agentrob.board.render import render
+from agentrob.board.settings import NO_LIMITS
 from agentrob.board.writer import Transaction
+from agentrob.config import BoardLimitsConfig
 from agentrob.errors import BoardError
+from agentrob.language.stop import stop_intent
 from agentrob.language.visible import mentions, visible_text
-from agentrob.model import Account, Role
+from agentrob.model import Account, AccountKind, Role
 
 MAX_IMAGES = 32
 Card = Mapping[str, Any]
 
 
-def now_us() -> int:
-    return time.time_ns() // 1000
+now_us = audit.now_us
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,7 @@ class Draft:
     images: Sequence[str] = ()
     reply_to: str | None = None
     card: Card | None = None
+    limits: BoardLimitsConfig = NO_LIMITS
 
 
 def create_topic(t: Transaction, board_id: str, title: str, draft: Draft) -> Written:
@@ -47,6 +50,8 @@ def create_topic(t: Transaction, board_id: str, title: str, draft: Draft) -> Wri
     if old := _written_before(t, draft):
         return old
     board = Reader(t.connection).board(board_id)
+    may_post(draft.author, board, draft.body)
+    check_limits(t, draft)
     at = now_us()
     row = {"board_id": board.id, "title": title, "author_id": int(draft.author.id)}
     topic_id = _insert(t, db.topics, **row, created_us=at, last_post_us=at)
@@ -57,8 +62,43 @@ def reply(t: Transaction, topic_id: str, draft: Draft) -> Written:
     """A new post in a topic."""
     if old := _written_before(t, draft):
         return old
-    topic = Reader(t.connection).topic(topic_id)
+    reader = Reader(t.connection)
+    topic = reader.topic(topic_id)
+    may_post(draft.author, reader.board(topic.board_id), draft.body, topic)
+    check_limits(t, draft)
     return _add_post(t, int(topic.id), draft, now_us())
+
+
+def may_post(author: Account, board: Board, body: str, topic: Topic | None = None) -> None:
+    """403 where the author may not write, 404 where it may not even look.
+
+    A stop may be posted wherever its author may look (law 15), and robots answer wherever they were asked.
+    """
+    if author.role.rank < board.read_role.rank:
+        raise not_found("topic", topic.id) if topic else not_found("board", board.id)
+    if author.kind is AccountKind.ROBOT_AGENT or says_stop(body):
+        return
+    if author.role.rank < max(board.post_role.rank, Role.MEMBER.rank):
+        what = f"writing on the board {board.id} needs the role {board.post_role}"
+        raise BoardError(403, "board_role", what, "ask an admin; a stop may be posted all the same")
+    if topic is not None and topic.locked and author.role.rank < Role.MODERATOR.rank:
+        raise BoardError(403, "locked", "this topic is locked", "begin a new one; a stop may be posted all the same")
+
+
+def check_limits(t: Transaction, draft: Draft) -> None:
+    """429 when the author wrote or commanded too much in the last hour. Robots and stops are exempt."""
+    if draft.author.kind is AccountKind.ROBOT_AGENT or says_stop(draft.body):
+        return
+    limits.check_posts(t.connection, draft.author, draft.limits.posts)
+    if draft.limits.commands:
+        robots = frozenset(r.name for r in Reader(t.connection).robots())
+        if robots.intersection(mentions(visible_text(draft.body))):
+            limits.check_commands(t.connection, draft.author, draft.limits.commands, robots)
+
+
+def says_stop(body: str) -> bool:
+    """Whether a text says stop, in any thread: no limit stands in its way (law 15)."""
+    return stop_intent(visible_text(body)) is not None
 
 
 def edit(
@@ -79,6 +119,7 @@ def edit(
         return post
     if post.removed:
         raise BoardError(409, "removed", "the post was removed", "write a new one")
+    may_post(editor, reader.board(post.board_id), body, reader.topic(post.topic_id))
     at = now_us()
     version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
     t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
@@ -87,16 +128,16 @@ def edit(
         values["card"] = card
     t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
     _attach(t.connection, int(post.id), editor, images, first=len(post.images))
-    _event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
+    add_event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
     return reader.post(post.id)
 
 
-def remove(t: Transaction, by: Account, post_id: str) -> Post:
-    """Hide a post. Its author may, and admins; again does nothing."""
+def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
+    """Hide a post. Its author may, and moderators; again does nothing."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
-    if post.author.id != by.id and by.role is not Role.ADMIN:
-        raise BoardError(403, "not_yours", "only its author or an admin may remove a post")
+    if post.author.id != by.id and by.role.rank < Role.MODERATOR.rank:
+        raise BoardError(403, "not_yours", "only its author or a moderator may remove a post")
     if post.removed:
         return post
     values = {"removed": True, "removed_by": int(by.id), "version": post.version + 1}
@@ -104,7 +145,9 @@ def remove(t: Transaction, by: Account, post_id: str) -> Post:
     topics = db.topics.c
     counted = update(db.topics).where(topics.id == int(post.topic_id)).values(posts=topics.posts - 1)
     t.connection.execute(counted)
-    _event(t, EventKind.POST_REMOVED, now_us(), topic_id=int(post.topic_id), post_id=int(post.id))
+    add_event(t, EventKind.POST_REMOVED, now_us(), topic_id=int(post.topic_id), post_id=int(post.id))
+    if post.author.id != by.id:
+        audit.note(t.connection, by.name, "post.hide", f"post:{post.id}", author=post.author.name, reason=reason)
     return reader.post(post.id)
 
 
@@ -114,16 +157,20 @@ def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key:
     if by and key and (old := _used(t.connection, by, f"{kind}:{robot}"[:40], key)):
         at_us = t.connection.execute(select(db.events.c.at_us).where(db.events.c.id == old)).scalar_one()
         return Event(event_id(old, at_us), kind, from_us(at_us), robot=robot, account=by)
-    number = _event(t, kind, at_us, **values)
+    number = add_event(t, kind, at_us, **values)
     if by:
         _use_key(t, by, f"{kind}:{robot}"[:40], key, number)
     return Event(event_id(number, at_us), kind, from_us(at_us), robot=robot, account=by)
 
 
-def add_image(t: Transaction, by: Account, sha256: str, image: Image, key: str | None) -> tuple[Image, bool]:
-    """An uploaded picture, and whether it is new."""
+def add_image(
+    t: Transaction, by: Account, sha256: str, image: Image, key: str | None, per_hour: int = 0
+) -> tuple[Image, bool]:
+    """An uploaded picture, and whether it is new. 429 when the account uploaded `per_hour` in the last hour."""
     if key and (old := _used(t.connection, by, "image", key)):
         return Reader(t.connection).image(str(old))[0], False
+    if by.kind is not AccountKind.ROBOT_AGENT:
+        limits.check_uploads(t.connection, by, per_hour)
     values = {"media_type": image.media_type, "width": image.width, "height": image.height}
     image_id = _insert(t, db.images, account_id=int(by.id), sha256=sha256, created_us=now_us(), **values)
     _use_key(t, by, "image", key, image_id)
@@ -156,7 +203,7 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int) -> Written:
     newest = {"last_post_id": post_id, "last_post_us": at, "posts": topics.posts + 1}
     t.connection.execute(update(db.topics).where(topics.id == topic_id).values(**newest))
     _attach(t.connection, post_id, draft.author, draft.images)
-    _event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
+    add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
 
 
@@ -198,7 +245,7 @@ def _attach(connection: Connection, post_id: int, by: Account, images: Sequence[
     connection.execute(insert(db.post_images), rows)
 
 
-def _event(t: Transaction, kind: EventKind, at_us: int, **values: Any) -> int:
+def add_event(t: Transaction, kind: EventKind, at_us: int, **values: Any) -> int:
     event_id = _insert(t, db.events, kind=str(kind), at_us=at_us, **values)
     t.event_ids.append(event_id)
     return event_id

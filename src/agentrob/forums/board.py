@@ -16,7 +16,7 @@ import httpx2
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
-from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 
 USER_AGENT = "AgentRob/0.1"
 _KINDS = frozenset(EventKind)
@@ -124,6 +124,11 @@ class BoardForum:
             return await self._call("GET", f"/accounts/{quote(name, safe='')}", _account)
         except ForumNotFound:
             return None
+
+    # ---------------------------------------------------------------- Keeper
+    async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
+        path = f"/robots/{quote(robot, safe='')}/rights"
+        return await self._call("GET", path, _rights, params={"board": board_id})
 
     # ---------------------------------------------------------------- Events
     async def now(self) -> tuple[str, datetime]:
@@ -250,8 +255,22 @@ def _time(text: str) -> datetime:
 def _account(a: _JSON) -> Account:
     """A kind or role that we do not know is the one with fewest rights."""
     kind = AccountKind(a["kind"]) if a["kind"] in frozenset(AccountKind) else AccountKind.MONITORING_AGENT
-    role = Role(a["role"]) if a["role"] in frozenset(Role) else Role.MEMBER
+    role = Role(a["role"]) if a["role"] in frozenset(Role) else Role.GUEST
     return Account(str(a["id"]), a["name"], kind, role, bool(a.get("suspended")), a.get("display_name") or "")
+
+
+def _rights(r: _JSON) -> RobotRights:
+    """What is missing is an error, and then nothing is granted; words that we do not know grant nothing."""
+    closed = r["closed_until"]
+    return RobotRights(
+        owner=str(r["owner"]),
+        command={str(k): str(v) for k, v in r["command"].items()},
+        approve=str(r["approve"]),
+        release=str(r["release"]),
+        board=str(r["board"]),
+        approval=tuple(map(str, r["approval"])),
+        closed_until=_time(closed) if closed is not None else None,
+    )
 
 
 def _topic(t: _JSON) -> Topic:

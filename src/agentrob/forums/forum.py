@@ -12,7 +12,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
-from agentrob.model import Account, Post, StatusCard
+from agentrob.model import Account, Post, RobotRights, StatusCard
 
 T = TypeVar("T")
 
@@ -177,6 +177,15 @@ class Stage(Protocol):
 
     async def publish_frame(self, robot: str, jpeg: bytes) -> int:
         """Show a live picture; returns how many people watch."""
+        ...
+
+
+@runtime_checkable
+class Keeper(Protocol):
+    """A forum that keeps who may do what with each robot, besides the roles of accounts."""
+
+    async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
+        """The rights of this robot on this board now."""
         ...
 
 

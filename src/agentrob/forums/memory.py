@@ -309,7 +309,7 @@ class MemoryForum:
 
     async def press_reset(self, robot: str) -> None:
         """The button that resets a simulated room; operators only."""
-        if self._up().accounts[self._name].role is Role.MEMBER:
+        if self._up().accounts[self._name].role.rank < Role.OPERATOR.rank:
             raise ForumDenied("resetting the room needs an operator")
         self._press(EventKind.ROBOT_RESET, robot)
 

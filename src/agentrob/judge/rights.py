@@ -1,20 +1,56 @@
-"""Who may do what: decided by the account as the forum vouches for it, never by anything in a text (laws 1 and 2)."""
+"""Who may do what: decided by the account as the forum vouches for it, never by anything in a text (laws 1 and 2).
+
+What a forum keeps of a robot's rights narrows the laws and never widens them: whatever stands there, commanding needs
+an operator, and no agent approves or releases.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Literal
 
 from agentrob.language.phrases import say
-from agentrob.model import Account, AccountKind, Decision, Language, Role, Verdict
+from agentrob.model import (
+    Account,
+    AccountKind,
+    ActionClass,
+    Decision,
+    Language,
+    Op,
+    Plan,
+    RobotRights,
+    Role,
+    Verdict,
+)
 
-Action = Literal["look", "stop", "command", "release"]
+Action = Literal["look", "stop", "command", "approve", "release"]
+
+_CLASSES = {Op.GET_FRONT_IMAGE: ActionClass.PHOTO, Op.BACKFLIP: ActionClass.RISKY} | dict.fromkeys(
+    (Op.MOVE, Op.TURN), ActionClass.MOVE
+)
+#: Where a forum keeps no rights of robots.
+_DEFAULT = RobotRights(command=dict.fromkeys(ActionClass, str(Role.OPERATOR)))
 
 
-def may(account: Account, action: Action, language: Language = "en", owner: str = "") -> Verdict:
-    """Whether `account` may do `action` now. `owner` is the handle of the robot's owner, needed for `release` only.
+def classes_of(plan: Plan) -> tuple[ActionClass, ...]:
+    """The classes of action that a plan has, each once; whatever is no photo, walk or flip is a gesture."""
+    return tuple(dict.fromkeys(_CLASSES.get(step.op, ActionClass.GESTURE) for step in plan.steps))
 
-    Members look and stop, operators command, the robot's owner and human admins release. Suspended accounts may
-    nothing, not even stop; robot and monitoring agents may look and are never obeyed, whatever their role.
+
+def may(
+    account: Account,
+    action: Action,
+    language: Language = "en",
+    owner: str = "",
+    rights: RobotRights | None = None,
+    classes: Collection[str] = (),
+) -> Verdict:
+    """Whether `account` may do `action` now.
+
+    `owner` is the handle of the robot's owner as its configuration has it, `rights` what the forum keeps of the robot,
+    `classes` what a command would do. Everybody signed in looks and stops; operators command, where `rights` let them;
+    the robot's owner and human admins release and approve. Suspended accounts may nothing, not even stop; robot and
+    monitoring agents may look and are never obeyed, whatever their role.
     """
     if account.suspended:
         return _refused("rights.suspended", "refuse.suspended", language)
@@ -24,20 +60,64 @@ def may(account: Account, action: Action, language: Language = "en", owner: str 
         return _refused("rights.robot_agent", "refuse.robot", language)
     if account.kind is AccountKind.MONITORING_AGENT:
         return _refused("rights.monitoring_agent", "refuse.monitor", language)
-    if action == "command" and account.role not in (Role.OPERATOR, Role.ADMIN):
-        return _refused("rights.operator", "refuse.operator", language)
-    if action == "release" and not _releases(account, owner):
+    if action == "command" and (refusal := _command_refusal(account, rights or _DEFAULT, classes, language)):
+        return refusal
+    if action == "approve" and not _approves(account, owner, rights or _DEFAULT):
+        return _refused("rights.approver", "refuse.approver", language)
+    if action == "release" and not _releases(account, owner, rights or _DEFAULT):
         return _refused("rights.owner", "refuse.owner", language)
-    if action not in ("stop", "command", "release"):
-        raise ValueError(f"no action named {action!r}; there are look, stop, command and release")
+    if action not in ("stop", "command", "approve", "release"):
+        raise ValueError(f"no action named {action!r}; there are look, stop, command, approve and release")
     return Verdict(Decision.ALLOW, f"rights.{action}")
 
 
-def _releases(account: Account, owner: str) -> bool:
-    """A person's to do: no agent takes a robot out of its halt."""
-    owns = bool(owner) and account.name == owner.lower()
-    return account.kind is AccountKind.HUMAN and (owns or account.role is Role.ADMIN)
+def _command_refusal(
+    account: Account, rights: RobotRights, classes: Collection[str], language: Language
+) -> Verdict | None:
+    if account.role.rank < Role.OPERATOR.rank:
+        return _refused("rights.operator", "refuse.operator", language)
+    if rights.closed_until is not None:
+        until = f"{rights.closed_until:%Y-%m-%d %H:%M} UTC"
+        return _refused("rights.closed", "refuse.closed", language, until=until)
+    if not _reaches(account, rights.board, rights.owner):
+        return _refused("rights.board", "refuse.board", language)
+    for kind in classes:
+        who = rights.command.get(kind, "nobody")
+        if not _reaches(account, who, rights.owner):
+            return _refused(f"rights.{kind}", "refuse.class", language, kind=say(f"class.{kind}", language))
+        if kind in rights.approval:
+            return _refused("rights.approval", "refuse.approval", language, kind=say(f"class.{kind}", language))
+    return None
 
 
-def _refused(rule: str, key: str, language: Language) -> Verdict:
-    return Verdict(Decision.REFUSE, rule, say(key, language))
+def _reaches(account: Account, who: str, owner: str) -> bool:
+    """Whether the account is what `who` says: a role and all above it, or the owner and admins."""
+    if who == "owner":
+        return _owns(account, owner) or account.role is Role.ADMIN
+    return who in frozenset(Role) and account.role.rank >= Role(who).rank
+
+
+def _owns(account: Account, owner: str) -> bool:
+    return bool(owner) and account.name == owner.lower()
+
+
+def _releases(account: Account, owner: str, rights: RobotRights) -> bool:
+    """A person's to do: no agent takes a robot out of its halt. Nobody's where the forum says so."""
+    allowed = account.role is Role.ADMIN or _owns(account, owner) or _owns(account, rights.owner)
+    return (
+        account.kind is AccountKind.HUMAN
+        and allowed
+        and rights.release in ("owner", Role.ADMIN)
+        and (rights.release == "owner" or account.role is Role.ADMIN)
+    )
+
+
+def _approves(account: Account, owner: str, rights: RobotRights) -> bool:
+    """A person's to do, and never less than an operator's."""
+    if account.kind is not AccountKind.HUMAN or account.role.rank < Role.OPERATOR.rank:
+        return False
+    return _reaches(account, rights.approve, rights.owner or owner)
+
+
+def _refused(rule: str, key: str, language: Language, **values: str) -> Verdict:
+    return Verdict(Decision.REFUSE, rule, say(key, language, **values))

@@ -21,12 +21,12 @@ from agentrob.judge import scene as places
 from agentrob.judge.beside import said_beside
 from agentrob.judge.estimate import seconds_of, step_seconds
 from agentrob.judge.harm import doubt_of, harm_of
-from agentrob.judge.rights import may
+from agentrob.judge.rights import classes_of, may
 from agentrob.judge.scene import harm_in_scene
 from agentrob.judge.way import in_the_way
 from agentrob.language.phrases import say
 from agentrob.language.render import deeds, sentence, step_sentence
-from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, Verdict
+from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, RobotRights, Verdict
 
 
 def prepare() -> None:
@@ -48,16 +48,18 @@ def screen(
     allow_flip: bool = False,
     step_s: float = math.inf,
     scene: str = "",
+    rights: RobotRights | None = None,
 ) -> Verdict:
     """Look at the whole command on today's state.
 
     `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
     robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
-    (law 16), `scene` a description of the place in English, where there is one. The reason is a sentence in `language`.
+    (law 16), `scene` a description of the place in English, where there is one, `rights` what the forum keeps of who
+    may command this robot. The reason is a sentence in `language`.
     """
-    rights = may(author, "command", language)
-    if rights.decision is not Decision.ALLOW:
-        return rights
+    granted = may(author, "command", language, rights=rights, classes=classes_of(plan))
+    if granted.decision is not Decision.ALLOW:
+        return granted
     for rule, reason in _objections(plan, capabilities, allow_flip, language):
         return Verdict(Decision.REFUSE, rule, reason)
     if (longest_s := max(step_seconds(step, capabilities) for step in plan.steps)) > step_s:

@@ -1,0 +1,101 @@
+"""Law 2 beside what a forum keeps of a robot's rights: they narrow who may what, and never widen it."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agentrob.judge.rights import classes_of, may
+from agentrob.model import Account, AccountKind, ActionClass, Decision, Op, Plan, Primitive, RobotRights, Role
+
+EVERYTHING = {str(c): "operator" for c in ActionClass}
+OPEN = RobotRights(owner="ann", command=EVERYTHING)
+
+
+def account(role: Role, name: str = "bob", kind: AccountKind = AccountKind.HUMAN) -> Account:
+    return Account("1", name, kind, role)
+
+
+def rule(who: Account, rights: RobotRights, *classes: str) -> str:
+    return may(who, "command", rights=rights, classes=classes or ("move",)).rule.removeprefix("rights.")
+
+
+@given(
+    kind=st.sampled_from(AccountKind),
+    role=st.sampled_from(Role),
+    suspended=st.booleans(),
+    name=st.sampled_from(["ann", "bob"]),
+    words=st.dictionaries(st.sampled_from(ActionClass), st.sampled_from(["owner", "guest", "member", "operator", "x"])),
+    board=st.sampled_from(["guest", "member", "operator", "owner", ""]),
+    action=st.sampled_from(["command", "approve", "release"]),
+)
+def test_law_2_no_rights_of_a_robot_let_somebody_do_what_the_law_does_not(
+    kind: AccountKind, role: Role, suspended: bool, name: str, words: dict[str, str], board: str, action: str
+) -> None:
+    who = Account("1", name, kind, role, suspended)
+    rights = RobotRights("ann", words, approve="guest", release="owner", board=board)
+    granted = may(who, action, rights=rights, classes=tuple(ActionClass)).decision is Decision.ALLOW  # type: ignore[arg-type]
+    lawful = not suspended and kind in (AccountKind.HUMAN, AccountKind.COMMANDING_AGENT)
+    if action == "release":
+        lawful = lawful and kind is AccountKind.HUMAN and (name == "ann" or role is Role.ADMIN)
+    else:
+        lawful = lawful and role.rank >= Role.OPERATOR.rank
+    assert lawful or not granted
+
+
+@pytest.mark.parametrize(
+    ("who", "roles"),
+    [
+        *[("operator", {"operator", "moderator", "admin"}), ("moderator", {"moderator", "admin"})],
+        *[("admin", {"admin"}), ("owner", {"admin"}), ("nobody", set()), ("Operator", set()), ("", set())],
+    ],
+)
+def test_law_2_a_class_of_action_is_for_those_it_is_granted_to(who: str, roles: set[str]) -> None:
+    rights = RobotRights("ann", EVERYTHING | {"move": who})
+    assert {r for r in Role if rule(account(r), rights) == "command"} == roles
+    assert {r for r in Role if rule(account(r), rights, "photo") == "command"} == {"operator", "moderator", "admin"}
+
+
+def test_law_2_the_owner_who_is_an_operator_does_what_is_kept_for_the_owner() -> None:
+    rights = RobotRights("ann", EVERYTHING | {"risky": "owner"})
+    assert rule(account(Role.OPERATOR, "ann"), rights, "risky") == "command"
+    assert rule(account(Role.OPERATOR, "bob"), rights, "risky") == "risky"
+    assert rule(account(Role.MEMBER, "ann"), rights, "risky") == "operator", "owning is no leave to command"
+
+
+def test_law_2_a_class_that_nobody_named_is_nobody_s() -> None:
+    assert rule(account(Role.ADMIN), RobotRights("ann", {"photo": "operator"})) == "move"
+    assert rule(account(Role.ADMIN), RobotRights()) == "move", "a forum that should know and does not"
+
+
+def test_law_2_a_board_has_its_own_say() -> None:
+    rights = RobotRights("ann", EVERYTHING, board="moderator")
+    assert [rule(account(r), rights) for r in (Role.OPERATOR, Role.MODERATOR)] == ["board", "command"]
+
+
+def test_law_7_what_needs_approval_is_refused_while_nobody_can_give_it() -> None:
+    rights = RobotRights("ann", EVERYTHING, approval=("move",))
+    assert [rule(account(Role.ADMIN), rights, c) for c in ("move", "photo")] == ["approval", "command"]
+
+
+def test_in_maintenance_nobody_commands_and_everybody_stops() -> None:
+    closed = RobotRights("ann", EVERYTHING, closed_until=datetime(2026, 12, 24, 8, 0, tzinfo=UTC))
+    verdict = may(account(Role.ADMIN, "ann"), "command", rights=closed, classes=("move",))
+    assert (verdict.rule, "2026-12-24 08:00 UTC" in verdict.reason) == ("rights.closed", True)
+    assert may(account(Role.GUEST), "stop", rights=closed).decision is Decision.ALLOW
+
+
+@pytest.mark.parametrize(("release", "allowed"), [("owner", {"ann", "root"}), ("admin", {"root"}), ("nobody", set())])
+def test_law_2_release_can_be_narrowed(release: str, allowed: set[str]) -> None:
+    rights = RobotRights("ann", EVERYTHING, release=release)
+    people = [account(Role.MEMBER, "ann"), account(Role.ADMIN, "root"), account(Role.MODERATOR, "bob")]
+    assert {p.name for p in people if may(p, "release", rights=rights).decision is Decision.ALLOW} == allowed
+
+
+def test_a_plan_has_its_classes_once_each() -> None:
+    steps = [Op.TURN, Op.MOVE, Op.HELLO, Op.SIT, Op.GET_FRONT_IMAGE, Op.BACKFLIP]
+    plan = Plan(tuple(Primitive(op) for op in steps))
+    assert classes_of(plan) == ("move", "gesture", "photo", "risky")
