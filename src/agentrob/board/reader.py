@@ -6,7 +6,7 @@ import sqlite3
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, TypeVar
 
-from sqlalchemy import Connection, Integer, Row, Select, and_, bindparam, func, or_, select
+from sqlalchemy import Connection, Executable, Integer, Row, Select, and_, bindparam, func, or_, select
 from sqlalchemy.exc import DBAPIError
 
 from agentrob.board import schema as db
@@ -94,7 +94,7 @@ class Reader:
         self._kept: dict[Hashable, Any] = {}
         self._kept_at: int | None = None
 
-    def rows(self, statement: Select[Any], **values: Any) -> Sequence[Row[Any]]:
+    def rows(self, statement: Executable, **values: Any) -> Sequence[Row[Any]]:
         try:
             return self.connection.execute(statement, values).all()
         except DBAPIError as e:
@@ -170,6 +170,12 @@ class Reader:
             raise not_found("topic", topic_id)
         return _topic(row)
 
+    def title_begun_by(self, post: Post) -> str:
+        """The title of a topic when this is its first post, else nothing."""
+        p = db.posts.c
+        first = self.first(select(func.min(p.id)).where(p.topic_id == int(post.topic_id)))
+        return self.topic(post.topic_id).title if first and str(first[0]) == post.id else ""
+
     # ---------------------------------------------------------------- posts
     def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[Post]:
         topic = self.topic(topic_id)
@@ -185,6 +191,23 @@ class Reader:
         if (seen := self.seen()) is not None:
             statement = statement.where(db.topics.c.board_id.in_(seen))
         return self._posts(self.rows(statement))
+
+    def latest_posts(
+        self, cursor: str | None, limit: int, board_id: str | None = None, topic_id: str | None = None
+    ) -> Page[Post]:
+        """Newest first, of one board, one topic or of all, without what was removed."""
+        p, t = db.posts.c, db.topics.c
+        statement = _POSTS.where(p.removed.is_(False)).order_by(p.id.desc()).limit(_limit(limit) + 1)
+        if topic_id is not None:
+            statement = statement.where(p.topic_id == int(self.topic(topic_id).id))
+        elif board_id is not None:
+            statement = statement.where(t.board_id == self.board(board_id).id)
+        elif (seen := self.seen()) is not None:
+            statement = statement.where(t.board_id.in_(seen))
+        if cursor:
+            statement = statement.where(p.id < from_cursor(cursor))
+        rows = self.rows(statement)
+        return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
 
     def cursor_before(self, post_id: str, limit: int) -> str | None:
         p = db.posts.c

@@ -13,7 +13,19 @@ from agentrob.board.services import Services
 from agentrob.board.stage import LIVE_FOR
 from agentrob.model import Account
 
-_KNOWN = {"model", "ops", "limits", "state", "battery_percent", "board", "simulated", "can_reset", "camera"}
+_KNOWN = {
+    "model",
+    "ops",
+    "limits",
+    "state",
+    "battery_percent",
+    "board",
+    "simulated",
+    "can_reset",
+    "camera",
+    "queue",
+    "line",
+}
 _LIMITS = {
     "speed_mps": ("Speed", "m/s"),
     "turn_dps": ("Turning", "°/s"),
@@ -31,7 +43,8 @@ class RobotView:
     """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
     `camera`: there may be live pictures, unless its card says that there are none.
 
-    `limits` and `facts` are (name, value) in words for people; `facts` are what else the card says.
+    `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
+    words for people; `facts` are what else the card says.
     """
 
     name: str
@@ -44,6 +57,7 @@ class RobotView:
     board: str = ""
     can_reset: bool = False
     camera: bool = True
+    line: tuple[str, ...] = ()
     ops: tuple[str, ...] = ()
     limits: tuple[tuple[str, str], ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
@@ -66,6 +80,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         board=_words(card.get("board")),
         can_reset=card.get("can_reset") is True,
         camera=card.get("camera") is not False,
+        line=tuple(p for p in line[:20] if _is_id(p)) if isinstance(line := card.get("line"), (list, tuple)) else (),
         ops=tuple(_op(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
         limits=_limits(limits) if isinstance(limits, Mapping) else (),
         facts=tuple((name, value) for name, value in facts[:20] if value),
@@ -87,6 +102,10 @@ def robot(services: Services, name: str) -> tuple[Account, RobotView]:
 def _look(services: Services, account: Account) -> RobotView:
     now = services.stage.robot(account.name)
     return robot_view(account.name, now.card, now.seen_at)
+
+
+def _is_id(value: object) -> bool:
+    return isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 19
 
 
 def _op(op: str) -> str:

@@ -189,6 +189,15 @@ class Keeper(Protocol):
         ...
 
 
+@runtime_checkable
+class Archive(Protocol):
+    """A forum that has a page per command."""
+
+    async def publish_record(self, post_id: str, reply_id: str | None, record: dict[str, Any]) -> None:
+        """Keep the record of a post's command, in place of the one before; `reply_id` is the post that tells it."""
+        ...
+
+
 class Forum(Reader, Writer, Accounts, Events, Protocol):
     """A whole forum, signed in as one account."""
 
