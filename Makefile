@@ -17,6 +17,7 @@ demo: setup
 test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
+	@scripts/axe
 	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim and not browser" $(ARGS)
 	$(BIN)/pytest -m "not slow and (sim or browser)" $(ARGS)
 

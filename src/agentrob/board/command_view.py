@@ -146,7 +146,8 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any]) -> list[tuple[s
         ("It objected", _text(refusal.get("reason"), 300) or _text(screened.get("why"), 300)),
         ("It failed", _text(screened.get("failed"), 200)),
         ("Looked for", _text(looked.get("goal"), 300)),
-        ("The loop ended", " ".join(filter(None, (_text(end.get("why"), 40), _text(end.get("claim"), 40))))),
+        ("The loop ended", _text(end.get("why"), 40).replace("_", " ")),
+        ("The model claims", _text(end.get("claim"), 40).replace("_", " ")),
         ("Contradicted by measurement", _text(looked.get("contradicted"), 300)),
         ("Stopped by", _text(record.get("stopped_by"), 80)),
         ("Stop took", "" if latency is None else f"{latency:.0f} ms"),
@@ -160,7 +161,7 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any]) -> list[tuple[s
 def _model(usage: Mapping[str, Any]) -> Model:
     tokens = [_number(usage.get(key)) for key in ("input_tokens", "output_tokens")]
     latency, cost = _number(usage.get("latency_ms")), _number(usage.get("cost"))
-    said = " + ".join("?" if n is None else f"{n:.0f}" for n in tokens)
+    said = " + ".join("?" if n is None else f"{n:.0f}" for n in tokens) + " tokens"
     money = "" if cost is None else f", {cost:.4f} {_text(usage.get('currency'), 8)}"
     name = f"{_text(usage.get('mind'), 60)} ({_text(usage.get('model'), 80)})"
     return Model(

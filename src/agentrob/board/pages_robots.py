@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Request
@@ -22,6 +23,8 @@ router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 Reading = Annotated[Viewer, Depends(access.reader)]
 Anybody = Annotated[Viewer, Depends(access.viewer)]
 _LATEST = 10
+#: Answers among which the last picture is looked for.
+_LOOK_BACK = 50
 
 
 @router.get("/robots")
@@ -36,7 +39,7 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
     account, view = robot_view.robot(known, name)
     latest = _latest(known.store, account, once=True)
     kept = rights.settings_of(known.store.reader, account.name)
-    seen = _last_picture(latest) if rights.sees_camera(kept, viewer.account, account.name) else None
+    seen = _last_picture(known.store.posts_by(account, _LOOK_BACK)) if rights.sees_camera(kept, viewer.account, account.name) else None
     data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view)
     return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
 
@@ -98,6 +101,6 @@ def _about(known: Services, view: RobotView) -> dict[str, Any]:
     return {"owner": rights.settings_of(known.store.reader, view.name).owner, "line": line}
 
 
-def _last_picture(latest: list[tuple[Topic, Post]]) -> tuple[Post, Image] | None:
+def _last_picture(posts: Sequence[Post]) -> tuple[Post, Image] | None:
     """The last picture that a robot put into an answer: of its photos the first, which stand before the drawings."""
-    return next(((post, image) for _, post in latest for image in post.images if not image.moving), None)
+    return next(((post, image) for post in posts for image in post.images if not image.moving), None)

@@ -1,0 +1,241 @@
+"""Every page in Chromium: WCAG 2.2 AA as axe checks it, desktop and phone, light and dark; and writing by keyboard."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pages_windows import RUNNING, Windows, open_windows, robot_posts, running_chromium
+from pages_world import CARD, World, running_world
+from PIL import Image
+from playwright.sync_api import Browser, Page, expect
+from test_pages_command import RECORD
+
+pytestmark = pytest.mark.browser
+
+AXE = Path(__file__).parent / "axe" / "node_modules" / "axe-core" / "axe.min.js"
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
+PAGES = (
+    *("/", "/b/robots", "/b/robots/new", "/t/{topic}", "/t/{topic}?quote={post}", "/c/{post}", "/robots"),
+    *(
+        "/robots/quadruped",
+        "/search?q=walk",
+        "/search",
+        "/latest",
+        "/notices",
+        "/u/bob",
+        "/u/alice",
+        "/p/{late}/history",
+    ),
+    *("/p/{post}/edit", "/p/{post}/remove", "/t/999999"),
+)
+STRANGERS = ("/sign-in", "/sign-up", "/enter/x")
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with running_world(tmp_path_factory.mktemp("board"), sign_up=True) as world:
+        world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
+        yield world
+
+
+@pytest.fixture(scope="module")
+def names(world: World) -> dict[str, str]:
+    """A topic with everything that a post can have."""
+    alice, robot, bob = world.api("alice"), world.api("quadruped"), world.api("bob")
+    body = {
+        "board": "robots",
+        "title": "A walk",
+        "body": "@quadruped walk forward 2 m\n\n| a | b |\n|---|--:|\n| 1 | 2 |",
+    }
+    made = alice.post("/topics", json=body).json()
+    topic, post = made["topic"]["id"], made["post"]["id"]
+    shown = [robot.post("/images", files={"file": ("a.png", png(), "image/png")}).json()["id"] for _ in range(2)]
+    card = RUNNING | {"state": "failed", "step": 1, "steps": 2}
+    reply = {"body": "Failed.\n\n```\ncode\n```", "reply_to": post, "images": shown, "card": card}
+    told = robot.post(f"/topics/{topic}/posts", json=reply).json()["post"]["id"]
+    robot.put(f"/commands/{post}", json={"reply": told, "record": RECORD}).raise_for_status()
+    late = bob.post(f"/topics/{topic}/posts", json={"body": "> walk\n\n@alice nice", "reply_to": post}).json()["post"][
+        "id"
+    ]
+    bob.patch(f"/posts/{late}", json={"body": "> walk\n\n@alice very nice"}).raise_for_status()
+    for state in ("queued", "running", "done", "stopped"):
+        robot_posts(world, topic, state, RUNNING | {"state": state, "place": 1 if state == "queued" else None})
+    robot.put("/robots/quadruped", json={"card": CARD | {"line": [post]}}).raise_for_status()
+    return {"topic": topic, "post": post, "late": late}
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with running_chromium() as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def windows(world: World, chromium: Browser) -> Iterator[Windows]:
+    with open_windows(world, chromium) as windows:
+        yield windows
+
+
+def png() -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", (640, 480), (20, 90, 90)).save(file, "PNG")
+    return file.getvalue()
+
+
+def violations(page: Page) -> list[str]:
+    """What axe finds, one line for each element."""
+    # Evaluated, not added as a script: the pages' own policy allows none but theirs.
+    page.evaluate(AXE.read_text(encoding="utf-8") + "; 0")
+    found: Any = page.evaluate("rules => axe.run(document, { runOnly: rules, resultTypes: ['violations'] })", RULES)
+    return [f"{v['id']}: {node['html'][:160]}" for v in found["violations"] for node in v["nodes"]]
+
+
+def wide(page: Page) -> int:
+    """By how many pixels a page must be scrolled sideways."""
+    return int(page.evaluate("document.documentElement.scrollWidth - innerWidth"))
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("size", [(1280, 900), (390, 844), (320, 640)], ids=["desktop", "phone", "zoomed"])
+def test_every_page_meets_wcag_and_needs_no_scrolling_sideways(
+    world: World, windows: Windows, names: dict[str, str], theme: Any, size: tuple[int, int]
+) -> None:
+    how: dict[str, Any] = {"viewport": {"width": size[0], "height": size[1]}, "color_scheme": theme}
+    found: dict[str, list[str]] = {}
+    for who, paths in (("alice", PAGES), (None, STRANGERS)):
+        page = windows.open(who, **how)
+        for path in paths:
+            page.goto(path.format(**names))
+            over = wide(page)
+            found[path] = violations(page) + ([f"{over} px too wide"] if over > 0 else [])
+    windows.complaints = [c for c in windows.complaints if "404" not in c]  # the page that says so
+    assert {path: those for path, those in found.items() if those} == {}
+
+
+def test_what_opens_while_writing_is_accessible_too(world: World, windows: Windows, names: dict[str, str]) -> None:
+    page = windows.open("alice")
+    page.goto(f"/t/{names['topic']}")
+    page.get_by_label("Reply", exact=True).press_sequentially("Hello @qu")
+    expect(page.get_by_role("option")).to_have_count(1)
+    page.get_by_role("button", name="Preview").click()
+    expect(page.get_by_role("region", name="Preview")).to_be_visible()
+    page.get_by_label("Pictures").set_input_files({"name": "a.png", "mimeType": "image/png", "buffer": png()})
+    expect(page.get_by_role("button", name="Take away a.png")).to_be_visible()
+    page.get_by_label("Reply", exact=True).press_sequentially(" @qu")
+    expect(page.get_by_role("option")).to_have_count(1)
+    assert violations(page) == []
+
+
+# -------------------------------------------------------------------- by keyboard
+def tab_to(page: Page, name: str) -> None:
+    """Press Tab until what has this name has the focus."""
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        if name in page.evaluate(
+            "document.activeElement.getAttribute('aria-label') ?? document.activeElement.textContent"
+        ):
+            return
+    raise AssertionError(f"Tab does not lead to {name!r}")
+
+
+def test_a_command_is_written_previewed_and_posted_by_keyboard_alone(world: World, windows: Windows) -> None:
+    page = windows.open("alice")
+    page.goto("/b/robots/new")
+    page.keyboard.type("By keyboard")
+    page.keyboard.press("Tab")
+    page.keyboard.type("@")
+    expect(page.get_by_role("option").first).to_have_text("@quadrupedidle")
+    page.keyboard.type("qua")
+    expect(page.get_by_role("option")).to_have_count(1)
+    page.keyboard.press("Enter")
+    page.keyboard.type("walk forward 1 m")
+    expect(page.get_by_label("Post", exact=True)).to_have_value("@quadruped walk forward 1 m")
+    tab_to(page, "Preview")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("region", name="Preview").get_by_role("link", name="@quadruped")).to_be_visible()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("heading", name="By keyboard")).to_be_visible()
+    expect(page.locator("article .body")).to_have_text("@quadruped walk forward 1 m")
+
+
+def test_escape_and_an_at_sign_in_an_address_leave_the_text_alone(world: World, windows: Windows) -> None:
+    page = windows.open("alice")
+    page.goto("/b/robots/new")
+    text = page.get_by_label("Post", exact=True)
+    text.press_sequentially("Ask @qua")
+    expect(page.get_by_role("option")).to_have_count(1)
+    text.press("Escape")
+    expect(page.get_by_role("option")).to_have_count(0)
+    text.press("Enter")
+    text.press_sequentially("me@qua")
+    expect(text).to_have_value("Ask @qua\nme@qua")
+    expect(page.get_by_role("option")).to_have_count(0)
+
+
+def test_the_first_tab_leads_to_the_content_and_stop_is_reached_and_seen(
+    world: World, windows: Windows, names: dict[str, str]
+) -> None:
+    page = windows.open("bob")
+    page.goto(f"/t/{names['topic']}")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "main"
+    tab_to(page, "Stop @quadruped")
+    assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
+    page.keyboard.press("Enter")
+    expect(page.locator("#live")).to_contain_text("Stop sent to @quadruped")
+
+
+# -------------------------------------------------------------------- with the mouse
+DATA = """bytes => { const data = new DataTransfer();
+  data.items.add(new File([new Uint8Array(bytes)], 'map.png', { type: 'image/png' })); return data; }"""
+
+
+@pytest.mark.parametrize("kind", ["paste", "drop"])
+def test_a_picture_that_is_pasted_or_dropped_is_attached(
+    world: World, windows: Windows, names: dict[str, str], kind: str
+) -> None:
+    page = windows.open("alice")
+    page.goto(f"/t/{names['topic']}")
+    data = page.evaluate_handle(DATA, list(png()))
+    how = {"paste": "ClipboardEvent", "drop": "DragEvent"}[kind]
+    key = {"paste": "clipboardData", "drop": "dataTransfer"}[kind]
+    page.evaluate(
+        f"data => document.getElementById('body').dispatchEvent("
+        f"new {how}('{kind}', {{ {key}: data, bubbles: true, cancelable: true }}))",
+        data,
+    )
+    expect(page.locator(".thumbs img")).to_have_js_property("naturalWidth", 640)
+    page.get_by_label("Reply", exact=True).fill(f"by {kind}")
+    page.get_by_role("button", name="Reply", exact=True).click()
+    post = page.locator("article", has_text=f"by {kind}")
+    expect(post.locator(".pictures img")).to_have_js_property("naturalWidth", 640)
+
+
+def test_a_quote_is_put_where_one_writes_and_loses_nothing(
+    world: World, windows: Windows, names: dict[str, str]
+) -> None:
+    page = windows.open("alice")
+    page.goto(f"/t/{names['topic']}")
+    text = page.get_by_label("Reply", exact=True)
+    text.fill("Before. ")
+    page.locator(f"#post-{names['late']}").get_by_role("link", name="Quote this post of bob").click()
+    expect(text).to_have_value("Before. > > walk\n>\n> @alice very nice\n\n")
+    expect(text).to_be_focused()
+    assert page.locator("[name=reply_to]").input_value() == names["late"]
+
+
+def test_the_bell_rings_without_reloading(world: World, windows: Windows, names: dict[str, str]) -> None:
+    page = windows.open("bob")
+    page.clock.install()
+    page.goto("/robots")
+    expect(page.get_by_role("link", name="Notices", exact=True)).to_be_visible()
+    body = {"body": "@bob look"}
+    world.api("alice").post(f"/topics/{names['topic']}/posts", json=body).raise_for_status()
+    page.clock.run_for(10_500)
+    expect(page.get_by_role("link", name="Notices 1 new")).to_be_visible()
