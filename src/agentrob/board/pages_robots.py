@@ -39,7 +39,11 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
     account, view = robot_view.robot(known, name)
     latest = _latest(known.store, account, once=True)
     kept = rights.settings_of(known.store.reader, account.name)
-    seen = _last_picture(known.store.posts_by(account, _LOOK_BACK)) if rights.sees_camera(kept, viewer.account, account.name) else None
+    seen = (
+        _last_picture(known.store.posts_by(account, _LOOK_BACK))
+        if rights.sees_camera(kept, viewer.account, account.name)
+        else None
+    )
     data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view)
     return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
 

@@ -1,0 +1,75 @@
+"""What an agent sends of a finished command: the board's page of the command shows it, without people's words."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from agent_process import Poster, RunningBoard, until
+from agent_scene import ROBOT, Driver
+from running_board import running_board
+from test_agent_laws_board import serving
+
+from agentrob.agent.pictures import Picture
+from agentrob.agent.publish import MOST_BYTES, public
+from agentrob.robots.client import DriverClient
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
+    with running_board(tmp_path_factory.mktemp("board")) as made:
+        yield made
+
+
+async def told(board: RunningBoard, post: str) -> list[dict[str, Any]]:
+    """The records of a command, once there are any: they come after the report."""
+    reader = board.client("op")
+    found: list[dict[str, Any]] = []
+
+    async def there() -> bool:
+        found[:] = (await asyncio.to_thread(reader.get, f"/commands/{post}")).json()["items"]
+        return bool(found)
+
+    await until(there)
+    return found
+
+
+async def test_a_finished_command_has_a_page_with_what_was_asked_and_measured(
+    board: RunningBoard, driver: Driver, tmp_path: Path
+) -> None:
+    async with serving(board, DriverClient(driver.name, driver.socket), tmp_path):
+        with Poster(board, "op") as op:
+            topic = await op.post(f"@{ROBOT} walk forward 0.5 metres, please, my dear")
+            assert await op.final(topic) == ["done"]
+            posts = board.client("op").get(f"/topics/{topic}/posts").json()["items"]
+            (item,) = await told(board, posts[0]["id"])
+    record = item["record"]
+    assert (item["robot"], item["reply"], record["status"]) == (ROBOT, posts[1]["id"], "done")
+    assert record["steps"][0]["asked"]["distance_m"] == 0.5
+    assert record["verdict"]["rule"]
+    assert record["trace_id"] == posts[1]["card"]["trace_id"]
+    assert "my dear" not in str(record)
+    assert str(tmp_path) not in str(record)
+    page = board.browser("op").get(f"/c/{posts[0]['id']}").text
+    assert "0.50 m" in page
+    assert record["trace_id"] in page
+
+
+def test_a_record_too_long_to_send_leaves_out_what_the_model_was_told() -> None:
+    facts = {
+        "text": "words",
+        "author": {},
+        "recording": "/home/x",
+        "status": "done",
+        "looked": {"goal": "x" * MOST_BYTES},
+    }
+    pictures = (Picture("step", b"", 2), Picture("path", b""))
+    assert public(facts, pictures) == {
+        "status": "done",
+        "looked": None,
+        "shortened": True,
+        "pictures": [{"kind": "step", "step": 2}, {"kind": "path", "step": 0}],
+    }
