@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from agent_process import Poster, RunningBoard, until
+from agent_process import Poster, RunningBoard
 from agent_scene import ROBOT, Driver
 from running_board import running_board
 from test_agent_laws_board import serving
@@ -27,14 +27,10 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
 async def told(board: RunningBoard, post: str) -> list[dict[str, Any]]:
     """The records of a command, once there are any: they come after the report."""
     reader = board.client("op")
-    found: list[dict[str, Any]] = []
-
-    async def there() -> bool:
-        found[:] = (await asyncio.to_thread(reader.get, f"/commands/{post}")).json()["items"]
-        return bool(found)
-
-    await until(there)
-    return found
+    async with asyncio.timeout(20):
+        while not (items := (await asyncio.to_thread(reader.get, f"/commands/{post}")).json()["items"]):  # noqa: ASYNC110
+            await asyncio.sleep(0.05)
+    return list(items)
 
 
 async def test_a_finished_command_has_a_page_with_what_was_asked_and_measured(
