@@ -143,6 +143,7 @@ def tab_to(page: Page, name: str) -> None:
 
 
 def test_a_command_is_written_previewed_and_posted_by_keyboard_alone(world: World, windows: Windows) -> None:
+    world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()  # it is here now
     page = windows.open("alice")
     page.goto("/b/robots/new")
     page.keyboard.type("By keyboard")
