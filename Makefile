@@ -22,7 +22,7 @@ test: setup-dev
 	$(BIN)/pytest -m "not slow and (sim or browser)" $(ARGS)
 
 test-slow: setup-dev
-	@scripts/system-packages render browser peers
+	@scripts/system-packages render browser postgres peers
 	@scripts/model-double
 	@scripts/peers
 	$(BIN)/pytest -m slow $(ARGS)

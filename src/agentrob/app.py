@@ -162,12 +162,12 @@ def change_board_account(config: Config, name: str, role: Role | None, suspended
     return admin.find_account(settings, name)
 
 
-def board_token(config: Config, name: str, label: str = "") -> str:
+def board_token(config: Config, name: str, label: str = "", scopes: tuple[str, ...] = ("read", "write")) -> str:
     """A new bearer token of an account."""
     from agentrob.board import admin
 
     settings = board_settings(config)
-    return admin.issue_token(settings, admin.find_account(settings, name), label)
+    return admin.issue_token(settings, admin.find_account(settings, name), label, scopes)
 
 
 def revoke_board_tokens(config: Config, name: str, label: str | None = None) -> int:

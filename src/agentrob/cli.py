@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from agentrob import __version__, app
+from agentrob import __version__, app, cli_board
 from agentrob import config as configuration
 from agentrob.child import follow_parent
 from agentrob.errors import AgentRobError
@@ -310,9 +310,17 @@ def account_link(name: str, config: ConfigFile = None) -> None:
 
 
 @account_cli.command("token")
-def account_token(name: str, config: ConfigFile = None) -> None:
+def account_token(
+    name: str,
+    label: Annotated[str, typer.Option(help="What it is for.")] = "",
+    scope: Annotated[list[str] | None, typer.Option(help="read, write, admin. [default: read write]")] = None,
+    config: ConfigFile = None,
+) -> None:
     """Print a new bearer token of this account."""
-    typer.echo(app.board_token(app.load(config), name))
+    typer.echo(app.board_token(app.load(config), name, label, tuple(scope or ("read", "write"))))
+
+
+cli_board.add_to(cli, board_cli, account_cli)
 
 
 def main() -> None:

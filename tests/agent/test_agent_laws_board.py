@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -13,14 +14,19 @@ from agent_scene import ROBOT, Driver, robot_settings
 from running_board import running_board
 
 from agentrob.agent.turn import RobotAgent
-from agentrob.board import admin
+from agentrob.board import admin, administration, moderation
+from agentrob.board.audit import SHELL
+from agentrob.board.rights import Closed
+from agentrob.board.writer import Transaction
 from agentrob.config import ForumConfig
 from agentrob.forums.board import BoardForum
 from agentrob.minds.rules import RulesMind
-from agentrob.model import ActionResult, Primitive, Role
+from agentrob.model import Account, ActionClass, ActionResult, Primitive, Role
 from agentrob.robots.client import DriverClient
 
-CHANGES = ("edit", "remove", "hide", "suspend", "demote")
+CHANGES = ("edit", "remove", "hide", "suspend", "demote", "narrow", "close", "move")
+#: What is refused with its reason, rather than cancelled.
+REFUSED = ("demote", "narrow", "close", "move")
 WALK = f"@{ROBOT} walk forward 0.5 metres, then turn left 40 degrees"
 
 
@@ -76,6 +82,24 @@ def change(board: RunningBoard, what: str, topic: str) -> None:
             admin.change_account(board.settings, account, suspended=True)
         case "demote":
             admin.change_account(board.settings, account, role=Role.MEMBER)
+        case "narrow" | "close" | "move":
+            narrow(board, what, topic)
+
+
+def narrow(board: RunningBoard, what: str, topic: str) -> None:
+    """Take the right from the robot's or the board's side."""
+    with admin.writing(board.settings) as connection:
+        match what:
+            case "narrow":
+                rights = dict.fromkeys(ActionClass, "operator") | {ActionClass.MOVE: "owner"}
+                administration.change_robot(connection, SHELL, ROBOT, command=rights)
+            case "close":
+                until = datetime.now(UTC) + timedelta(hours=1)
+                administration.change_robot(connection, SHELL, ROBOT, closed=(Closed(until=until),))
+            case "move":
+                administration.change_board(connection, SHELL, "talk", command_role=Role.ADMIN)
+                shell = Account("0", SHELL, role=Role.ADMIN)
+                moderation.move(Transaction(connection), shell, topic, "talk")
 
 
 @pytest.fixture
@@ -85,6 +109,10 @@ def pilot(board: RunningBoard) -> Iterator[Poster]:
         board.add("pilot", role=Role.OPERATOR)
     account = admin.find_account(board.settings, "pilot")
     admin.change_account(board.settings, account, role=Role.OPERATOR, suspended=False)
+    with admin.writing(board.settings) as connection:
+        rights = dict.fromkeys(ActionClass, "operator")
+        administration.change_robot(connection, SHELL, ROBOT, command=rights, closed=())
+        administration.change_board(connection, SHELL, "robots", command_role=Role.OPERATOR)
     with Poster(board, "pilot") as made:
         yield made
 
@@ -103,7 +131,7 @@ async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_
             await asyncio.to_thread(change, board, what, topic)
             client.let.set()
             assert await op.final(first) == ["done"]
-            assert await op.final(topic) == ["refused" if what == "demote" else "cancelled"]
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"]
     assert client.begun == ["turn"], "only the first command moved it"
 
 
@@ -118,7 +146,7 @@ async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_
         await asyncio.to_thread(change, board, what, topic)
         client.let.set()
         with Poster(board, "op") as op:
-            assert await op.final(topic) == ["refused" if what == "demote" else "cancelled"]
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"]
     assert client.begun == ["move"]
     await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
+import os
 import socket
 import threading
 from collections.abc import Coroutine, Iterator
@@ -12,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import httpx2
+from sqlalchemy import create_engine, make_url, text
 
 from agentrob.board import accounts, admin
 from agentrob.board.database import open_engine
@@ -27,6 +30,21 @@ T = TypeVar("T")
 LIMIT_S = 10.0
 
 
+#: The URL of a PostgreSQL server: then every board of these tests has a database of its own there.
+POSTGRES = "AGENTROB_TEST_POSTGRES"
+
+
+def database_for(server_url: str, folder: Path) -> str:
+    """The URL of a folder's own database on that server, made when it is not there."""
+    name = "board_" + hashlib.sha256(str(folder).encode()).hexdigest()[:16]
+    server = create_engine(server_url, isolation_level="AUTOCOMMIT")
+    with server.connect() as connection:
+        if not connection.execute(text("SELECT 1 FROM pg_database WHERE datname = :n"), {"n": name}).first():
+            connection.execute(text(f"CREATE DATABASE {name}"))
+    server.dispose()
+    return make_url(server_url).set(database=name).render_as_string(hide_password=False)
+
+
 class RunningBoard:
     """A served board. `op`, `member`, `admin` and the robot agent `quadruped` have accounts from the beginning."""
 
@@ -37,8 +55,8 @@ class RunningBoard:
         self.tokens: dict[str, str] = {}
         self._clients: list[httpx2.Client] = []
         for name, role in (("op", Role.OPERATOR), ("member", Role.MEMBER), ("admin", Role.ADMIN)):
-            self._have(name, role=role)
-        self._have("quadruped", kind=AccountKind.ROBOT_AGENT)
+            self.have(name, role=role)
+        self.have("quadruped", kind=AccountKind.ROBOT_AGENT)
 
     @property
     def url(self) -> str:
@@ -55,7 +73,7 @@ class RunningBoard:
         self.tokens[name] = admin.issue_token(self.settings, account)
         return account
 
-    def _have(self, name: str, **options: Any) -> None:
+    def have(self, name: str, **options: Any) -> None:
         """An account that is there already, on a board that is served again, only gets a new token."""
         try:
             account = admin.find_account(self.settings, name)
@@ -98,6 +116,8 @@ def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
     listener = socket.create_server(("127.0.0.1", 0))
     config = BoardConfig(listen=f"127.0.0.1:{listener.getsockname()[1]}")
     settings = replace(BoardSettings.from_config(config, folder), **options)
+    if (server_url := os.environ.get(POSTGRES)) and "database" not in options:
+        settings = replace(settings, database=database_for(server_url, folder))
     admin.bootstrap(settings)
     ready = threading.Event()
     loops: list[asyncio.AbstractEventLoop] = []

@@ -216,6 +216,7 @@ def test_a_link_signs_in_once(board: RunningBoard) -> None:
     assert caught.value.status == 404
 
 
+@pytest.mark.sqlite
 def test_a_link_expires(board: RunningBoard) -> None:
     account = admin.find_account(board.settings, "member")
     secret = admin.issue_link(board.settings, account).removeprefix("/enter/")
@@ -226,6 +227,7 @@ def test_a_link_expires(board: RunningBoard) -> None:
         board.run(access.enter(board.services, secret))
 
 
+@pytest.mark.sqlite
 def test_the_database_holds_no_secret(board: RunningBoard) -> None:
     account = admin.find_account(board.settings, "member")
     secrets = [board.tokens["op"], admin.issue_link(board.settings, account).removeprefix("/enter/")]

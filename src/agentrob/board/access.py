@@ -117,7 +117,12 @@ async def _scoped(request: Request, scope: str) -> Account:
 
 
 def check_form(viewer: Viewer, token: object) -> None:
-    """403 unless the form's token is the viewer's. Call it before anything else is done with a form."""
+    """403 unless the form's token is the viewer's. Call it before anything else is done with a form.
+
+    Bearer tokens send no forms: what each is good for is asked by the API only.
+    """
+    if viewer.by_token:
+        raise BoardError(403, "no_forms", "forms are for browsers", "use the API")
     if not isinstance(token, str) or not hmac.compare_digest(token.encode("utf-8", "replace"), viewer.csrf.encode()):
         raise BoardError(403, "bad_csrf", "the form is too old or not from this forum", "load the page again")
 

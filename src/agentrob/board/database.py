@@ -7,7 +7,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event
+from alembic.migration import MigrationContext
+from sqlalchemy import Connection, Engine, create_engine, event, func, select
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board.settings import BoardSettings
@@ -15,6 +16,8 @@ from agentrob.errors import BoardError
 
 #: How long is waited for somebody who makes the same database.
 LOCKED_S = 5.0
+#: Any number, the same for all who migrate.
+_MIGRATION_LOCK = 4_107_001
 
 
 def open_engine(settings: BoardSettings, *, writes: bool) -> Engine:
@@ -67,18 +70,35 @@ def _begin_immediate(connection: Connection) -> None:
     connection.exec_driver_sql("BEGIN IMMEDIATE")
 
 
-def migrate(settings: BoardSettings) -> None:
-    """Bring the tables to this version's shape; does nothing when they are. Two processes may try at once."""
+def migrate(settings: BoardSettings, to: str = "head") -> None:
+    """Bring the tables to this version's shape; does nothing when they are. Two processes may try at once.
+
+    `to` is a revision, also an earlier one, for who goes back to an earlier version of AgentRob.
+    """
     from alembic import command
     from alembic.config import Config
+    from alembic.script import ScriptDirectory
+    from alembic.util import CommandError
 
     engine = open_engine(settings, writes=True)
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     try:
         with engine.begin() as connection:
+            if engine.dialect.name == "postgresql":
+                connection.execute(select(func.pg_advisory_xact_lock(_MIGRATION_LOCK)))
             config.attributes["connection"] = connection
-            command.upgrade(config, "head")
+            if to == "head":
+                command.upgrade(config, "head")
+            else:
+                known = [r.revision for r in ScriptDirectory.from_config(config).walk_revisions()]
+                if to not in known:
+                    raise BoardError(404, "no_such_revision", f"there is no revision {to!r}", ", ".join(known))
+                current = MigrationContext.configure(connection).get_current_revision()
+                down = current in known and known.index(to) >= known.index(str(current))
+                (command.downgrade if down else command.upgrade)(config, to)
+    except CommandError as e:
+        raise BoardError(409, "other_version", f"the tables cannot be brought there: {e}", "update AgentRob") from e
     except DBAPIError as e:
         raise unavailable(e) from e
     finally:

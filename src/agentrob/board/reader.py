@@ -17,7 +17,7 @@ from agentrob.model import Account, AccountKind, Role
 
 T = TypeVar("T")
 #: So much is kept of what was read since the last commit.
-MAX_KEPT = 2000
+MAX_KEPT = 500
 #: The longest page that anybody gets.
 MAX_LIMIT = 100
 _LARGEST_ID = 2**63 - 1

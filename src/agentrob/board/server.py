@@ -85,9 +85,10 @@ def end_streams(app: FastAPI) -> None:
 
 
 def _add_pages(app: FastAPI) -> None:
-    from agentrob.board.pages import router
+    from agentrob.board import pages, pages_admin
 
-    app.include_router(router)
+    app.include_router(pages.router)
+    app.include_router(pages_admin.router)
 
 
 def _add_errors(app: FastAPI) -> None:
@@ -127,7 +128,8 @@ def _add_errors(app: FastAPI) -> None:
 def _logged(request: Request) -> str:
     """The path without the secret of a one-time link."""
     path = request.url.path
-    return "/enter/…" if path.startswith("/enter/") else path
+    secret = path.split("/")[1] if path.count("/") > 1 else ""
+    return f"/{secret}/…" if secret in ("enter", "invite", "password") else path
 
 
 def _describe(app: FastAPI, settings: BoardSettings) -> None:
@@ -204,7 +206,7 @@ def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None
         if settings.port == 0:
             host, port = listener.getsockname()[:2]
             settings = replace(settings, port=port, base_url=address_of(host, port))
-        with _only_server_of(settings):
+        with only_server_of(settings):
             bootstrap(settings)
             Server(create_app(settings), settings, ready).run(sockets=[listener])
             log.info("board.ended")
@@ -223,7 +225,7 @@ def _listen(settings: BoardSettings) -> socket.socket:
 
 
 @contextmanager
-def _only_server_of(settings: BoardSettings) -> Iterator[None]:
+def only_server_of(settings: BoardSettings) -> Iterator[None]:
     """Two servers of one database would not tell each other's events."""
     path = settings.database_path
     key = str(path.resolve()) if path else settings.database

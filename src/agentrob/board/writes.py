@@ -141,7 +141,7 @@ def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
         raise BoardError(403, "not_yours", "only its author or a moderator may remove a post")
     if post.removed:
         return post
-    values = {"removed": True, "removed_by": int(by.id), "version": post.version + 1}
+    values = {"removed": True, "removed_by": int(by.id) or None, "version": post.version + 1}
     t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
     topics = db.topics.c
     counted = update(db.topics).where(topics.id == int(post.topic_id)).values(posts=topics.posts - 1)

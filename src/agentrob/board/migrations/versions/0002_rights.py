@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 from alembic import op
+from alembic.util import CommandError
 
 revision = "0002_rights"
 down_revision = "0001"
@@ -28,6 +29,9 @@ def upgrade() -> None:
 
 
 def downgrade() -> None:
+    boards = sa.text("SELECT count(*) FROM boards WHERE read_role NOT IN ('guest', 'member')")
+    if op.get_bind().execute(boards).scalar_one():
+        raise CommandError("the version before cannot keep a board to operators: open or empty such boards first")
     for table in ("audit", "invites", "robots"):
         op.drop_table(table)
     # A role that the version before does not know becomes the one below it: nobody gains a right by going back.

@@ -1,0 +1,62 @@
+"""A PostgreSQL server of the tests' own: a fresh cluster in a folder, on a Unix socket, as a user who is not root."""
+
+from __future__ import annotations
+
+import os
+import pwd
+import shutil
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+FLAGS = "-c fsync=off -c listen_addresses='' -c max_connections=200"
+
+
+def tool(name: str) -> str:
+    """A program of PostgreSQL, also where Debian keeps it."""
+    found = shutil.which(name) or next(map(str, sorted(Path("/usr/lib/postgresql").glob(f"*/bin/{name}"))), None)
+    assert found, f"PostgreSQL's {name} is not installed: run scripts/system-packages postgres"
+    return found
+
+
+@contextmanager
+def postgres_server(folder: Path) -> Iterator[str]:
+    """The SQLAlchemy URL of a running server; it ends, and its files go, with the block."""
+    data, user = folder / "pg", None
+    folder.mkdir(exist_ok=True)
+    data.mkdir()
+    if os.getuid() == 0:  # PostgreSQL refuses to run as root
+        user = "nobody"
+        for path in (folder, data):
+            os.chown(path, pwd.getpwnam(user).pw_uid, -1)
+    run(user, [tool("initdb"), "-D", str(data), "-A", "trust", "-U", "tester", "-E", "UTF8", "--no-sync"])
+    control = [tool("pg_ctl"), "-D", str(data), "-w", "-t", "30"]
+    run(user, [*control, "-l", str(data / "log"), "-o", f"{FLAGS} -c unix_socket_directories={data}", "start"])
+    try:
+        yield f"postgresql+psycopg://tester@/postgres?host={data}"
+    finally:
+        run(user, [*control, "-m", "immediate", "stop"])
+
+
+def run(user: str | None, command: list[str]) -> None:
+    """As that user, with all of its output when it fails."""
+    done = subprocess.run(
+        command,
+        user=user,
+        cwd="/",
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def open_to_all(folder: Path) -> None:
+    """Let another user pass through the folders above, which pytest keeps to its own."""
+    for parent in [folder, *folder.parents]:
+        if parent == Path("/tmp") or parent == parent.parent:
+            return
+        parent.chmod(parent.stat().st_mode | 0o011)
