@@ -226,7 +226,7 @@ def test_a_quote_is_put_where_one_writes_and_loses_nothing(
     text = page.get_by_label("Reply", exact=True)
     text.fill("Before. ")
     page.locator(f"#post-{names['late']}").get_by_role("link", name="Quote this post of bob").click()
-    expect(text).to_have_value("Before. > > walk\n>\n> @alice very nice\n\n")
+    expect(text).to_have_value("Before.\n\n> > walk\n>\n> @alice very nice\n\n")
     expect(text).to_be_focused()
     assert page.locator("[name=reply_to]").input_value() == names["late"]
 

@@ -27,7 +27,7 @@ from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, permission
 from agentrob.agent.pictures import illustrate, late_recording
-from agentrob.agent.publish import publish
+from agentrob.agent.publish import page_of, publish
 from agentrob.agent.recorder import Recorder
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
@@ -321,6 +321,7 @@ class Course:
         """Put the report into the thread, exactly once, and close the claim."""
         command, summary = job.command, await self._summary(job, report)
         pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending())
+        page = await page_of(self.forum, command.post_id, hurry=self.ending())
         images = [picture.data for picture in pictures if picture.attached]
         facts: dict[str, Any] | None = None
         try:
@@ -337,7 +338,7 @@ class Course:
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         async def deed() -> str:
-            final = Shown(words.final(report, pictures, told, worded(summary, command.language)), card)
+            final = Shown(words.final(report, pictures, told, worded(summary, command.language), page), card)
             await job.status.close(final, images, words.short(report))
             return report.status
 
@@ -352,7 +353,7 @@ class Course:
             await deed()
         await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
         if recording := await late_recording(command.post_id, self.recorder, self.store):
-            text = words.final(report, (*pictures, recording), told, worded(summary, command.language))
+            text = words.final(report, (*pictures, recording), told, worded(summary, command.language), page)
             await job.status.add(Shown(text, card), [recording.data] if recording.attached else [])
             await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
 

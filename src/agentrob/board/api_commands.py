@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from agentrob.board import commands
 from agentrob.board.api import Member, Reading, out
-from agentrob.board.api_models import CommandIn, CommandOut, Items, time_out
+from agentrob.board.api_models import CommandIn, CommandOut, CommandsOut, time_out
 from agentrob.board.commands import RECORD_BYTES, RECORD_DEPTH
 from agentrob.board.problem import documented
 from agentrob.board.services import services
@@ -17,13 +17,13 @@ from agentrob.model import AccountKind
 router = APIRouter(prefix="/api/v1", responses=documented(404))
 
 
-@router.get("/commands/{post_id}", response_model=Items[CommandOut])
+@router.get("/commands/{post_id}", response_model=CommandsOut)
 async def command(request: Request, post_id: str, who: Reading) -> Response:
     """What robots recorded of the command of a post; empty while none has ended, and when the post was removed."""
     return _told(request, post_id)
 
 
-@router.put("/commands/{post_id}", response_model=Items[CommandOut])
+@router.put("/commands/{post_id}", response_model=CommandsOut)
 async def publish(request: Request, post_id: str, told: CommandIn, by: Member) -> Response:
     """A robot's agent tells what it recorded; again replaces it."""
     if by.kind is not AccountKind.ROBOT_AGENT:
@@ -50,4 +50,4 @@ def _told(request: Request, post_id: str) -> Response:
         )
         for t in told
     )
-    return out(Items(items=tuple(items)))
+    return out(CommandsOut(items=tuple(items), url=url))

@@ -201,6 +201,10 @@ class Items(_Out, Generic[T]):
     items: tuple[T, ...]
 
 
+class CommandsOut(Items[CommandOut]):
+    url: str = Field(description="the page that shows the same to people, also before there is anything")
+
+
 class Paged(_Out, Generic[T]):
     items: tuple[T, ...]
     next: str | None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -48,19 +49,23 @@ class Model:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """One call of a tool by a model, and what came of it."""
+    """One call of a tool by a model, and what came of it; `step` is the robot's step that it was, if any."""
 
     tool: str
     arguments: str
+    step: str
     outcome: str
     words: str
+    seconds: str
 
 
 @dataclass(frozen=True, slots=True)
 class CommandView:
     """One robot's side of a command. `verdict` is (decision, rule, reason); `timeline` (what, when, ms after the post).
 
-    `facts` are (name, value): who read the words, who else looked at them, who stopped it.
+    `facts` are (name, value): who read the words, who else looked at them, who stopped it. `steps` are those that were
+    tried or, when there were none (`planned`), those that were asked for. `links` are pictures kept elsewhere:
+    (what, address, until when it is good).
     """
 
     robot: str
@@ -71,10 +76,12 @@ class CommandView:
     verdict: tuple[str, str, str]
     timeline: tuple[tuple[str, datetime, str], ...]
     steps: tuple[Step, ...]
+    planned: bool
     facts: tuple[tuple[str, str], ...]
     models: tuple[Model, ...]
     calls: tuple[Call, ...]
     pictures: tuple[tuple[str, Image], ...]
+    links: tuple[tuple[str, str, str], ...]
 
 
 def command_view(post: Post, told: Told) -> CommandView:
@@ -82,7 +89,9 @@ def command_view(post: Post, told: Told) -> CommandView:
     record = told.record
     verdict = _map(record.get("verdict"))
     looked = _map(record.get("looked"))
-    usage = (*_list(record.get("models")), *_list(looked.get("usage")))
+    summary = _map(record.get("summary"))
+    usage = (*_list(record.get("models")), *_list(looked.get("usage")), *_list(summary.get("models")))
+    done, planned = _list(record.get("steps")), _list(record.get("plan"))
     return CommandView(
         robot=told.robot,
         reply=told.reply,
@@ -90,18 +99,24 @@ def command_view(post: Post, told: Told) -> CommandView:
         message=_text(record.get("message"), 600),
         trace_id=_text(record.get("trace_id"), 64),
         verdict=(_text(verdict.get("decision"), 24), _text(verdict.get("rule"), 80), _text(verdict.get("reason"), 600)),
-        timeline=_timeline(post, _map(record.get("timings_ms"))),
-        steps=tuple(_step(_map(step)) for step in _list(record.get("steps"))),
-        facts=tuple(_facts(record, looked)),
+        timeline=_timeline(post, told.reply, _map(record.get("timings_ms"))),
+        steps=tuple(_step(_map(step)) for step in done) or tuple(_asked(_map(step)) for step in planned),
+        planned=not done,
+        facts=tuple(_facts(record, looked, summary)),
         models=tuple(_model(_map(model)) for model in usage),
         calls=tuple(_call(_map(turn)) for turn in _list(looked.get("turns"))),
         pictures=_pictures(told.reply, _list(record.get("pictures"))),
+        links=tuple(filter(None, map(_link, _list(record.get("links"))))),
     )
 
 
-def _timeline(post: Post, timings: Mapping[str, Any]) -> tuple[tuple[str, datetime, str], ...]:
+def _timeline(post: Post, reply: Post | None, timings: Mapping[str, Any]) -> tuple[tuple[str, datetime, str], ...]:
     ms = {name: number for name, value in timings.items() if (number := _number(value)) is not None}
-    moments = sorted(((ms[name], words) for name, words in _MOMENTS.items() if name in ms), key=lambda m: m[0])
+    moments = [(ms[name], words) for name, words in _MOMENTS.items() if name in ms]
+    if reply is not None:
+        told_at = reply.edited_at or reply.created_at
+        moments.append(((told_at - post.created_at).total_seconds() * 1000, "told in the thread"))
+    moments.sort(key=lambda moment: moment[0])
     told = tuple(
         (words, post.created_at + timedelta(milliseconds=min(at, 1e9)), f"+{at / 1000:.2f} s") for at, words in moments
     )
@@ -121,6 +136,11 @@ def _step(step: Mapping[str, Any]) -> Step:
     )
 
 
+def _asked(step: Mapping[str, Any]) -> Step:
+    """A step of a plan that came to nothing."""
+    return Step(_text(step.get("op"), 40).replace("_", " "), _amounts(_without(step, "op")), "–", "not begun", "", "")
+
+
 def _amounts(amounts: Mapping[str, Any]) -> str:
     said = []
     for name, value in list(amounts.items())[:8]:
@@ -135,7 +155,9 @@ def _amounts(amounts: Mapping[str, Any]) -> str:
     return ", ".join(filter(None, said))
 
 
-def _facts(record: Mapping[str, Any], looked: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _facts(
+    record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mapping[str, Any]
+) -> list[tuple[str, str]]:
     screened, stop, end = _map(record.get("screened")), _map(record.get("stop")), _map(looked.get("end"))
     refusal = _map(screened.get("refusal"))
     latency = _number(stop.get("latency_ms"))
@@ -148,6 +170,11 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any]) -> list[tuple[s
         ("Looked for", _text(looked.get("goal"), 300)),
         ("The loop ended", _text(end.get("why"), 40).replace("_", " ")),
         ("The model claims", _text(end.get("claim"), 40).replace("_", " ")),
+        ("It says it saw", ", ".join(_text(saw, 100) for saw in _list(end.get("saw"))[:8])),
+        ("It says it did", _text(end.get("did"), 300)),
+        ("The model failed", _text(end.get("fault"), 200)),
+        ("Summed up by", _text(summary.get("mind"), 80)),
+        ("Its words were left out", _text(summary.get("failed"), 200) or _text(summary.get("problem"), 200)),
         ("Contradicted by measurement", _text(looked.get("contradicted"), 300)),
         ("Stopped by", _text(record.get("stopped_by"), 80)),
         ("Stop took", "" if latency is None else f"{latency:.0f} ms"),
@@ -172,7 +199,15 @@ def _model(usage: Mapping[str, Any]) -> Model:
 def _call(turn: Mapping[str, Any]) -> Call:
     arguments = ", ".join(f"{_text(k, 40)}={_text(v, 80)}" for k, v in list(_map(turn.get("arguments")).items())[:8])
     outcome = _text(turn.get("outcome"), 60) or _text(turn.get("problem"), 300)
-    return Call(_text(turn.get("tool"), 60), arguments, outcome, _text(turn.get("words"), 300))
+    step, latency = _number(turn.get("step")), _number(turn.get("latency_ms"))
+    return Call(
+        tool=_text(turn.get("tool"), 60),
+        arguments=arguments,
+        step=f"step {step:.0f}" if step else "",
+        outcome=outcome.replace("_", " "),
+        words=_text(turn.get("words"), 300),
+        seconds=f"{latency / 1000:.2f} s" if latency else "",
+    )
 
 
 def _pictures(reply: Post | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image], ...]:
@@ -183,10 +218,26 @@ def _pictures(reply: Post | None, kinds: Sequence[Any]) -> tuple[tuple[str, Imag
     shown = []
     for n, image in enumerate(reply.images):
         kind = _map(kinds[n]) if named else {}
-        words = _PICTURES.get(_text(kind.get("kind"), 20), "Recording" if image.moving else "Picture")
-        step = _number(kind.get("step"))
-        shown.append((f"{words} {step:.0f}" if step else words, image))
+        shown.append((_picture(kind, "Recording" if image.moving else "Picture"), image))
     return tuple(shown)
+
+
+def _picture(kind: Mapping[str, Any], otherwise: str) -> str:
+    words, step = _PICTURES.get(_text(kind.get("kind"), 20), otherwise), _number(kind.get("step"))
+    return f"{words} {step:.0f}" if step else words
+
+
+def _link(kept: object) -> tuple[str, str, str] | None:
+    """A picture that is kept elsewhere; None when that is no address of the web."""
+    link = _map(kept)
+    address = link.get("url")
+    if not isinstance(address, str) or not re.fullmatch(r"https?://[^\s<>\"']{1,2000}", address):
+        return None
+    return _picture(link, "Data of the recording"), address, _text(link.get("until"), 32)
+
+
+def _without(facts: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    return {k: v for k, v in facts.items() if k != name}
 
 
 def _map(value: object) -> Mapping[str, Any]:

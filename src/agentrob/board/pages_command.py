@@ -19,10 +19,11 @@ Reading = Annotated[Viewer, Depends(access.reader)]
 
 
 @router.get("/c/{post_id}")
-async def command(request: Request, viewer: Reading, post_id: str) -> Response:
+async def command(request: Request, viewer: Reading, post_id: str, part: str = "") -> Response:
     """`post_id` is the post that asked. JSON of the same: `/api/v1/commands/{post_id}`."""
     known = services(request)
     post, told = commands.of(known.store.reader, post_id)
     views = [command_view(post, one) for one in told]
     data = {"post": post, "views": views, "topic": known.store.topic(post.topic_id)}
-    return show(request, viewer, "command.html", data, here="home")
+    template = "command_views.html" if part == "views" else "command.html"
+    return show(request, viewer, template, data, here="home")

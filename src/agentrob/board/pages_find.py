@@ -13,10 +13,11 @@ from agentrob.board import access, forms, notices, robot_view, search
 from agentrob.board import schema as db
 from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
-from agentrob.board.records import Post, Topic
+from agentrob.board.records import Page, Post, Topic
 from agentrob.board.render import render
 from agentrob.board.services import Services, services
 from agentrob.board.templating import go, show
+from agentrob.errors import BoardError
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
@@ -30,11 +31,16 @@ NAMES = 8
 # ------------------------------------------------------------------ search and latest
 @router.get("/search")
 async def search_page(request: Request, viewer: Reading, q: str = "", after: str | None = None) -> Response:
-    known, query = services(request), search.checked(q)
-    page = search.find(known.store.reader, query, after)
+    known, problem, status = services(request), "", 200
+    page: Page[Post] = Page(())
+    try:
+        query = search.checked(q)
+        page = await known.store.search(query, after)
+    except BoardError as e:
+        query, problem, status = q[: search.MAX_QUERY], forms.problem(e), e.status
     found = [(topic, post, search.around(post.raw, query)) for topic, post in _with_topics(known, page.items)]
-    data: dict[str, Any] = {"query": query, "found": found, "next": page.next}
-    return show(request, viewer, "search.html", data, here="search")
+    data: dict[str, Any] = {"query": query, "found": found, "next": page.next, "problem": problem}
+    return show(request, viewer, "search.html", data, status=status, here="search")
 
 
 @router.get("/latest")

@@ -36,7 +36,10 @@ async def post(request: Request, viewer: Reading, post_id: str) -> Response:
 
 @router.get("/p/{post_id}/fragment")
 async def fragment(request: Request, viewer: Reading, post_id: str) -> Response:
-    return show(request, viewer, "post.html", {"post": services(request).store.post(post_id), "authors": {}})
+    store = services(request).store
+    found = store.post(post_id)
+    answered = store.reader.posts_by_id([int(found.reply_to)] if found.reply_to else [])
+    return show(request, viewer, "post.html", {"post": found, "authors": {p.id: p.author.name for p in answered}})
 
 
 @router.get("/p/{post_id}/raw")

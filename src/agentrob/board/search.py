@@ -9,8 +9,10 @@ not quick.
 from __future__ import annotations
 
 import re
+import time
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from sqlalchemy import Connection, and_, bindparam, select, text
@@ -22,6 +24,8 @@ from agentrob.errors import BoardError
 
 #: Characters and words of a query that count.
 MAX_QUERY, MAX_WORDS = 200, 12
+#: Seconds after which a search is given up: some words stand in so many posts that none has them all.
+MOST_S = 1.0
 _PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
 _CREATE = (
     "CREATE VIRTUAL TABLE post_words USING fts5(words, tokenize = 'porter unicode61 remove_diacritics 2')",
@@ -81,6 +85,33 @@ def _pairs(run: str) -> Iterator[str]:
 
 
 # -------------------------------------------------------------------- searching
+def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = None) -> Reader:
+    """A reader to search with, on a connection of its own."""
+    if connection.dialect.name == "postgresql":
+        connection.execute(text(f"SET statement_timeout = {MOST_S * 1000:.0f}"))
+    return Reader(connection, sees)
+
+
+@contextmanager
+def _given_up(reader: Reader) -> Iterator[None]:
+    """Ends a statement that takes longer than `MOST_S`: 503 with what to do."""
+    end_s = time.monotonic() + MOST_S
+    raw: Any = reader.connection.connection.dbapi_connection
+    watched = reader.connection.dialect.name == "sqlite"
+    if watched:
+        raw.set_progress_handler(lambda: time.monotonic() > end_s, 20_000)
+    try:
+        yield
+    except BoardError as e:
+        if time.monotonic() < end_s:
+            raise
+        hint = "add a rarer word, or put words that stand together between double quotes"
+        raise BoardError(503, "too_broad", "too many posts had to be looked through", hint) from e
+    finally:
+        if watched:
+            raw.set_progress_handler(None, 0)
+
+
 def find(reader: Reader, query: str, cursor: str | None = None, limit: int = 20) -> Page[Post]:
     """Posts with all the words, newest first, without removed ones and those on boards that are not seen.
 
@@ -93,7 +124,8 @@ def find(reader: Reader, query: str, cursor: str | None = None, limit: int = 20)
     seen = reader.seen()
     boards = [b.id for b in reader.all_boards()] if seen is None else sorted(seen)
     search = _by_index if reader.connection.dialect.name == "sqlite" else _by_looking
-    ids = search(reader, words, before, boards, limit + 1)
+    with _given_up(reader):
+        ids = search(reader, words, before, boards, limit + 1)
     found = {int(post.id): post for post in reader.posts_by_id(ids[:limit])}
     posts = tuple(found[i] for i in ids[:limit] if i in found)
     return Page(posts, to_cursor(ids[limit - 1]) if len(ids) > limit else None)

@@ -36,7 +36,7 @@ if (text) {
       try {
         const answer = await fetch("/api/v1/images", { method: "POST", body, headers: { "X-CSRF-Token": csrf } });
         const image = await answer.json();
-        if (!answer.ok) { tell(`${file.name}: ${image.detail}. ${image.hint}.`); continue; }
+        if (!answer.ok) { tell(`${file.name}: ${[image.detail, image.hint].filter(Boolean).join("; ")}.`); continue; }
         thumbs.append(thumb(image, file.name));
         tell(`${file.name} is attached.`);
       } catch {
@@ -141,23 +141,34 @@ if (text) {
   });
   text.addEventListener("blur", close);
 
-  // -------------------------------------------------------------- quoting in place: what was written stays
-  document.addEventListener("click", async (event) => {
-    const link = event.target.closest("[data-quote]");
-    if (!link || event.ctrlKey || event.metaKey || event.shiftKey) return;
-    event.preventDefault();
-    try {
-      const answer = await fetch(`/p/${link.dataset.quote}/raw`);
-      if (!answer.ok) throw new Error(String(answer.status));
-      const lines = (await answer.text()).trim().split("\n").slice(0, 40).map((line) => `> ${line}`.trimEnd());
-      text.setRangeText(`${lines.join("\n")}\n\n`, text.selectionStart, text.selectionEnd, "end");
-      answers(link.dataset.quote);
-      text.focus();
-    } catch { location.href = link.href; }
-  });
-  const answers = (post) => {
-    const field = form.querySelector("[name=reply_to]")
-      || form.appendChild(Object.assign(document.createElement("input"), { type: "hidden", name: "reply_to" }));
-    field.value = post;
+  // -------------------------------------------------------------- answering in place: what was written stays
+  const answers = form.querySelector("[data-answers]");
+  const answer = (post) => {
+    answers.hidden = !post;
+    answers.querySelector("input").value = post;
+    if (post) {
+      const to = answers.querySelector("a");
+      to.href = `/p/${post}`;
+      to.textContent = document.querySelector(`#post-${post} .who`)?.textContent || "an earlier post";
+    }
+    text.focus();
   };
+  const quote = async (link) => {
+    try {
+      const raw = await fetch(`/p/${link.dataset.quote}/raw`);
+      if (!raw.ok) throw new Error(String(raw.status));
+      const lines = (await raw.text()).trim().split("\n").slice(0, 40).map((line) => `> ${line}`.trimEnd());
+      const before = text.value.slice(0, text.selectionStart).trimEnd();
+      const words = `${before ? "\n\n" : ""}${lines.join("\n")}\n\n`;
+      text.setRangeText(words, before.length, text.selectionEnd, "end");
+      answer(link.dataset.quote);
+    } catch { location.href = link.href; }
+  };
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest("[data-quote], [data-reply], [data-answers-none]");
+    if (!answers || !link || event.ctrlKey || event.metaKey || event.shiftKey) return;
+    event.preventDefault();
+    if (link.dataset.quote) quote(link);
+    else answer(link.dataset.reply || "");
+  });
 }
