@@ -8,64 +8,38 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pages_windows import RUNNING, Windows, open_windows, robot_posts, running_chromium
+from fastapi.routing import APIRoute
+from pages_shown import PAGES, fill
+from pages_windows import Windows, open_windows, running_chromium
 from pages_world import CARD, World, running_world
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
-from test_pages_command import RECORD
+
+from agentrob.board import pages, pages_admin
 
 pytestmark = pytest.mark.browser
 
 AXE = Path(__file__).parent / "axe" / "node_modules" / "axe-core" / "axe.min.js"
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
-PAGES = (
-    *("/", "/b/robots", "/b/robots/new", "/t/{topic}", "/t/{topic}?quote={post}", "/c/{post}", "/robots"),
-    *(
-        "/robots/quadruped",
-        "/search?q=walk",
-        "/search",
-        "/latest",
-        "/notices",
-        "/u/bob",
-        "/u/alice",
-        "/p/{late}/history",
-    ),
-    *("/p/{post}/edit", "/p/{post}/remove", "/t/999999"),
-)
-STRANGERS = ("/sign-in", "/sign-up", "/enter/x")
+SIZES = {"desktop": (1280, 900), "phone": (390, 844), "zoomed": (320, 640)}
+#: One in each run of the tests; the others take a minute together.
+QUICK = ("phone", "dark")
+#: What is no page of its own: pieces that scripts ask for, what only leads on, what is no HTML.
+NO_PAGES = {
+    *("/p/{post_id}", "/p/{post_id}/fragment", "/p/{post_id}/raw", "/robots/{name}/fragment", "/notices/count", "/names"),
+    *("/admin", "/static/{version}/{name}", "/favicon.ico"),
+}
 
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
     with running_world(tmp_path_factory.mktemp("board"), sign_up=True) as world:
-        world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
         yield world
 
 
 @pytest.fixture(scope="module")
 def names(world: World) -> dict[str, str]:
-    """A topic with everything that a post can have."""
-    alice, robot, bob = world.api("alice"), world.api("quadruped"), world.api("bob")
-    body = {
-        "board": "robots",
-        "title": "A walk",
-        "body": "@quadruped walk forward 2 m\n\n| a | b |\n|---|--:|\n| 1 | 2 |",
-    }
-    made = alice.post("/topics", json=body).json()
-    topic, post = made["topic"]["id"], made["post"]["id"]
-    shown = [robot.post("/images", files={"file": ("a.png", png(), "image/png")}).json()["id"] for _ in range(2)]
-    card = RUNNING | {"state": "failed", "step": 1, "steps": 2}
-    reply = {"body": "Failed.\n\n```\ncode\n```", "reply_to": post, "images": shown, "card": card}
-    told = robot.post(f"/topics/{topic}/posts", json=reply).json()["post"]["id"]
-    robot.put(f"/commands/{post}", json={"reply": told, "record": RECORD}).raise_for_status()
-    late = bob.post(f"/topics/{topic}/posts", json={"body": "> walk\n\n@alice nice", "reply_to": post}).json()["post"][
-        "id"
-    ]
-    bob.patch(f"/posts/{late}", json={"body": "> walk\n\n@alice very nice"}).raise_for_status()
-    for state in ("queued", "running", "done", "stopped"):
-        robot_posts(world, topic, state, RUNNING | {"state": state, "place": 1 if state == "queued" else None})
-    robot.put("/robots/quadruped", json={"card": CARD | {"line": [post]}}).raise_for_status()
-    return {"topic": topic, "post": post, "late": late}
+    return fill(world)
 
 
 @pytest.fixture(scope="module")
@@ -99,21 +73,36 @@ def wide(page: Page) -> int:
     return int(page.evaluate("document.documentElement.scrollWidth - innerWidth"))
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 900), (390, 844), (320, 640)], ids=["desktop", "phone", "zoomed"])
+def looks() -> list[Any]:
+    """Sizes and themes; all but one are slow."""
+    every = [(size, theme) for size in SIZES for theme in ("light", "dark")]
+    return [pytest.param(*look, marks=[] if look == QUICK else pytest.mark.slow, id="-".join(look)) for look in every]
+
+
+@pytest.mark.parametrize(("size", "theme"), looks())
 def test_every_page_meets_wcag_and_needs_no_scrolling_sideways(
-    world: World, windows: Windows, names: dict[str, str], theme: Any, size: tuple[int, int]
+    world: World, windows: Windows, names: dict[str, str], size: str, theme: Any
 ) -> None:
-    how: dict[str, Any] = {"viewport": {"width": size[0], "height": size[1]}, "color_scheme": theme}
+    how: dict[str, Any] = {"viewport": dict(zip(("width", "height"), SIZES[size], strict=True)), "color_scheme": theme}
     found: dict[str, list[str]] = {}
-    for who, paths in (("alice", PAGES), (None, STRANGERS)):
+    for who in ("alice", "root", None):
         page = windows.open(who, **how)
-        for path in paths:
-            page.goto(path.format(**names))
-            over = wide(page)
-            found[path] = violations(page) + ([f"{over} px too wide"] if over > 0 else [])
+        for shown in PAGES:
+            if shown.who == who:
+                page.goto(shown.path.format(**names), wait_until="domcontentloaded")
+                over = wide(page)
+                found[shown.name] = violations(page) + ([f"{over} px too wide"] if over > 0 else [])
     windows.complaints = [c for c in windows.complaints if "404" not in c]  # the page that says so
-    assert {path: those for path, those in found.items() if those} == {}
+    assert {name: those for name, those in found.items() if those} == {}
+
+
+def test_no_page_is_left_out(names: dict[str, str]) -> None:
+    routes = [r for part in (pages, pages_admin) for r in part.router.routes if isinstance(r, APIRoute)]
+    gets = {r.path: r for r in routes if "GET" in (r.methods or ()) and not r.path.endswith(".atom")}
+    addresses = [shown.path.format(**names).partition("?")[0] for shown in PAGES]
+    unseen = {path for path, route in gets.items() if not any(route.path_regex.match(a) for a in addresses)}
+    assert len(gets) > 30
+    assert unseen == NO_PAGES
 
 
 def test_what_opens_while_writing_is_accessible_too(world: World, windows: Windows, names: dict[str, str]) -> None:
@@ -225,10 +214,10 @@ def test_a_quote_is_put_where_one_writes_and_loses_nothing(
     page.goto(f"/t/{names['topic']}")
     text = page.get_by_label("Reply", exact=True)
     text.fill("Before. ")
-    page.locator(f"#post-{names['late']}").get_by_role("link", name="Quote this post of bob").click()
-    expect(text).to_have_value("Before.\n\n> > walk\n>\n> @alice very nice\n\n")
+    page.locator(f"#post-{names['said']}").get_by_role("link", name="Quote this post of bob").click()
+    expect(text).to_have_value("Before.\n\n> > walk forward 2 metres\n>\n> @alice that was quick. Next: `@quadruped wave`?\n\n")
     expect(text).to_be_focused()
-    assert page.locator("[name=reply_to]").input_value() == names["late"]
+    assert page.locator("[name=reply_to]").input_value() == names["said"]
 
 
 def test_the_bell_rings_without_reloading(world: World, windows: Windows, names: dict[str, str]) -> None:

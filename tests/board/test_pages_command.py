@@ -120,6 +120,25 @@ def test_a_post_without_a_record_says_so_and_what_is_none_is_404(world: World) -
     assert [surfer.get(f"/c/{wrong}").status_code for wrong in ("999999", "abc", "4f1c22aa")] == [404] * 3
 
 
+def test_what_was_asked_and_never_begun_and_what_is_kept_elsewhere_is_shown_too(world: World) -> None:
+    _, command = asked(world)
+    links = [
+        {"kind": "recording", "step": 0, "url": "https://bucket.example/a?b=c", "until": "2026-11-22T00:00:00+00:00"},
+        {"kind": "data", "step": 0, "url": "javascript:alert(1)", "until": ""},
+    ]
+    plan = [{"op": "move", "direction": "forward", "distance_m": 90.0}]
+    record = RECORD | {"status": "refused", "steps": [], "plan": plan, "links": links}
+    waiting = world.browser("bob").get(f"/c/{command}").text
+    assert f'data-refresh="/c/{command}?part=views"' in waiting
+    world.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
+    page = world.browser("bob").get(f"/c/{command}?part=views").text
+    assert "<html" not in page
+    assert "forward, 90.00 m" in page
+    assert "not begun" in page
+    assert 'href="https://bucket.example/a?b=c"' in page
+    assert "javascript:" not in page
+
+
 plain = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),

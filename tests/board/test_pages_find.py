@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import threading
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 
 import pytest
 from pages_world import World, running_world
-from running_board import RunningBoard
+from running_board import LIMIT_S, RunningBoard
 from sqlalchemy import text
 
-from agentrob.board import admin
+from agentrob.board import admin, search
 from agentrob.board.api_admin import erase_content
 from agentrob.board.database import open_engine
+from agentrob.board.records import Page, Post
 from agentrob.board.search import around, create_index, drop_index, expression, indexed, terms
+from agentrob.board.store import MAX_SEARCHES
 from agentrob.model import Role
 
 ATOM = "{http://www.w3.org/2005/Atom}"
@@ -125,6 +129,53 @@ def test_posts_from_before_there_was_an_index_are_in_it(fresh_board: Callable[..
     for query in ("两米", "okapi"):
         assert "Okapi" in browser.get("/search", params={"q": query}).text
     assert "<mark>两米</mark>" in browser.get("/search", params={"q": "两米"}).text
+
+
+def test_a_search_that_takes_too_long_is_given_up_and_the_page_says_what_to_do(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    topic(world, "Lemur", "a lemur")
+    monkeypatch.setattr(search, "MOST_S", -1.0)
+    monkeypatch.setattr(search, "STEPS", 1)
+    answer = world.browser("bob").client.get("/search", params={"q": "lemur"})
+    assert answer.status_code == 503
+    assert "add a rarer word" in answer.text
+    assert 'value="lemur"' in answer.text
+    refused = world.api("bob").get("/search", params={"q": "lemur"})
+    assert (refused.status_code, refused.json()["code"]) == (503, "too_broad")
+    monkeypatch.undo()
+    assert found(world, "lemur")
+
+
+def test_law_15_nothing_waits_for_a_search_least_of_all_a_stop(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(*_: object) -> Page[Post]:
+        begun.set()
+        assert go_on.wait(LIMIT_S)
+        return Page(())
+
+    monkeypatch.setattr(search, "find", slow)
+    with ThreadPoolExecutor(MAX_SEARCHES + 1) as others:
+        searching = [others.submit(world.api("bob").get, "/search", params={"q": "x"}) for _ in range(MAX_SEARCHES + 1)]
+        assert begun.wait(LIMIT_S)
+        assert world.api("bob").post("/robots/quadruped/stop").status_code < 300
+        refused = next(as_completed(searching, LIMIT_S)).result()
+        assert (refused.status_code, refused.json()["code"]) == (503, "overloaded")
+        go_on.set()
+        assert sorted(s.result(LIMIT_S).status_code for s in searching) == [200] * MAX_SEARCHES + [503]
+
+
+def test_programs_search_too_page_by_page(world: World) -> None:
+    _, first = topic(world, "n", "an aardvark 土豚")
+    _, second = topic(world, "n", "two aardvarks 土豚")
+    bob = world.api("bob")
+    page = bob.get("/search", params={"q": "aardvark 土豚", "limit": 1}).json()
+    assert [p["id"] for p in page["items"]] == [second]
+    page = bob.get("/search", params={"q": "aardvark 土豚", "limit": 1, "cursor": page["next"]}).json()
+    assert ([p["id"] for p in page["items"]], page["next"]) == ([first], None)
+    assert bob.get("/search", params={"q": "x" * 201}).status_code == 422
+    assert world.board.client().get("/search", params={"q": "aardvark"}).status_code == 401
 
 
 def test_indexing_keeps_every_character_of_a_run_findable() -> None:

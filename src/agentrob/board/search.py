@@ -26,6 +26,8 @@ from agentrob.errors import BoardError
 MAX_QUERY, MAX_WORDS = 200, 12
 #: Seconds after which a search is given up: some words stand in so many posts that none has them all.
 MOST_S = 1.0
+#: Steps of SQLite's machine between two looks at the clock.
+STEPS = 20_000
 _PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
 _CREATE = (
     "CREATE VIRTUAL TABLE post_words USING fts5(words, tokenize = 'porter unicode61 remove_diacritics 2')",
@@ -99,11 +101,11 @@ def _given_up(reader: Reader) -> Iterator[None]:
     raw: Any = reader.connection.connection.dbapi_connection
     watched = reader.connection.dialect.name == "sqlite"
     if watched:
-        raw.set_progress_handler(lambda: time.monotonic() > end_s, 20_000)
+        raw.set_progress_handler(lambda: time.monotonic() > end_s, STEPS)
     try:
         yield
     except BoardError as e:
-        if time.monotonic() < end_s:
+        if e.status != 503 or time.monotonic() < end_s:
             raise
         hint = "add a rarer word, or put words that stand together between double quotes"
         raise BoardError(503, "too_broad", "too many posts had to be looked through", hint) from e
