@@ -22,7 +22,6 @@ from agentrob.agent.plot import path_plot
 from agentrob.agent.publish import public
 from agentrob.agent.records import Records
 from agentrob.agent.report import final
-from agentrob.board import admin
 from agentrob.minds.loop import Looked, LoopEnd, Turn
 from agentrob.minds.screening import Screened
 from agentrob.minds.usage import Usage
@@ -127,19 +126,14 @@ def fill(world: World) -> dict[str, str]:
 
 def links(world: World) -> dict[str, str]:
     """Links of admins to people."""
-    token = {"Authorization": f"Bearer {_token(world)}"}
-    root = world.board.client()
-    invite = root.post("/admin/invites", headers=token, json={"role": "member", "uses": 3, "days": 7}).json()["url"]
-    password = root.post("/admin/accounts/bob/link", headers=token, json={"purpose": "password"}).json()["url"]
+    chief = world.chief()
+    invite = chief.post("/admin/invites", json={"role": "member", "uses": 3, "days": 7}).json()["url"]
+    password = chief.post("/admin/accounts/bob/link", json={"purpose": "password"}).json()["url"]
     return {"enter": world.link("bob"), "invite": _path(world, invite), "password": _path(world, password)}
 
 
 def _path(world: World, url: str) -> str:
     return url.removeprefix(world.base)
-
-
-def _token(world: World) -> str:
-    return admin.issue_token(world.settings, admin.find_account(world.settings, "root"), scopes=("read", "write", "admin"))
 
 
 def _says(world: World, who: str, topic: str, body: str, reply_to: str | None = None) -> str:

@@ -139,6 +139,22 @@ def test_what_was_asked_and_never_begun_and_what_is_kept_elsewhere_is_shown_too(
     assert "javascript:" not in page
 
 
+def test_pictures_of_a_camera_that_is_for_others_are_no_broken_pictures(world: World) -> None:
+    topic, command = asked(world)
+    reply = told(world, topic, command)
+    chief = world.chief()
+    paths = (f"/t/{topic}", f"/c/{command}", f"/p/{reply}/fragment")
+    try:
+        chief.patch("/admin/robots/quadruped", json={"camera_role": "operator"}).raise_for_status()
+        for path in paths:
+            page = world.browser("bob").get(path).text
+            assert "is shown to others only" in page, path
+            assert "/images/" not in page, path
+            assert "/images/" in world.browser("alice").get(path).text, path
+    finally:
+        chief.patch("/admin/robots/quadruped", json={"camera_role": "guest"}).raise_for_status()
+
+
 plain = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),

@@ -12,7 +12,7 @@ from pages_world import World, running_world
 from running_board import LIMIT_S, RunningBoard
 from sqlalchemy import text
 
-from agentrob.board import admin, search
+from agentrob.board import search
 from agentrob.board.api_admin import erase_content
 from agentrob.board.database import open_engine
 from agentrob.board.records import Page, Post
@@ -83,15 +83,8 @@ def test_newest_are_first_and_pages_go_on_where_the_last_ended(world: World) -> 
 
 
 def test_what_is_on_a_board_one_may_not_read_is_not_found_told_or_fed(world: World) -> None:
-    token = admin.issue_token(
-        world.settings, admin.find_account(world.settings, "root"), scopes=("read", "write", "admin")
-    )
-    by = {"Authorization": f"Bearer {token}"}
-    made = world.api("root").post(
-        "/admin/boards",
-        headers=by,
-        json={"id": "staff", "name": "Staff", "read_role": "operator", "post_role": "operator"},
-    )
+    staff = {"id": "staff", "name": "Staff", "read_role": "operator", "post_role": "operator"}
+    made = world.chief().post("/admin/boards", json=staff)
     assert made.status_code < 300, made.text
     _, post = topic(world, "Secret narwhal", "@bob a narwhal", board="staff")
     assert post in found(world, "narwhal", by="alice")

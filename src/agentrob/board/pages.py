@@ -227,4 +227,5 @@ def _topic(
     data |= {"after": newest, "robots": robot_view.robots(known), "key": forms.nonce()}
     data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
     data |= {"feed": f"/t/{found.id}/feed.atom", "authors": {p.id: p.author.name for p in posts.items}}
+    data["hidden"] = robot_view.hidden_cameras(known, viewer.account, posts.items)
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")

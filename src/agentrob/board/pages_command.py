@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board import access, commands
+from agentrob.board import access, commands, robot_view
 from agentrob.board.access import Viewer
 from agentrob.board.command_view import command_view
 from agentrob.board.services import services
@@ -24,6 +24,7 @@ async def command(request: Request, viewer: Reading, post_id: str, part: str = "
     known = services(request)
     post, told = commands.of(known.store.reader, post_id)
     views = [command_view(post, one) for one in told]
-    data = {"post": post, "views": views, "topic": known.store.topic(post.topic_id)}
+    hidden = robot_view.hidden_cameras(known, viewer.account, [one.reply for one in told if one.reply])
+    data = {"post": post, "views": views, "topic": known.store.topic(post.topic_id), "hidden": hidden}
     template = "command_views.html" if part == "views" else "command.html"
     return show(request, viewer, template, data, here="home")

@@ -9,7 +9,7 @@ from urllib.parse import quote
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
-from agentrob.board import access, forms, uploads
+from agentrob.board import access, forms, robot_view, uploads
 from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
 from agentrob.board.pages_find import previewed
@@ -39,7 +39,9 @@ async def fragment(request: Request, viewer: Reading, post_id: str) -> Response:
     store = services(request).store
     found = store.post(post_id)
     answered = store.reader.posts_by_id([int(found.reply_to)] if found.reply_to else [])
-    return show(request, viewer, "post.html", {"post": found, "authors": {p.id: p.author.name for p in answered}})
+    data = {"post": found, "authors": {p.id: p.author.name for p in answered}}
+    hidden = robot_view.hidden_cameras(services(request), viewer.account, [found])
+    return show(request, viewer, "post.html", data | {"hidden": hidden})
 
 
 @router.get("/p/{post_id}/raw")

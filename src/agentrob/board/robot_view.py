@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
+from agentrob.board import rights
 from agentrob.board.buttons import known_robot
+from agentrob.board.records import Post
 from agentrob.board.services import Services
 from agentrob.board.stage import LIVE_FOR
-from agentrob.model import Account
+from agentrob.model import Account, AccountKind
 
 _KNOWN = {
     "model",
@@ -97,6 +99,13 @@ def robot(services: Services, name: str) -> tuple[Account, RobotView]:
     """One robot. Raises `BoardError` 404."""
     account = known_robot(services, name)
     return account, _look(services, account)
+
+
+def hidden_cameras(services: Services, viewer: Account | None, posts: Iterable[Post]) -> frozenset[str]:
+    """Which of the robots that show pictures in these posts show them to others only."""
+    reader = services.store.reader
+    shown = {p.author.name for p in posts if p.images and p.author.kind is AccountKind.ROBOT_AGENT}
+    return frozenset(n for n in shown if not rights.sees_camera(rights.settings_of(reader, n), viewer, n))
 
 
 def _look(services: Services, account: Account) -> RobotView:
