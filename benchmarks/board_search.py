@@ -2,8 +2,8 @@
 
     python benchmarks/board_search.py [--posts 1000000] [--trials 40] [--folder FOLDER]
 
-Posts are made of words as rare and as common as in real text (Zipf), and written straight into the tables. A folder that
-has them already is used again. Figures are of this machine at this moment.
+Posts are made of words as rare and as common as in real text (Zipf), and written straight into the tables. A folder
+that has them already is used again. Figures are of this machine at this moment.
 """
 
 from __future__ import annotations
@@ -30,8 +30,12 @@ from agentrob.config import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import Role
 
-CHINESE = "机器人前进后退左转右停止走路米挥手拍照红球房间窗门桌椅地面电池充满任务完成失败请看一下这里那里上中小大快慢高低开关时间今天明天问题测试数据报告视频图片线路传感"
-ENGLISH = "robot walk forward back turn left right stop metre wave photo red ball room window door table chair floor battery charge task done failed please look here there speed slow fast open close time today test data report video picture path sensor".split()  # noqa: SIM905
+CHINESE = (
+    "机器人前进后退左转右停止走路米挥手拍照红球房间窗门桌椅地面电池充满任务完成失败请看一下这里那里上中小大快慢高低"
+    "开关时间今天明天问题测试数据报告视频图片线路传感"
+)
+ENGLISH = ["robot", "walk", "forward", "back", "turn", "left", "right", "stop", "metre", "wave", "photo", "red", "ball"]
+ENGLISH += ["window", "door", "battery", "charge", "done", "failed", "please", "look", "here", "slow", "fast", "today"]
 #: What is searched for: the commonest words, rare ones, several, phrases, and what nothing has.
 QUERIES = {
     "a common word": "robot",

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import argparse
 import io
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from pages_shown import PAGES, Shown, fill
+from pages_shown import PAGES, Shown, alive, fill
 from pages_windows import Windows, running_chromium
 from pages_world import World, running_world
 from PIL import Image
@@ -47,10 +48,21 @@ def sheet(pictures: Sequence[bytes]) -> bytes:
     return file.getvalue()
 
 
+LOADED = """() => Promise.race([
+  new Promise(done => setTimeout(done, 5000)),
+  Promise.all([...document.images].filter(image => !image.closest('.camera')).map(image => {
+    image.loading = 'eager';
+    return image.complete || new Promise(done => { image.onload = image.onerror = done; });
+  })),
+])"""
+
+
 def settle(page: Page, path: str) -> None:
     """Go there and wait until its pictures are there; a live camera never ends loading."""
     page.goto(path, wait_until="domcontentloaded")
-    page.evaluate("Promise.all([...document.images].filter(i => !i.closest('.camera')).map(i => i.decode().catch(() => 0)))")
+    page.evaluate(LOADED)
+    if "/robots/" in path and page.locator("[data-camera]").count():
+        page.locator(".camera img").wait_for()
 
 
 def take(world: World, windows: Windows, wanted: Sequence[Shown], whole: Path | None) -> dict[str, list[bytes]]:
@@ -58,8 +70,10 @@ def take(world: World, windows: Windows, wanted: Sequence[Shown], whole: Path | 
     taken: dict[str, list[bytes]] = {shown.name: [] for shown in wanted}
     for look, ((width, height), theme) in LOOKS.items():
         for who in sorted({shown.who or "" for shown in wanted}):
-            page = windows.open(who or None, viewport={"width": width, "height": height}, color_scheme=theme)
+            size = {"width": width, "height": height}
+            page = windows.open(who or None, viewport=size, color_scheme=theme, reduced_motion="no-preference")
             for shown in (s for s in wanted if (s.who or "") == who):
+                alive(world, names)
                 settle(page, shown.path.format(**names))
                 taken[shown.name].append(page.screenshot())
                 if whole:
@@ -76,10 +90,14 @@ def main() -> None:
     if given.whole:
         given.whole.mkdir(parents=True, exist_ok=True)
     SHEETS.mkdir(parents=True, exist_ok=True)
-    with TemporaryDirectory() as folder, running_world(Path(folder), sign_up=True) as world, running_chromium() as chromium:
+    with (
+        TemporaryDirectory() as folder,
+        running_world(Path(folder), sign_up=True) as world,
+        running_chromium() as chromium,
+    ):
         for name, pictures in take(world, Windows(world, chromium), wanted, given.whole).items():
             (SHEETS / f"{name}.webp").write_bytes(sheet(pictures))
-            print(name)
+            sys.stdout.write(f"{name}\n")
 
 
 if __name__ == "__main__":

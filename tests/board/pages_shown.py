@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from pages_world import CARD, World
+from sqlalchemy import update
 
 from agentrob.agent import look_words
 from agentrob.agent.extract import Thought
@@ -22,6 +23,8 @@ from agentrob.agent.plot import path_plot
 from agentrob.agent.publish import public
 from agentrob.agent.records import Records
 from agentrob.agent.report import final
+from agentrob.board import admin
+from agentrob.board import schema as db
 from agentrob.minds.loop import Looked, LoopEnd, Turn
 from agentrob.minds.screening import Screened
 from agentrob.minds.usage import Usage
@@ -111,22 +114,47 @@ def fill(world: World) -> dict[str, str]:
     text = f"@{ROBOT} walk forward 2 metres, turn left and take a photo"
     made = alice.post("/topics", json={"board": "robots", "title": "A walk to the window", "body": text}).json()
     topic, walk = made["topic"]["id"], made["post"]["id"]
+    earlier(world, walk, 8.0)
     _tell(world, topic, walk, _walk(walk, topic))
-    said = _says(world, "bob", topic, f"> walk forward 2 metres\n\n@alice that was **quick**. Next: `@{ROBOT} wave`?", walk)
-    bob.patch(f"/posts/{said}", json={"body": f"> walk forward 2 metres\n\n@alice that was quick. Next: `@{ROBOT} wave`?"})
+    said = _says(
+        world, "bob", topic, f"> walk forward 2 metres\n\n@alice that was **quick**. Next: `@{ROBOT} wave`?", walk
+    )
+    bob.patch(
+        f"/posts/{said}", json={"body": f"> walk forward 2 metres\n\n@alice that was quick. Next: `@{ROBOT} wave`?"}
+    )
     look = _says(world, "alice", topic, f"@{ROBOT} go and look for the red ball")
+    earlier(world, look, 5.0)
     _tell(world, topic, look, _look(look, topic), _looked())
-    waiting = _says(world, "alice", topic, f"@{ROBOT} turn right by 90 degrees\n\n| lap | time |\n|---|--:|\n| 1 | 12 s |")
+    waiting = _says(
+        world, "alice", topic, f"@{ROBOT} turn right by 90 degrees\n\n| lap | time |\n|---|--:|\n| 1 | 12 s |"
+    )
+    ahead = _says(world, "alice", topic, f"@{ROBOT} wave")
     card = {"robot": ROBOT, "state": "running", "step": 1, "steps": 2, "doing": "turn right 90°", "trace_id": "5e01aa"}
     robot.post(f"/topics/{topic}/posts", json={"body": "Step 1 of 2.", "reply_to": waiting, "card": card})
-    robot.put(f"/robots/{ROBOT}", json={"card": CARD_SHOWN | {"line": [waiting, walk]}}).raise_for_status()
-    names = {"topic": topic, "walk": walk, "said": said, "look": look, "waiting": waiting}
+    names = {"topic": topic, "walk": walk, "said": said, "look": look, "waiting": waiting, "next": ahead}
+    alive(world, names)
     return names | links(world)
+
+
+def alive(world: World, names: Mapping[str, str]) -> None:
+    """The robot's agent tells what it does, and what its room's camera sees."""
+    robot, jpeg = world.api(ROBOT), (IMAGES / "world-room.jpg").read_bytes()
+    card = CARD_SHOWN | {"line": [names["waiting"], names["next"]]}
+    robot.put(f"/robots/{ROBOT}", json={"card": card}).raise_for_status()
+    robot.put(f"/robots/{ROBOT}/frame", content=jpeg, headers={"Content-Type": "image/jpeg"}).raise_for_status()
+
+
+def earlier(world: World, post: str, seconds: float) -> None:
+    """As if it had been written so long ago."""
+    with admin.writing(world.settings) as connection:
+        mine, at = db.posts.c.id == int(post), db.posts.c.created_us
+        connection.execute(update(db.posts).where(mine).values(created_us=at - int(seconds * 1e6)))
 
 
 def links(world: World) -> dict[str, str]:
     """Links of admins to people."""
     chief = world.chief()
+    chief.patch(f"/admin/robots/{ROBOT}", json={"owner": "alice"}).raise_for_status()
     invite = chief.post("/admin/invites", json={"role": "member", "uses": 3, "days": 7}).json()["url"]
     password = chief.post("/admin/accounts/bob/link", json={"purpose": "password"}).json()["url"]
     return {"enter": world.link("bob"), "invite": _path(world, invite), "password": _path(world, password)}
@@ -174,18 +202,21 @@ def _look(post: str, topic: str) -> Report:
         ActionResult(turn, Outcome.DONE, {"degrees": 44.1}, "", "", 1.0, 2.3),
         ActionResult(move, Outcome.FAILED, {"distance_m": 0.41}, "obstacle", "Something is 0.5 m ahead.", 3.0, 5.2),
     )
-    report = Report(_command(post, topic, "9ab3c7d1"), "failed", Verdict(Decision.ALLOW, "screen.goal"), results=results)
+    report = Report(
+        _command(post, topic, "9ab3c7d1"), "failed", Verdict(Decision.ALLOW, "screen.goal"), results=results
+    )
     timings = {"seen": 40.0, "first_motion": 2210.0}
     return Report(**_fields(report) | {"goal": "the red ball", "timings_ms": timings, "message": "It was not reached."})
 
 
 def _looked() -> Looked:
+    left, ahead = {"direction": "left", "degrees": 45}, {"direction": "forward", "distance_m": 1}
     turns = (
-        Turn("get_front_image", {}, outcome="done", step=1, mind="clever", latency_ms=1640.0),
-        Turn("act_turn", {"direction": "left", "degrees": 45}, outcome="done", step=2, words="It is on the left.", latency_ms=910.0),
-        Turn("act_move", {"direction": "forward", "distance_m": 9}, problem="at most 5 m a step", latency_ms=870.0),
-        Turn("act_move", {"direction": "forward", "distance_m": 1}, outcome="failed", step=3, latency_ms=905.0),
-    )  # fmt: skip
+        Turn("get_front_image", {}, outcome="done", step=1, latency_ms=1640.0),
+        Turn("act_turn", left, outcome="done", step=2, words="It is on the left.", latency_ms=910.0),
+        Turn("act_move", ahead | {"distance_m": 9}, problem="at most 5 m a step", latency_ms=870.0),
+        Turn("act_move", ahead, outcome="failed", step=3, latency_ms=905.0),
+    )
     end = LoopEnd("finished", "not_possible", ("a red ball behind a box",), "turned to it")
     return Looked("the red ball", end, turns, (USAGE, USAGE), "clever")
 

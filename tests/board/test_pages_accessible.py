@@ -26,7 +26,14 @@ SIZES = {"desktop": (1280, 900), "phone": (390, 844), "zoomed": (320, 640)}
 QUICK = ("phone", "dark")
 #: What is no page of its own: pieces that scripts ask for, what only leads on, what is no HTML.
 NO_PAGES = {
-    *("/p/{post_id}", "/p/{post_id}/fragment", "/p/{post_id}/raw", "/robots/{name}/fragment", "/notices/count", "/names"),
+    *(
+        "/p/{post_id}",
+        "/p/{post_id}/fragment",
+        "/p/{post_id}/raw",
+        "/robots/{name}/fragment",
+        "/notices/count",
+        "/names",
+    ),
     *("/admin", "/static/{version}/{name}", "/favicon.ico"),
 }
 
@@ -215,7 +222,9 @@ def test_a_quote_is_put_where_one_writes_and_loses_nothing(
     text = page.get_by_label("Reply", exact=True)
     text.fill("Before. ")
     page.locator(f"#post-{names['said']}").get_by_role("link", name="Quote this post of bob").click()
-    expect(text).to_have_value("Before.\n\n> > walk forward 2 metres\n>\n> @alice that was quick. Next: `@quadruped wave`?\n\n")
+    expect(text).to_have_value(
+        "Before.\n\n> > walk forward 2 metres\n>\n> @alice that was quick. Next: `@quadruped wave`?\n\n"
+    )
     expect(text).to_be_focused()
     assert page.locator("[name=reply_to]").input_value() == names["said"]
 

@@ -71,7 +71,7 @@ def test_the_page_of_a_command_shows_what_decided_and_what_was_measured(world: W
     topic, command = asked(world)
     reply = told(world, topic, command)
     page = world.browser("bob").get(f"/c/{command}").text
-    for shown in ("2.00 m", "0.40 m", "screen.passed", "4f1c22aa", "+0.14 s", "Asked 2 m, measured 0.4 m.", "812 + 40"):
+    for shown in ("2.00 m", "0.40 m", "screen.passed", "4f1c22aa", "+0.14\u00a0s", "Asked 2 m, measured 0.4 m.", "812 + 40"):
         assert shown in page, shown
     assert "Photo of step 1" in page
     assert "Path that was measured" in page
@@ -133,7 +133,7 @@ def test_what_was_asked_and_never_begun_and_what_is_kept_elsewhere_is_shown_too(
     world.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
     page = world.browser("bob").get(f"/c/{command}?part=views").text
     assert "<html" not in page
-    assert "forward, 90.00 m" in page
+    assert "move forward, 90.00 m" in page
     assert "not begun" in page
     assert 'href="https://bucket.example/a?b=c"' in page
     assert "javascript:" not in page

@@ -11,6 +11,7 @@ from typing import Any
 
 from agentrob.board.commands import Told
 from agentrob.board.records import Image, Post
+from agentrob.board.robot_view import op_in_words
 
 _UNITS = {
     "distance_m": "{:.2f} m",
@@ -29,7 +30,6 @@ MOST = 60
 class Step:
     """One step: what was asked beside what was measured, in words; `outcome` is a bare word, `why` a sentence."""
 
-    deed: str
     asked: str
     measured: str
     outcome: str
@@ -118,7 +118,7 @@ def _timeline(post: Post, reply: Post | None, timings: Mapping[str, Any]) -> tup
         moments.append(((told_at - post.created_at).total_seconds() * 1000, "told in the thread"))
     moments.sort(key=lambda moment: moment[0])
     told = tuple(
-        (words, post.created_at + timedelta(milliseconds=min(at, 1e9)), f"+{at / 1000:.2f} s") for at, words in moments
+        (words, post.created_at + timedelta(milliseconds=min(at, 1e9)), f"+{at / 1000:.2f}\u00a0s") for at, words in moments
     )
     return (("posted", post.created_at, ""), *told)
 
@@ -127,8 +127,7 @@ def _step(step: Mapping[str, Any]) -> Step:
     seconds = _number(step.get("duration_s"))
     why = _text(step.get("message"), 300) or _text(step.get("reason"), 60)
     return Step(
-        deed=_text(step.get("op"), 40).replace("_", " "),
-        asked=_amounts(_map(step.get("asked"))),
+        asked=_deed(step, _map(step.get("asked"))),
         measured=_amounts(_map(step.get("measured"))) or "–",
         outcome=_text(step.get("outcome"), 24),
         why=why,
@@ -138,7 +137,11 @@ def _step(step: Mapping[str, Any]) -> Step:
 
 def _asked(step: Mapping[str, Any]) -> Step:
     """A step of a plan that came to nothing."""
-    return Step(_text(step.get("op"), 40).replace("_", " "), _amounts(_without(step, "op")), "–", "not begun", "", "")
+    return Step(_deed(step, {k: v for k, v in step.items() if k != "op"}), "–", "not begun", "", "")
+
+
+def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any]) -> str:
+    return f"{op_in_words(_text(step.get('op'), 40))} {_amounts(amounts)}".strip()
 
 
 def _amounts(amounts: Mapping[str, Any]) -> str:
@@ -155,9 +158,7 @@ def _amounts(amounts: Mapping[str, Any]) -> str:
     return ", ".join(filter(None, said))
 
 
-def _facts(
-    record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mapping[str, Any]
-) -> list[tuple[str, str]]:
+def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     screened, stop, end = _map(record.get("screened")), _map(record.get("stop")), _map(looked.get("end"))
     refusal = _map(screened.get("refusal"))
     latency = _number(stop.get("latency_ms"))
@@ -234,10 +235,6 @@ def _link(kept: object) -> tuple[str, str, str] | None:
     if not isinstance(address, str) or not re.fullmatch(r"https?://[^\s<>\"']{1,2000}", address):
         return None
     return _picture(link, "Data of the recording"), address, _text(link.get("until"), 32)
-
-
-def _without(facts: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    return {k: v for k, v in facts.items() if k != name}
 
 
 def _map(value: object) -> Mapping[str, Any]:

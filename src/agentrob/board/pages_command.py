@@ -26,5 +26,6 @@ async def command(request: Request, viewer: Reading, post_id: str, part: str = "
     views = [command_view(post, one) for one in told]
     hidden = robot_view.hidden_cameras(known, viewer.account, [one.reply for one in told if one.reply])
     data = {"post": post, "views": views, "topic": known.store.topic(post.topic_id), "hidden": hidden}
+    data["board"] = known.store.board(post.board_id)
     template = "command_views.html" if part == "views" else "command.html"
     return show(request, viewer, template, data, here="home")

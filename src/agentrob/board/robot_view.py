@@ -83,7 +83,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         can_reset=card.get("can_reset") is True,
         camera=card.get("camera") is not False,
         line=tuple(p for p in line[:20] if _is_id(p)) if isinstance(line := card.get("line"), (list, tuple)) else (),
-        ops=tuple(_op(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
+        ops=tuple(op_in_words(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
         limits=_limits(limits) if isinstance(limits, Mapping) else (),
         facts=tuple((name, value) for name, value in facts[:20] if value),
     )
@@ -117,7 +117,7 @@ def _is_id(value: object) -> bool:
     return isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 19
 
 
-def _op(op: str) -> str:
+def op_in_words(op: str) -> str:
     return _OPS.get(op, op.replace("_", " "))[:40]
 
 

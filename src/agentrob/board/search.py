@@ -20,6 +20,7 @@ from sqlalchemy import Connection, and_, bindparam, select, text
 from agentrob.board import schema as db
 from agentrob.board.reader import Reader, from_cursor, to_cursor
 from agentrob.board.records import Page, Post
+from agentrob.board.render import unmarked
 from agentrob.errors import BoardError
 
 #: Characters and words of a query that count.
@@ -175,19 +176,24 @@ def _by_looking(reader: Reader, words: Sequence[str], before: int, boards: Seque
 # -------------------------------------------------------------------- showing
 def around(raw: str, query: str, length: int = 200) -> tuple[tuple[str, bool], ...]:
     """The part of a text where it is found, in pieces; the second of each says whether it is a word looked for."""
-    plain = " ".join(re.sub(r"[*`~|>#]+", " ", raw).split())
     words = sorted(terms(query), key=len, reverse=True)
     if not words:
-        return ((plain[:length], False),)
+        return ((unmarked(raw[:length]), False),)
     pattern = re.compile("|".join(re.escape(w.strip("@")) or re.escape(w) for w in words), re.IGNORECASE)
+    # Of a long post only the part where it is found: pages are made on the event loop, which a stop needs too.
+    found = pattern.search(raw)
+    begin = max(0, found.start() - length) if found else 0
+    plain = unmarked(raw[begin : begin + 3 * length])
     first = pattern.search(plain)
     start = max(0, (first.start() if first else 0) - length // 3)
     shown = plain[start : start + length]
-    pieces, done = [("…", False)] if start else [], 0
+    pieces, done = [("…", False)] if begin or start else [], 0
     for match in pattern.finditer(shown):
         pieces += [(shown[done : match.start()], False), (match[0], True)]
         done = match.end()
-    pieces += [(shown[done:], False)] + ([("…", False)] if start + length < len(plain) else [])
+    pieces += [(shown[done:], False)] + (
+        [("…", False)] if start + length < len(plain) or begin + 3 * length < len(raw) else []
+    )
     return tuple(piece for piece in pieces if piece[0])
 
 

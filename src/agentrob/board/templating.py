@@ -21,6 +21,7 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from agentrob.board import access, notices
 from agentrob.board.access import Viewer
 from agentrob.board.reader import Reader
+from agentrob.board.render import unmarked
 from agentrob.board.services import services
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind, Role, StatusCard
@@ -90,14 +91,8 @@ def tone(name: str) -> int:
 def excerpt(raw: str) -> str:
     """The first words of a post, without the marks of Markdown. Takes no longer for a long post than for a short one:
     pages with many of them are made on the event loop, which the stop button needs too."""
-    bare = re.sub(r"[*`~]+|[\s|:-]{3,}", _unruled, raw[:EXCERPT_FROM])
-    text = " ".join(re.sub(r"[|>#]+", " ", bare).split())
+    text = unmarked(raw[:EXCERPT_FROM])
     return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
-
-
-def _unruled(marks: re.Match[str]) -> str:
-    """Nothing for emphasis and for the line between a table's head and body; other white space and bars stay."""
-    return "" if marks[0][0] in "*`~" or "---" in marks[0] else marks[0]
 
 
 def status_card(card: Mapping[str, Any]) -> StatusCard:
