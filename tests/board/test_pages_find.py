@@ -132,7 +132,7 @@ def test_a_search_that_takes_too_long_is_given_up_and_the_page_says_what_to_do(
     monkeypatch.setattr(search, "STEPS", 1)
     answer = world.browser("bob").client.get("/search", params={"q": "lemur"})
     assert answer.status_code == 503
-    assert "add a rarer word" in answer.text
+    assert "Add a rarer word" in answer.text
     assert 'value="lemur"' in answer.text
     refused = world.api("bob").get("/search", params={"q": "lemur"})
     assert (refused.status_code, refused.json()["code"]) == (503, "too_broad")
