@@ -1,9 +1,12 @@
-"""How fast the embedded forum is: replies, topic pages and event latency, between processes on loopback.
+"""How fast the embedded forum is: topics as JSON and as pages, replies, events, with few and with very many posts.
 
-    python benchmarks/board.py [--seconds 5] [--listeners 200]
+    python benchmarks/board.py [--posts 1000] [--seconds 5] [--listeners 200]
+    python benchmarks/board.py --posts 1000000
 
-The board is a process of its own with its database in a temporary folder; this process makes the load, on the same
-cores. Every request signs in by token and is checked for its right. Figures are of this machine at this moment.
+The board is a process of its own (SQLite, limits of posts, commands and uploads on) with its database in a temporary
+folder; this process makes the load, on the same cores. Every request signs in, by token or by session, and is checked
+for its right. Topics have 20 posts each; the 50 newest are the hot ones that are read. `CPU` is the server's own, by
+request. Figures are of this machine at this moment: what else ran on it stands in the first line.
 """
 
 from __future__ import annotations
@@ -11,13 +14,19 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
+import os
+import random
+import sqlite3
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
-from agentrob.board import admin
+from agentrob.board import accounts, admin
 from agentrob.board.settings import BoardSettings
 from agentrob.config import BoardConfig
 from agentrob.model import Role
@@ -28,127 +37,244 @@ from pathlib import Path
 import structlog
 from agentrob.board import server
 from agentrob.board.settings import BoardSettings
-from agentrob.config import BoardConfig
+from agentrob.config import BoardConfig, BoardLimitsConfig
 structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
-settings = BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0"), Path(sys.argv[1]))
+limits = BoardLimitsConfig(posts=10**6, commands=10**6, uploads=10**6, sign_ups=10**6)
+settings = BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0", limits=limits), Path(sys.argv[1]))
 server.serve(settings, lambda s: print(s.port, flush=True))
 """
+RAW = (
+    "The robot walked **0.98 m** of 1 m, then turned left by 91° and waved.\n\n"
+    "Trace `3f2a`, asked 1.0 m, measured 0.98 m."
+)
+HTML = (
+    "<p>The robot walked <strong>0.98 m</strong> of 1 m, then turned left by 91° and waved.</p>\n"
+    "<p>Trace <code>3f2a</code>, asked 1.0 m, measured 0.98 m.</p>\n"
+)
+PER_TOPIC, HOT, WRITES_PER_S = 20, 50, 50.0
+#: Posts of a topic are written one after the other by nobody: those of all topics come in turns.
+SEED = (
+    """INSERT INTO topics (id, board_id, title, author_id, created_us, last_post_id, last_post_us, posts, locked)
+       WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :topics)
+       SELECT i, 'talk', 'Topic ' || i, 1, i, :posts - :topics + i, i, :per, 0 FROM n""",
+    """INSERT INTO posts (id, topic_id, author_id, raw, html, version, created_us, removed, mentions)
+       WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :posts)
+       SELECT i, (i - 1) % :topics + 1, 1, :raw, :html, 1, i, 0, '[]' FROM n""",
+    """INSERT INTO events (id, kind, at_us, topic_id, post_id)
+       SELECT id, 'post.created', created_us, topic_id, id FROM posts ORDER BY id""",
+)
 
 
-class Client:
+# -------------------------------------------------------------------- the load
+class Client(asyncio.Protocol):
     """A bare HTTP/1.1 connection, so that little of what is measured is the client."""
 
-    def __init__(self, port: int, token: str) -> None:
-        self.port, self.token = port, token
+    def __init__(self, port: int, credential: str) -> None:
+        self.port, self.head = port, f"Host: 127.0.0.1:{port}\r\n{credential}\r\n"
+        self.got, self.answer = b"", asyncio.get_running_loop().create_future()
 
     async def open(self) -> Client:
-        self.reader, self.writer = await asyncio.open_connection("127.0.0.1", self.port)
+        self.transport, _ = await asyncio.get_running_loop().create_connection(lambda: self, "127.0.0.1", self.port)
         return self
 
-    async def send(self, method: str, path: str, body: dict[str, str] | None = None) -> None:
+    def request(self, method: str, path: str, body: dict[str, object] | None = None) -> bytes:
         data = json.dumps(body).encode() if body is not None else b""
-        head = f"{method} /api/v1{path} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {self.token}\r\n"
+        head = f"{method} {path} HTTP/1.1\r\n{self.head}"
         head += f"Content-Type: application/json\r\nContent-Length: {len(data)}\r\n\r\n"
-        self.writer.write(head.encode() + data)
-        await self.writer.drain()
+        return head.encode() + data
 
-    async def call(self, method: str, path: str, body: dict[str, str] | None = None) -> dict:
-        await self.send(method, path, body)
-        head = (await self.reader.readuntil(b"\r\n\r\n")).lower()
-        length = int(head.split(b"content-length: ")[1].split(b"\r\n")[0])
-        answer = json.loads(await self.reader.readexactly(length))
-        assert b" 20" in head.split(b"\r\n")[0], answer
-        return answer
+    async def call(self, request: bytes) -> bytes:
+        self.got, self.answer = b"", asyncio.get_running_loop().create_future()
+        self.transport.write(request)
+        return await self.answer
 
-    async def listen(self) -> Client:
-        await self.send("GET", "/events?heartbeat=30")
-        await self.reader.readuntil(b"retry: 1000\n\n")
+    def data_received(self, data: bytes) -> None:
+        self.got += data
+        end = self.got.find(b"\r\n\r\n")
+        if end < 0 or self.answer.done():
+            return
+        at = self.got.lower().find(b"content-length: ", 0, end) + 16
+        if len(self.got) - end - 4 >= int(self.got[at : self.got.index(b"\r", at)]):
+            assert self.got[9:11] == b"20", self.got[:400]
+            self.answer.set_result(self.got[end + 4 :])
+
+
+class Listener(Client):
+    """An open event stream that notes when each event of a post came."""
+
+    async def listen(self) -> Listener:
+        self.heard, self.more = list[float](), asyncio.Event()
+        self.begun = asyncio.get_running_loop().create_future()
+        self.transport.write(self.request("GET", "/api/v1/events?heartbeat=30"))
+        await self.begun
         return self
 
-    async def next_post(self) -> str:
-        while True:
-            line = await self.reader.readline()
-            if line.startswith(b"data: "):
-                return json.loads(line[6:])["post"]["id"]
+    def data_received(self, data: bytes) -> None:
+        now = time.perf_counter()
+        if not self.begun.done() and b"retry: " in data:
+            self.begun.set_result(None)
+        self.heard += [now] * data.count(b"\nevent: post.")
+        self.more.set()
+
+    async def until(self, count: int) -> None:
+        while len(self.heard) < count:
+            self.more.clear()
+            await self.more.wait()
 
 
-def percentiles(values_s: list[float]) -> str:
+@dataclass
+class Server:
+    """The board's process: where it listens, and what it has used."""
+
+    port: int
+    pid: int
+    token: str
+    session: str
+    listening: list[str]  # tokens of others: no account may have more than 50 streams
+    topics: int
+
+    def api(self) -> Client:
+        return Client(self.port, f"Authorization: Bearer {self.token}")
+
+    def browser(self) -> Client:
+        return Client(self.port, f"Cookie: agentrob_{self.port}={self.session}")
+
+    def cpu_s(self) -> float:
+        fields = Path(f"/proc/{self.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def most_memory_mb(self) -> float:
+        lines = Path(f"/proc/{self.pid}/status").read_text().splitlines()
+        return int(next(line for line in lines if line.startswith("VmHWM")).split()[1]) / 1024
+
+
+def at(values_s: list[float], share: float) -> float:
+    """A percentile in milliseconds."""
     ordered = sorted(values_s)
-    p50, p95, p99 = (ordered[min(len(ordered) - 1, int(len(ordered) * q))] * 1000 for q in (0.5, 0.95, 0.99))
-    return f"p50 {p50:.1f} ms, p95 {p95:.1f} ms, p99 {p99:.1f} ms"
+    return ordered[min(len(ordered) - 1, int(len(ordered) * share))] * 1000
 
 
-async def load(name: str, clients: list[Client], seconds: float, path: str, body: dict[str, str] | None) -> None:
-    end, took = time.perf_counter() + seconds, []
+def row(name: str, figure: str, took_s: list[float], cpu_ms: float | None = None) -> None:
+    shares = " | ".join(f"{at(took_s, share):.1f} ms" for share in (0.5, 0.95, 0.99))
+    print(f"| {name} | {figure} | {shares} | {f'{cpu_ms:.2f} ms' if cpu_ms is not None else ''} |")
 
-    async def worker(client: Client) -> None:
+
+async def load(name: str, server: Server, clients: list[Client], requests: list[list[bytes]], seconds: float) -> None:
+    """Each client sends its requests one after the other, again and again."""
+    end, took = time.perf_counter() + seconds, list[float]()
+
+    async def one(client: Client, mine: list[bytes]) -> None:
+        n = 0
         while (start := time.perf_counter()) < end:
-            await client.call("POST" if body else "GET", path, body)
+            await client.call(mine[n % len(mine)])
             took.append(time.perf_counter() - start)
+            n += 1
 
-    start = time.perf_counter()
-    await asyncio.gather(*map(worker, clients))
-    print(f"{name}: {len(took) / (time.perf_counter() - start):.0f}/s, {percentiles(took)}")
+    cpu_s, start = server.cpu_s(), time.perf_counter()
+    await asyncio.gather(*map(one, clients, requests))
+    rate = len(took) / (time.perf_counter() - start)
+    row(name, f"{rate:.0f}/s", took, (server.cpu_s() - cpu_s) / len(took) * 1000)
 
 
-async def event_latency(port: int, token: str, topic: str, listeners: int, posts: int) -> None:
-    """From the moment the request is sent, and from its answer, until every listener has read the event."""
-    writer = await Client(port, token).open()
-    streams = [await (await Client(port, token).open()).listen() for _ in range(listeners)]
-    first_s, all_s = [], []
-    for n in range(posts):
-        heard = [asyncio.ensure_future(s.next_post()) for s in streams]
+async def writing(server: Server, seconds: float) -> float:
+    """Replies at a steady rate, half of them in hot topics; how many in a second there were."""
+    client, chance = await server.api().open(), random.Random(5)
+    start, count = time.perf_counter(), 0
+    while (now := time.perf_counter() - start) < seconds:
+        if now * WRITES_PER_S < count:
+            await asyncio.sleep(count / WRITES_PER_S - now)
+        lowest = max(1, server.topics - HOT) if count % 2 else 1
+        topic = chance.randint(lowest, server.topics)
+        await client.call(client.request("POST", f"/api/v1/topics/{topic}/posts", {"body": RAW}))
+        count += 1
+    return count / (time.perf_counter() - start)
+
+
+async def events(server: Server, listeners: int, posts: int) -> None:
+    """From the moment a reply is sent until each listener, and the last one, has read of it."""
+    writer = await server.api().open()
+    request = writer.request("POST", "/api/v1/topics/1/posts", {"body": RAW})
+    listening: list[Listener] = []
+    for n in range(listeners):
+        stream = Listener(server.port, f"Authorization: Bearer {server.listening[n % len(server.listening)]}")
+        await stream.open()
+        listening.append(await stream.listen())
+    each, last = list[float](), list[float]()
+    for n in range(1, posts + 1):
         start = time.perf_counter()
-        await writer.send("POST", f"/topics/{topic}/posts", {"body": f"post {n}"})
-        await asyncio.wait(heard, return_when=asyncio.FIRST_COMPLETED)
-        first_s.append(time.perf_counter() - start)
-        await asyncio.gather(*heard)
-        all_s.append(time.perf_counter() - start)
-        head = (await writer.reader.readuntil(b"\r\n\r\n")).lower()
-        await writer.reader.readexactly(int(head.split(b"content-length: ")[1].split(b"\r\n")[0]))
-        await asyncio.sleep(0.01)
-    print(f"post sent -> event read by the first of {listeners}: {percentiles(first_s)}")
-    print(f"post sent -> event read by all {listeners}: {percentiles(all_s)}")
-    for stream in streams:
-        stream.writer.close()
+        await writer.call(request)
+        for stream in listening:
+            await stream.until(n)
+        each += [s.heard[n - 1] - start for s in listening]
+        last.append(max(s.heard[n - 1] for s in listening) - start)
+    row(f"reply sent → read by each of {listeners} listeners", "", each)
+    row(f"reply sent → read by the last of {listeners}", "", last)
+    for stream in listening:
+        stream.transport.close()
 
 
-async def measure(port: int, token: str, seconds: float, listeners: int) -> None:
-    client = await Client(port, token).open()
-    text = "The robot walked **0.98 m** of 1 m, then turned left by 91° and waved. `trace 3f2a`\n\n" * 5
-    topic = (await client.call("POST", "/topics", {"board": "talk", "title": "t", "body": text}))["topic"]["id"]
-    for _ in range(19):
-        await client.call("POST", f"/topics/{topic}/posts", {"body": text})
-    hot = f"/topics/{topic}/posts?limit=20"
-    size = len(json.dumps(await client.call("GET", hot)))
-    eight = [await Client(port, token).open() for _ in range(8)]
-    sixteen = [await Client(port, token).open() for _ in range(16)]
-    await load(f"GET 20 posts ({size // 1000} kB), 16 connections", sixteen, seconds, hot, None)
-    await load("GET /me, 16 connections", sixteen, seconds, "/me", None)
-    other = (await client.call("POST", "/topics", {"board": "talk", "title": "t", "body": "x"}))["topic"]["id"]
-    await load("replies, 1 connection", eight[:1], seconds, f"/topics/{other}/posts", {"body": text})
-    await load("replies, 8 connections", eight, seconds, f"/topics/{other}/posts", {"body": text})
-    await event_latency(port, token, other, 1, 200)
-    await event_latency(port, token, other, listeners, 50)
+async def measure(server: Server, seconds: float, listeners: int) -> None:
+    sixteen = [await server.api().open() for _ in range(16)]
+    browsers = [await server.browser().open() for _ in range(16)]
+    eight = sixteen[:8]
+    hot = [str(server.topics - n) for n in range(min(HOT, server.topics))]
+    as_json = [[c.request("GET", f"/api/v1/topics/{t}/posts?limit={PER_TOPIC}") for t in hot] for c in sixteen]
+    as_page = [[c.request("GET", f"/t/{t}") for t in hot] for c in browsers]
+    replies = [[c.request("POST", f"/api/v1/topics/{n + 1}/posts", {"body": RAW})] for n, c in enumerate(eight)]
+    size = len(await sixteen[0].call(as_json[0][0])), len(await browsers[0].call(as_page[0][0]))
+    print(f"\n20 posts are {size[0] / 1000:.0f} kB of JSON, {size[1] / 1000:.0f} kB of page.\n")
+    print("| what | rate | p50 | p95 | p99 | CPU |\n|---|---|---|---|---|---|")
+    await load("topic as JSON, 16 connections", server, sixteen, as_json, seconds)
+    await load("topic as page, 16 connections", server, browsers, as_page, seconds)
+    for name, clients, requests in (("JSON", sixteen, as_json), ("page", browsers, as_page)):
+        writes = asyncio.ensure_future(writing(server, seconds))
+        await load(f"… as {name}, beside {WRITES_PER_S:.0f} replies/s", server, clients, requests, seconds)
+        print(f"| … and the replies beside it | {await writes:.0f}/s | | | | |")
+    await load("replies, 8 connections", server, eight, replies, seconds)
+    await events(server, listeners, 50)
+    print(f"\nThe server used at most {server.most_memory_mb():.0f} MB.")
+
+
+# -------------------------------------------------------------------- the board
+def seed(settings: BoardSettings, posts: int) -> int:
+    """Fills an empty board; how many topics."""
+    topics = max(1, posts // PER_TOPIC)
+    values = {"topics": topics, "posts": topics * PER_TOPIC, "per": PER_TOPIC, "raw": RAW, "html": HTML}
+    with sqlite3.connect(str(settings.database_path)) as connection:
+        for statement in SEED:
+            connection.execute(statement, values)
+    connection.close()
+    return topics
+
+
+@contextmanager
+def serving(folder: str, posts: int) -> Iterator[Server]:
+    settings = BoardSettings.from_config(BoardConfig(), Path(folder))
+    admin.bootstrap(settings)
+    account = admin.create_account(settings, "bench", role=Role.OPERATOR)
+    token = admin.issue_token(settings, account)
+    with admin.writing(settings) as connection:
+        session = accounts.new_session(connection, int(account.id))
+    others = [admin.create_account(settings, f"listener-{n}") for n in range(4)]
+    listening = [admin.issue_token(settings, other) for other in others]
+    topics = seed(settings, posts)
+    with subprocess.Popen([sys.executable, "-c", SERVE, folder], stdout=subprocess.PIPE, text=True) as board:
+        try:
+            assert board.stdout is not None
+            yield Server(int(board.stdout.readline()), board.pid, token, session, listening, topics)
+        finally:
+            board.terminate()
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--posts", type=int, default=1000, help="how many posts there are")
     parser.add_argument("--seconds", type=float, default=5.0, help="how long each load lasts")
     parser.add_argument("--listeners", type=int, default=200)
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        settings = BoardSettings.from_config(BoardConfig(), Path(folder))
-        admin.bootstrap(settings)
-        account = admin.create_account(settings, "bench", role=Role.OPERATOR)
-        token = admin.issue_token(settings, account)
-        with subprocess.Popen([sys.executable, "-c", SERVE, folder], stdout=subprocess.PIPE, text=True) as board:
-            try:
-                assert board.stdout is not None
-                port = int(board.stdout.readline())
-                asyncio.run(measure(port, token, given.seconds, given.listeners))
-            finally:
-                board.terminate()
+    print(f"{given.posts:,} posts; load of the machine before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+    with tempfile.TemporaryDirectory() as folder, serving(folder, given.posts) as server:
+        asyncio.run(measure(server, given.seconds, given.listeners))
 
 
 if __name__ == "__main__":

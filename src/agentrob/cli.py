@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from agentrob import __version__, app, cli_board
+from agentrob import __version__, app, cli_admin, cli_board
 from agentrob import config as configuration
 from agentrob.child import follow_parent
 from agentrob.errors import AgentRobError
@@ -320,7 +320,8 @@ def account_token(
     typer.echo(app.board_token(app.load(config), name, label, tuple(scope or ("read", "write"))))
 
 
-cli_board.add_to(cli, board_cli, account_cli)
+cli_board.add_to(cli, board_cli)
+cli_admin.add_to(board_cli, account_cli)
 
 
 def main() -> None:

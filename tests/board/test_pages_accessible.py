@@ -15,7 +15,7 @@ from pages_world import CARD, World, running_world
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
-from agentrob.board import pages, pages_admin
+from agentrob.board import pages, pages_admin, pages_entry, pages_moderation
 
 pytestmark = pytest.mark.browser
 
@@ -104,7 +104,12 @@ def test_every_page_meets_wcag_and_needs_no_scrolling_sideways(
 
 
 def test_no_page_is_left_out(names: dict[str, str]) -> None:
-    routes = [r for part in (pages, pages_admin) for r in part.router.routes if isinstance(r, APIRoute)]
+    routes = [
+        r
+        for part in (pages, pages_admin, pages_moderation, pages_entry)
+        for r in part.router.routes
+        if isinstance(r, APIRoute)
+    ]
     gets = {r.path: r for r in routes if "GET" in (r.methods or ()) and not r.path.endswith(".atom")}
     addresses = [shown.path.format(**names).partition("?")[0] for shown in PAGES]
     unseen = {path for path, route in gets.items() if not any(route.path_regex.match(a) for a in addresses)}

@@ -71,7 +71,15 @@ def test_the_page_of_a_command_shows_what_decided_and_what_was_measured(world: W
     topic, command = asked(world)
     reply = told(world, topic, command)
     page = world.browser("bob").get(f"/c/{command}").text
-    for shown in ("2.00 m", "0.40 m", "screen.passed", "4f1c22aa", "+0.14\u00a0s", "Asked 2 m, measured 0.4 m.", "812 + 40"):
+    for shown in (
+        "2.00 m",
+        "0.40 m",
+        "screen.passed",
+        "4f1c22aa",
+        "+0.14\u00a0s",
+        "Asked 2 m, measured 0.4 m.",
+        "812 + 40",
+    ):
         assert shown in page, shown
     assert "Photo of step 1" in page
     assert "Path that was measured" in page

@@ -93,16 +93,15 @@ async def moderator(request: Request) -> Account:
 
 async def administrator(request: Request) -> Account:
     """Who may administer: admins who are people, with a token for it when it is one."""
-    account = await _scoped(request, "admin")
-    if account.kind is not AccountKind.HUMAN:
-        raise BoardError(403, "not_admin", "only people administer", "a token of an admin's own account")
-    return has_role(account, Role.ADMIN)
+    return has_role(await _scoped(request, "admin"), Role.ADMIN)
 
 
 def has_role(account: Account, role: Role) -> Account:
-    """The account when it has this role or one above it and is nobody's robot. Else 403."""
+    """The account when it has this role or one above it and is nobody's robot; admins besides are people. Else 403."""
     if account.role.rank < role.rank or account.kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):
         raise BoardError(403, f"not_{role}", f"this needs the role {role}", "ask an admin")
+    if role is Role.ADMIN and account.kind is not AccountKind.HUMAN:
+        raise BoardError(403, "not_admin", "only people administer", "sign in as a person")
     return account
 
 
@@ -180,8 +179,9 @@ async def sign_up(services: Services, name: str, password: str, address: str, in
         raise
 
 
-async def new_password(services: Services, secret: str, password: str) -> str:
-    """Spend a one-time link for a new password: a session; all others end. 404 for a void link, 422."""
+async def new_password(services: Services, secret: str, password: str, address: str) -> str:
+    """Spend a one-time link for a new password: a session; all others end. 404 for a void link, 422, 429."""
+    services.attempts.count("", address)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
     return await services.store.do(lambda t: accounts.spend_password_link(t.connection, secret, password_hash))

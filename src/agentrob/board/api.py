@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from starlette.responses import Response
 
 from agentrob.board import accounts, sight
-from agentrob.board.access import Viewer, member, reader, stopper, viewer
+from agentrob.board.access import Viewer, member, moderator, reader, stopper, viewer
 from agentrob.board.api_models import (
     POST_BYTES,
     AccountOut,
@@ -126,15 +126,15 @@ async def create_topic(request: Request, new: TopicIn, by: Member, key: Key = No
 @router.get("/topics/{topic_id}/posts", response_model=Paged[PostOut], responses=NOT_FOUND)
 async def posts(request: Request, topic_id: str, who: Reading, cursor: Cursor = None, limit: Limit = 50) -> Response:
     """Posts of a topic, oldest first; removed ones are there, empty."""
-    store, shape = services(request).store, shaper(request, who.account)
+    parts, shape = services(request), shaper(request, who.account)
 
-    def read() -> bytes:
-        page = store.posts(topic_id, cursor, limit)
-        return Paged(items=tuple(map(shape.post, page.items)), next=page.next).model_dump_json().encode()
+    def make() -> tuple[bytes, int]:
+        page = parts.store.posts(topic_id, cursor, limit)
+        made = Paged(items=tuple(map(shape.post, page.items)), next=page.next).model_dump_json().encode()
+        return made, len(made)
 
-    # The same bytes until anybody commits anything: most of the time of a hot topic is spent on making them.
-    asked = ("posts", topic_id, cursor, limit, shape.viewer_id, sight.now())
-    return Response(store.reader.kept(asked, read), media_type="application/json")
+    asked = (cursor, limit, shape.viewer_id, sight.now())
+    return Response(parts.topics.of(parts.store.reader, topic_id, asked, make), media_type="application/json")
 
 
 @router.post(
@@ -183,8 +183,11 @@ async def edit(request: Request, post_id: str, new: EditIn, by: Member, key: Key
 
 @router.delete("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND)
 async def remove(request: Request, post_id: str, by: Member) -> Response:
-    """Hide a post: one's own, or any for an admin."""
-    return out(shaper(request, by).post(await services(request).store.remove(by, post_id)))
+    """Hide a post: one's own, or any for a moderator."""
+    store = services(request).store
+    if store.post(post_id).author.id != by.id:
+        await moderator(request)
+    return out(shaper(request, by).post(await store.remove(by, post_id)))
 
 
 def _check_size(body: str) -> None:

@@ -43,7 +43,7 @@ from agentrob.board.reader import from_cursor, to_cursor
 from agentrob.board.services import Services, services
 from agentrob.board.writer import Job, T
 from agentrob.errors import BoardError
-from agentrob.model import Account, Role
+from agentrob.model import Account, AccountKind, Role
 
 log = structlog.get_logger(__name__)
 router = APIRouter(prefix="/api/v1/admin", responses=documented(404, 409))
@@ -188,6 +188,8 @@ async def robot(request: Request, name: str, by: Writer) -> Response:
     parts = services(request)
     kept = rights.settings_of(parts.store.reader, known_robot(parts, name).name)
     check_owner(by, kept.owner)
+    if by.name != kept.owner:
+        await administrator(request)  # whose token has to be one for it
     return out(robot_settings_out(name, kept))
 
 
@@ -197,6 +199,8 @@ async def change_robot(request: Request, name: str, new: RobotChange, by: Writer
     parts = services(request)
     kept = rights.settings_of(parts.store.reader, known_robot(parts, name).name)
     check_owner(by, kept.owner)
+    if by.name != kept.owner:
+        await administrator(request)  # whose token has to be one for it
     changes = new.changes(kept)
     if "owner" in changes and by.role is not Role.ADMIN:
         raise BoardError(403, "not_admin", "only an admin gives a robot to somebody else", "ask an admin")
@@ -205,8 +209,9 @@ async def change_robot(request: Request, name: str, new: RobotChange, by: Writer
 
 
 def check_owner(by: Account, owner: str) -> None:
-    """403 unless this is the robot's owner or an admin."""
-    if by.role is not Role.ADMIN and not (owner and by.name == owner):
+    """403 unless this is the robot's owner or an admin, and a person."""
+    owns = by.role is Role.ADMIN or (bool(owner) and by.name == owner)
+    if not owns or by.kind is not AccountKind.HUMAN:
         raise BoardError(403, "not_owner", "this is for the robot's owner and for admins", "ask an admin")
 
 

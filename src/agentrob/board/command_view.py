@@ -118,7 +118,8 @@ def _timeline(post: Post, reply: Post | None, timings: Mapping[str, Any]) -> tup
         moments.append(((told_at - post.created_at).total_seconds() * 1000, "told in the thread"))
     moments.sort(key=lambda moment: moment[0])
     told = tuple(
-        (words, post.created_at + timedelta(milliseconds=min(at, 1e9)), f"+{at / 1000:.2f}\u00a0s") for at, words in moments
+        (words, post.created_at + timedelta(milliseconds=min(at, 1e9)), f"+{at / 1000:.2f}\u00a0s")
+        for at, words in moments
     )
     return (("posted", post.created_at, ""), *told)
 

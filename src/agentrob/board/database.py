@@ -16,8 +16,8 @@ from agentrob.errors import BoardError
 
 #: How long is waited for somebody who makes the same database.
 LOCKED_S = 5.0
-#: Any number, the same for all who migrate.
-_MIGRATION_LOCK = 4_107_001
+#: Any numbers, the same for all who migrate and who write.
+_MIGRATION_LOCK, _WRITER_LOCK = 4_107_001, 4_107_002
 
 
 def open_engine(settings: BoardSettings, *, writes: bool) -> Engine:
@@ -35,6 +35,8 @@ def open_engine(settings: BoardSettings, *, writes: bool) -> Engine:
         event.listen(engine, "connect", _set_up_sqlite)
         if writes:
             event.listen(engine, "begin", _begin_immediate)
+    elif writes and engine.dialect.name == "postgresql":
+        event.listen(engine, "begin", _one_writer)
     return engine if writes else engine.execution_options(isolation_level="AUTOCOMMIT")
 
 
@@ -68,6 +70,12 @@ def _patiently(connection: Any, statement: str) -> None:
 
 def _begin_immediate(connection: Connection) -> None:
     connection.exec_driver_sql("BEGIN IMMEDIATE")
+
+
+def _one_writer(connection: Connection) -> None:
+    """As in SQLite: who writes waits for who writes. So events become visible in the order of their ids, and nobody
+    who follows them misses one that was committed late."""
+    connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_WRITER_LOCK})")
 
 
 def migrate(settings: BoardSettings, to: str = "head") -> None:

@@ -29,6 +29,8 @@ MAX_LISTENERS = 2000
 #: Nobody may take the streams that others, above all the robots' agents, need to hear of a stop.
 MAX_PER_ACCOUNT = 50
 MAX_ANONYMOUS = MAX_LISTENERS // 2
+#: How often is looked for what another process wrote: on SQLite, where that takes microseconds, and elsewhere.
+FOLLOW_S, FOLLOW_ELSEWHERE_S = 0.02, 0.1
 
 log = structlog.get_logger(__name__)
 
@@ -138,9 +140,29 @@ class Hub:
 
     def published(self, event_ids: list[int]) -> None:
         """Tell all listeners of the events up to these. Called by the writer after each commit."""
+        self._catch_up(event_ids[-1])
+
+    async def follow(self) -> None:
+        """Tell also of what other processes write to the same database, as the command line does; until cancelled."""
+        assert self.reader is not None
+        seen, well = None, True
+        while not self.closed:
+            await asyncio.sleep(FOLLOW_S if seen is not None else FOLLOW_ELSEWHERE_S)
+            version = self.reader.version()
+            if version is not None and version == seen:
+                continue
+            try:
+                self._catch_up(event_number(self.reader.newest_event_id()))
+                seen, well = version, True
+            except BoardError as e:  # it may come back, as a server that is started again
+                if well:
+                    log.error("board.events_unreadable", error=str(e))
+                seen, well = None, False
+
+    def _catch_up(self, newest: int) -> None:
         assert self.reader is not None
         try:
-            while self._last < event_ids[-1] and (events := self.reader.events(self._last, 100)):
+            while self._last < newest and (events := self.reader.events(self._last, 100)):
                 for event in events:
                     self._tell(event)
                     self._last, self._last_id = event_number(event.id), event.id

@@ -24,9 +24,10 @@ from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
 from agentrob.board.pages_find import previewed
 from agentrob.board.pages_posts import POSTS, may_not_look, path_of
-from agentrob.board.records import Page, Post
+from agentrob.board.records import Post
 from agentrob.board.services import services
 from agentrob.board.templating import error_page, go, own_path, show, static_file
+from agentrob.board.topic_posts import posts_of_topic
 from agentrob.errors import BoardError
 from agentrob.model import Account
 
@@ -222,10 +223,10 @@ def _topic(
     known = services(request)
     newest = known.store.newest_event_id()  # before the posts are read, so that nothing falls between
     found = known.store.topic(topic_id)
-    posts: Page[Post] = known.store.posts(topic_id, after, POSTS)
-    data: Data = {"topic": found, "posts": posts, "first_page": not after, "board": known.store.board(found.board_id)}
+    shown = posts_of_topic(known, viewer, topic_id, after, POSTS)
+    data: Data = {"topic": found, "shown": shown, "first_page": not after, "board": known.store.board(found.board_id)}
     data |= {"after": newest, "robots": robot_view.robots(known), "key": forms.nonce()}
     data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
-    data |= {"feed": f"/t/{found.id}/feed.atom", "authors": {p.id: p.author.name for p in posts.items}}
-    data["hidden"] = robot_view.hidden_cameras(known, viewer.account, posts.items)
+    answered = pages_posts.named(known.store, [typed.reply_to])
+    data |= {"feed": f"/t/{found.id}/feed.atom", "authors": answered}
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Annotated
 from urllib.parse import quote
@@ -38,8 +39,7 @@ async def post(request: Request, viewer: Reading, post_id: str) -> Response:
 async def fragment(request: Request, viewer: Reading, post_id: str) -> Response:
     store = services(request).store
     found = store.post(post_id)
-    answered = store.reader.posts_by_id([int(found.reply_to)] if found.reply_to else [])
-    data = {"post": found, "authors": {p.id: p.author.name for p in answered}}
+    data = {"post": found, "authors": named(store, [found.reply_to])}
     hidden = robot_view.hidden_cameras(services(request), viewer.account, [found])
     return show(request, viewer, "post.html", data | {"hidden": hidden})
 
@@ -107,6 +107,12 @@ async def remove(request: Request, viewer: Anybody, post_id: str) -> Response:
 
 
 # ------------------------------------------------------------------ pieces
+def named(store: Store, post_ids: Iterable[str | None]) -> dict[str, str]:
+    """Who wrote posts that are answered; of those that are not to be seen, nothing."""
+    ids = [int(post_id) for post_id in post_ids if post_id and post_id.isdigit()]
+    return {post.id: post.author.name for post in store.reader.posts_by_id(ids)} if ids else {}
+
+
 def path_of(store: Store, post: Post, done: str = "") -> str:
     """Where a post is to be seen: the page of its topic that shows it."""
     cursor = store.cursor_before(post.id, POSTS)

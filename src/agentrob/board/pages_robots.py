@@ -45,6 +45,7 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
         else None
     )
     data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view)
+    data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
     return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
 
 

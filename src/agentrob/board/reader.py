@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Sequence
 from typing import Any, TypeVar
 
 from sqlalchemy import Connection, Executable, Integer, Row, Select, and_, bindparam, func, or_, select
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board import schema as db
 from agentrob.board.database import unavailable
@@ -47,6 +47,7 @@ _TOPIC = _TOPICS.where(db.topics.c.id == bindparam("id"))
 _POSTS_BY_ID = _POSTS.where(db.posts.c.id.in_(bindparam("ids", expanding=True)))
 _BOARDS = select(db.boards).order_by(db.boards.c.position, db.boards.c.id)
 _ACCOUNT_BY_NAME = ACCOUNT.where(db.accounts.c.name == bindparam("name"))
+_ROBOTS = ACCOUNT.where(db.accounts.c.kind == AccountKind.ROBOT_AGENT).order_by(db.accounts.c.name)
 _IMAGES_OF_POSTS = (
     select(db.post_images.c.post_id, db.images.c.id, db.images.c.width, db.images.c.height, db.images.c.media_type)
     .join(db.images, db.images.c.id == db.post_images.c.image_id)
@@ -55,6 +56,12 @@ _IMAGES_OF_POSTS = (
 )
 _EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)
 _NEWEST_EVENT = select(db.events.c.id, db.events.c.at_us).order_by(db.events.c.id.desc()).limit(1)
+#: The newest change in the audit log, and the newest event of a topic: whatever its posts show changes with one.
+_TOPIC_VERSION = select(
+    select(func.max(db.audit.c.id)).scalar_subquery(),
+    select(func.max(db.events.c.id)).where(db.events.c.topic_id == bindparam("id")).scalar_subquery(),
+)
+_TOPIC_VERSION_SQLITE = "SELECT (SELECT max(id) FROM audit), (SELECT max(id) FROM events WHERE topic_id = ?)"
 _EVENT_TIME = select(db.events.c.at_us).where(db.events.c.id == bindparam("id"))
 #: The event id after which everything comes.
 BEFORE_ALL = "0"
@@ -85,12 +92,15 @@ def account_from(row: Row[Any]) -> Account:
 class Reader:
     """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503.
 
-    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there.
+    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there. `keeps`:
+    what was read is kept until somebody else commits; never within a transaction that writes.
     """
 
-    def __init__(self, connection: Connection, sees: Callable[[], frozenset[str]] | None = None) -> None:
+    def __init__(
+        self, connection: Connection, sees: Callable[[], frozenset[str]] | None = None, keeps: bool = False
+    ) -> None:
         self.connection = connection
-        self._sees = sees
+        self._sees, self._keeps = sees, keeps
         self._kept: dict[Hashable, Any] = {}
         self._kept_at: int | None = None
 
@@ -104,7 +114,7 @@ class Reader:
 
     def kept(self, key: Hashable, read: Callable[[], T]) -> T:
         """What `read` gives, or gave since the last commit of anybody: then nothing can have changed."""
-        newest = self._version()
+        newest = self.version() if self._keeps else None
         if newest is None:
             return read()
         if newest != self._kept_at or len(self._kept) >= MAX_KEPT:
@@ -114,7 +124,7 @@ class Reader:
         found: T = self._kept[key]
         return found
 
-    def _version(self) -> int | None:
+    def version(self) -> int | None:
         """A number that changes with every commit of another connection; None where there is no such thing."""
         if self.connection.dialect.name != "sqlite":
             return None
@@ -123,6 +133,22 @@ class Reader:
             return int(raw.execute("PRAGMA data_version").fetchone()[0])
         except sqlite3.Error:
             return None
+
+    def topic_version(self, topic_id: int) -> tuple[int | None, int | None]:
+        """A mark that changes with whatever a page of this topic's posts shows.
+
+        Every change of a post adds an event in its topic, and every change of an account, a board or a picture that is
+        not its owner's own adds to the audit log, in the same transaction.
+        """
+        try:
+            if self.connection.dialect.name == "sqlite":  # asked for each time: ten times as quick without SQLAlchemy
+                raw: Any = self.connection.connection.dbapi_connection
+                row = raw.execute(_TOPIC_VERSION_SQLITE, (topic_id,)).fetchone()
+            else:
+                row = self.rows(_TOPIC_VERSION, id=topic_id)[0]
+        except sqlite3.Error as e:
+            raise unavailable(OperationalError(None, None, e)) from e
+        return row[0], row[1]
 
     def seen(self) -> frozenset[str] | None:
         """The boards that are seen now; None for all that there are."""
@@ -165,7 +191,8 @@ class Reader:
         return Page(tuple(map(_topic, rows[:limit])), _cursor([r.last_post_id for r in rows], limit))
 
     def topic(self, topic_id: str) -> Topic:
-        row = self.first(_TOPIC, id=row_id(topic_id, "topic"))
+        number = row_id(topic_id, "topic")
+        row = self.kept(("topic", number), lambda: self.first(_TOPIC, id=number))
         if row is None or ((seen := self.seen()) is not None and row.board_id not in seen):
             raise not_found("topic", topic_id)
         return _topic(row)
@@ -287,12 +314,11 @@ class Reader:
         return account_from(row) if row else None
 
     def robots(self) -> tuple[Account, ...]:
-        a = db.accounts.c
-        return tuple(map(account_from, self.rows(ACCOUNT.where(a.kind == AccountKind.ROBOT_AGENT).order_by(a.name))))
+        return self.kept("robots", lambda: tuple(map(account_from, self.rows(_ROBOTS))))
 
     # ---------------------------------------------------------------- events
     def newest_event_id(self) -> str:
-        found = self.first(_NEWEST_EVENT)
+        found = self.kept("newest event", lambda: self.first(_NEWEST_EVENT))
         return event_id(found.id, found.at_us) if found else BEFORE_ALL
 
     def known_event(self, wanted: str) -> int:

@@ -92,7 +92,7 @@ def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = N
     """A reader to search with, on a connection of its own."""
     if connection.dialect.name == "postgresql":
         connection.execute(text(f"SET statement_timeout = {MOST_S * 1000:.0f}"))
-    return Reader(connection, sees)
+    return Reader(connection, sees, keeps=True)
 
 
 @contextmanager

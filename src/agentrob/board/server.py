@@ -26,6 +26,7 @@ from agentrob.board.admin import bootstrap
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
 from agentrob.board.gate import Gate
+from agentrob.board.hot import Hot
 from agentrob.board.problem import of_http, of_validation, problem
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings, address_of
@@ -49,11 +50,12 @@ def create_app(settings: BoardSettings) -> FastAPI:
         store = Store(settings, hub.published)
         hub.start(store.everything)
         app.state.services = parts = Services(settings, store, hub, stage)
-        expiring = asyncio.create_task(api_admin.expire_pictures(parts, EXPIRE_S))
+        beside = [asyncio.create_task(hub.follow()), asyncio.create_task(api_admin.expire_pictures(parts, EXPIRE_S))]
         try:
             yield
         finally:
-            expiring.cancel()
+            for task in beside:
+                task.cancel()
             end_streams(app)
             await asyncio.to_thread(store.close)
 
@@ -65,6 +67,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
     )
+    app.add_middleware(Hot)
     app.add_middleware(Gate, settings=settings)
     for router in (
         *(api.router, api_robots.router, api_commands.router, api_admin.router, api_moderation.router),
@@ -85,10 +88,10 @@ def end_streams(app: FastAPI) -> None:
 
 
 def _add_pages(app: FastAPI) -> None:
-    from agentrob.board import pages, pages_admin
+    from agentrob.board import pages, pages_admin, pages_entry, pages_moderation
 
-    app.include_router(pages.router)
-    app.include_router(pages_admin.router)
+    for module in (pages, pages_admin, pages_moderation, pages_entry):
+        app.include_router(module.router)
 
 
 def _add_errors(app: FastAPI) -> None:

@@ -10,6 +10,7 @@ from starlette.requests import HTTPConnection
 
 from agentrob.board.attempts import Attempts
 from agentrob.board.events import Hub
+from agentrob.board.hot import Topics
 from agentrob.board.settings import BoardSettings
 from agentrob.board.stage import Stage
 from agentrob.board.store import Store
@@ -24,6 +25,7 @@ class Services:
     hub: Hub
     stage: Stage
     attempts: Attempts = field(default_factory=Attempts)
+    topics: Topics = field(default_factory=Topics)
     hashing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
 

@@ -39,8 +39,8 @@ class Store:
         self._limits = settings.limits
         self._engines = [open_engine(settings, writes=False), open_engine(settings, writes=True)]
         try:
-            self.reader = Reader(self._engines[0].connect(), sight.now)
-            self.everything = Reader(self.reader.connection)
+            self.reader = Reader(self._engines[0].connect(), sight.now, keeps=True)
+            self.everything = Reader(self.reader.connection, keeps=True)
             self._finder = search.finder(self._engines[0].connect(), sight.now)
         except DBAPIError as e:
             raise unavailable(e) from e

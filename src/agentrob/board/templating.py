@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
@@ -163,6 +164,11 @@ def _unread(reader: Reader, viewer: Viewer) -> int:
 def render_feed(data: Mapping[str, Any]) -> str:
     """An Atom feed. Characters that no XML may have are left out."""
     return _NOT_XML.sub("", _TEMPLATES.get_template("feed.xml").render(data))
+
+
+def piece(template: str, data: Mapping[str, Any]) -> str:
+    """A part of a page, safe to put into one as it is."""
+    return Markup(_TEMPLATES.get_template(template).render(data))  # made by a template that escapes
 
 
 @dataclass(frozen=True, slots=True)

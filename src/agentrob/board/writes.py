@@ -137,8 +137,11 @@ def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
     """Hide a post. Its author may, and moderators; again does nothing."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
-    if post.author.id != by.id and by.role.rank < Role.MODERATOR.rank:
-        raise BoardError(403, "not_yours", "only its author or a moderator may remove a post")
+    if post.author.id != by.id:
+        if by.role.rank < reader.board(post.board_id).read_role.rank:
+            raise not_found("post", post_id)
+        if by.role.rank < Role.MODERATOR.rank or by.kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):
+            raise BoardError(403, "not_yours", "only its author or a moderator may remove a post")
     if post.removed:
         return post
     values = {"removed": True, "removed_by": int(by.id) or None, "version": post.version + 1}

@@ -1,0 +1,34 @@
+"""The posts of a topic's page as HTML: most of its time is spent on them, so they are made once until one changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from agentrob.board import robot_view, sight
+from agentrob.board.access import Viewer
+from agentrob.board.records import Page, Post
+from agentrob.board.services import Services
+from agentrob.board.templating import piece
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """The posts, safe to put into a page, and the cursor of the next page."""
+
+    html: str
+    next: str | None
+
+
+def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | None, limit: int) -> Shown:
+    """For a viewer who may read the topic. 404, and 422 for a bad cursor."""
+
+    def make() -> tuple[Shown, int]:
+        page: Page[Post] = known.store.posts(topic_id, after, limit)
+        hidden = robot_view.hidden_cameras(known, viewer.account, page.items)
+        authors = {post.id: post.author.name for post in page.items}
+        data = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
+        html = piece("topic_posts.html", data)
+        return Shown(html, page.next), len(html)
+
+    form = viewer.csrf if viewer.account else ""  # in the stop buttons
+    return known.topics.of(known.store.reader, topic_id, (after, viewer.account, form, sight.now()), make)

@@ -1,0 +1,78 @@
+"""Whose word it is and what it is worth: accounts, their kinds and roles, and who may do what with a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from enum import StrEnum
+
+
+class AccountKind(StrEnum):
+    """What stands behind an account. Robot and monitoring agents are never obeyed."""
+
+    HUMAN = "human"
+    COMMANDING_AGENT = "commanding_agent"
+    ROBOT_AGENT = "robot_agent"
+    MONITORING_AGENT = "monitoring_agent"
+
+
+class Role(StrEnum):
+    """What an account may do, each what those before it may and more.
+
+    Guests look and stop, members also write, operators command, moderators hide, lock and move what others wrote,
+    admins run the forum.
+    """
+
+    GUEST = "guest"
+    MEMBER = "member"
+    OPERATOR = "operator"
+    MODERATOR = "moderator"
+    ADMIN = "admin"
+
+    @property
+    def rank(self) -> int:
+        """Its place in the order, 0 for guests."""
+        return _RANKS[self]
+
+
+_RANKS = {role: place for place, role in enumerate(Role)}
+
+
+class ActionClass(StrEnum):
+    """The kinds of deeds that a robot's owner can grant apart: a photo, a gesture, walking and turning, a flip."""
+
+    PHOTO = "photo"
+    GESTURE = "gesture"
+    MOVE = "move"
+    RISKY = "risky"
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """An identity as the forum vouches for it; `name` is the handle after the @, unique and lower case."""
+
+    id: str
+    name: str
+    kind: AccountKind = AccountKind.HUMAN
+    role: Role = Role.MEMBER
+    suspended: bool = False
+    display_name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRights:
+    """Who may do what with one robot on one board, as the forum keeps it. They narrow law 2, they never widen it.
+
+    Each value is the least role, or `owner`, or `nobody`; a word that nobody knows grants nothing. `owner` is a handle.
+    `approval` are the classes that need somebody's approval. `closed_until` is the end of the robot's maintenance when
+    it is closed now.
+    """
+
+    owner: str = ""
+    command: Mapping[str, str] = field(default_factory=dict)
+    approve: str = "moderator"
+    release: str = "owner"
+    board: str = "operator"
+    approval: tuple[str, ...] = ()
+    closed_until: datetime | None = None
