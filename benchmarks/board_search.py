@@ -20,7 +20,7 @@ from itertools import islice
 from pathlib import Path
 
 import httpx2
-from board import SERVE, percentiles
+from board import SERVE
 
 from agentrob.board import admin, search, sight
 from agentrob.board.reader import Reader
@@ -88,16 +88,22 @@ def fill(settings: BoardSettings, posts: int) -> None:
             made = ((n, 1 + n % topics, author, words, f"<p>{words}</p>", n, "[]") for n, words in some)
             columns = "id, topic_id, author_id, raw, html, created_us, mentions, version, removed"
             connection.executemany(f"INSERT INTO posts ({columns}) VALUES (?, ?, ?, ?, ?, ?, ?, 1, 0)", made)
-            indexed = ((n, search.indexed(words)) for n, words in some)
-            connection.executemany("INSERT INTO post_words (rowid, words) VALUES (?, ?)", indexed)
+            indexed = ((n, *search.indexed(words)) for n, words in some)
+            connection.executemany("INSERT INTO post_words (rowid, words, chars) VALUES (?, ?, ?)", indexed)
             connection.commit()
             if sys.stderr.isatty():
                 print(f"\r{some[-1][0]} posts", end="", file=sys.stderr)
     connection.close()
 
 
+def percentiles(took_s: list[float]) -> str:
+    ordered = sorted(took_s)
+    p50, p95 = (ordered[min(len(ordered) - 1, int(len(ordered) * q))] * 1000 for q in (0.5, 0.95))
+    return f"p50 {p50:.1f} ms, p95 {p95:.1f} ms"
+
+
 def timed(find: Callable[[], int], trials: int) -> str:
-    took, found = [], 0
+    took, found, busy_s = [], 0, time.process_time()
     for _ in range(trials):
         start = time.perf_counter()
         try:
@@ -105,7 +111,7 @@ def timed(find: Callable[[], int], trials: int) -> str:
         except BoardError as e:
             return f"given up ({e.code}) after {time.perf_counter() - start:.1f} s"
         took.append(time.perf_counter() - start)
-    return f"{found} found, {percentiles(took)}"
+    return f"{found} found, {percentiles(took)}, {(time.process_time() - busy_s) / trials * 1000:.1f} ms of a core each"
 
 
 def by_index(settings: BoardSettings, trials: int) -> None:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fastapi import APIRouter
 from fastapi.routing import APIRoute
-from pages_shown import PAGES, fill
+from pages_shown import PAGES, alive, fill
 from pages_windows import Windows, open_windows, running_chromium
 from pages_world import CARD, World, running_world
 from PIL import Image
@@ -103,14 +104,18 @@ def test_every_page_meets_wcag_and_needs_no_scrolling_sideways(
     assert {name: those for name, those in found.items() if those} == {}
 
 
+def routes_of(router: APIRouter) -> Iterator[APIRoute]:
+    """The routes of a router and of those that it includes."""
+    for route in router.routes:
+        if isinstance(route, APIRoute):
+            yield route
+        else:
+            yield from routes_of(route.original_router)  # type: ignore[attr-defined]
+
+
 def test_no_page_is_left_out(names: dict[str, str]) -> None:
-    routes = [
-        r
-        for part in (pages, pages_admin, pages_moderation, pages_entry)
-        for r in part.router.routes
-        if isinstance(r, APIRoute)
-    ]
-    gets = {r.path: r for r in routes if "GET" in (r.methods or ()) and not r.path.endswith(".atom")}
+    routes = [r for part in (pages, pages_admin, pages_moderation, pages_entry) for r in routes_of(part.router)]
+    gets = {r.path: r for r in routes if "GET" in r.methods and not r.path.endswith(".atom")}
     addresses = [shown.path.format(**names).partition("?")[0] for shown in PAGES]
     unseen = {path for path, route in gets.items() if not any(route.path_regex.match(a) for a in addresses)}
     assert len(gets) > 30
@@ -134,7 +139,7 @@ def test_what_opens_while_writing_is_accessible_too(world: World, windows: Windo
 # -------------------------------------------------------------------- by keyboard
 def tab_to(page: Page, name: str) -> None:
     """Press Tab until what has this name has the focus."""
-    for _ in range(60):
+    for _ in range(150):
         page.keyboard.press("Tab")
         if name in page.evaluate(
             "document.activeElement.getAttribute('aria-label') ?? document.activeElement.textContent"
@@ -182,6 +187,7 @@ def test_escape_and_an_at_sign_in_an_address_leave_the_text_alone(world: World, 
 def test_the_first_tab_leads_to_the_content_and_stop_is_reached_and_seen(
     world: World, windows: Windows, names: dict[str, str]
 ) -> None:
+    alive(world, names)
     page = windows.open("bob")
     page.goto(f"/t/{names['topic']}")
     page.keyboard.press("Tab")

@@ -44,7 +44,7 @@ def test_chinese_of_one_two_and_more_characters_is_found(world: World) -> None:
     _, post = topic(world, "记录", "机器人向前走了两米，然后挥手。")
     for query in ("手", "机器", "前走", "两米", "向前走了两米", "机器人", "记录", "两米 挥手"):
         assert post in found(world, query), query
-    for query in ("器机", "前米", "两米机器"):
+    for query in ("器机", "前米", "两米机器", '"手 挥"', "鲸"):
         assert post not in found(world, query), query
 
 
@@ -172,9 +172,10 @@ def test_programs_search_too_page_by_page(world: World) -> None:
 
 
 def test_indexing_keeps_every_character_of_a_run_findable() -> None:
-    assert indexed("走路go").split() == ["走路", "路", "go"]
-    assert expression(terms("路")) == '"路"*'
-    assert expression(terms("走路 go")) == '"走路" AND "go"'
+    words, chars = indexed("走路go走")
+    assert (words.split(), chars.split()) == (["走路", "路", "go", "走"], ["走", "路"])
+    assert expression(terms("路")) == 'chars : "路"'
+    assert expression(terms("走路 go")) == 'words : "走路" AND words : "go"'
     assert around("a **bold** word here", "word") == (("a bold ", False), ("word", True), (" here", False))
 
 

@@ -2,8 +2,8 @@
 
 On SQLite it stands on an FTS5 table. Its tokenizer splits text at what is no letter, so a run of Chinese, Japanese or
 Korean would be one long word; such runs are therefore written as overlapping pairs (`机器人` as `机器 器人 人`), and a
-search for them as a phrase of pairs. On other databases posts are looked through for the words (`ILIKE`): right, but
-not quick.
+search for them as a phrase of pairs. The characters by themselves stand in a column of their own. On other databases
+posts are looked through for the words (`ILIKE`): right, but not quick.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MOST_S = 1.0
 STEPS = 20_000
 _PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
 _CREATE = (
-    "CREATE VIRTUAL TABLE post_words USING fts5(words, tokenize = 'porter unicode61 remove_diacritics 2')",
+    "CREATE VIRTUAL TABLE post_words USING fts5(words, chars, tokenize = 'porter unicode61 remove_diacritics 2')",
     # Whoever erases a post erases its words, without having to know of this table.
     "CREATE TRIGGER post_words_erased AFTER UPDATE OF raw ON posts WHEN new.raw = '' "
     "BEGIN DELETE FROM post_words WHERE rowid = new.id; END",
@@ -66,8 +66,9 @@ def drop_index(connection: Connection) -> None:
 def add(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
     """A new post; the first one of a topic is found by the title too."""
     if connection.dialect.name == "sqlite":
-        values = {"id": post_id, "words": indexed(f"{title}\n{raw}" if title else raw)}
-        connection.execute(text("INSERT INTO post_words (rowid, words) VALUES (:id, :words)"), values)
+        words, chars = indexed(f"{title}\n{raw}" if title else raw)
+        values = {"id": post_id, "words": words, "chars": chars}
+        connection.execute(text("INSERT INTO post_words (rowid, words, chars) VALUES (:id, :words, :chars)"), values)
 
 
 def change(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
@@ -77,13 +78,15 @@ def change(connection: Connection, post_id: int, raw: str, title: str = "") -> N
         add(connection, post_id, raw, title)
 
 
-def indexed(words: str) -> str:
-    """A text as it is given to the index."""
-    return _PAIRED.sub(lambda run: f" {' '.join(_pairs(run[0]))} ", unicodedata.normalize("NFKC", words))
+def indexed(words: str) -> tuple[str, str]:
+    """A text as it is given to the index: its words, and its Chinese, Japanese and Korean characters."""
+    plain = unicodedata.normalize("NFKC", words)
+    chars = dict.fromkeys("".join(_PAIRED.findall(plain)))
+    return _PAIRED.sub(lambda run: f" {' '.join(_pairs(run[0]))} ", plain), " ".join(chars)
 
 
 def _pairs(run: str) -> Iterator[str]:
-    """Each character with the next one; the last alone, so that a search for one character finds it as a beginning."""
+    """Each character with the next one; the last alone, so that a word that goes on in letters (`走2`) is found."""
     return (run[n : n + 2] for n in range(len(run)))
 
 
@@ -142,23 +145,22 @@ def terms(query: str) -> list[str]:
 
 
 def expression(words: Sequence[str]) -> str:
-    """The words in FTS5's language: each a phrase, a lone Chinese character a beginning."""
+    """The words in FTS5's language: each a phrase."""
     return " AND ".join(_phrase(word) for word in words)
 
 
 def _phrase(word: str) -> str:
-    if _PAIRED.fullmatch(word):
-        pairs = [p for p in _pairs(word) if len(p) == 2 or len(word) == 1]
-        return f'"{" ".join(pairs)}"{"*" if len(word) == 1 else ""}'
+    if len(word) == 1 and _PAIRED.fullmatch(word):
+        return f'chars : "{word}"'
     # In a mixed word (`go2机器人`) a run may go on after what is searched for: its last character is left to its pair.
     mixed = _PAIRED.sub(lambda run: f" {' '.join(p for p in _pairs(run[0]) if len(p) == 2 or len(run[0]) == 1)} ", word)
-    return f'"{mixed.strip()}"'
+    return f'words : "{mixed.strip()}"'
 
 
 def _by_index(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:
     statement = text(
         "SELECT w.rowid AS id FROM post_words w CROSS JOIN posts p ON p.id = w.rowid "
-        "CROSS JOIN topics t ON t.id = p.topic_id WHERE w.words MATCH :wanted AND w.rowid < :before "
+        "CROSS JOIN topics t ON t.id = p.topic_id WHERE w.post_words MATCH :wanted AND w.rowid < :before "
         "AND NOT p.removed AND t.board_id IN :boards ORDER BY w.rowid DESC LIMIT :most"
     ).bindparams(bindparam("boards", expanding=True))
     values: dict[str, Any] = {"wanted": expression(words), "before": before, "boards": list(boards), "most": most}
