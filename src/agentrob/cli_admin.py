@@ -80,6 +80,17 @@ def account_tokens(name: str, config: ConfigFile = None) -> None:
             typer.echo(f"{t.id}\t{t.label or '-'}\t{'+'.join(t.scopes)}\t{t.created_at:%Y-%m-%d}\t{state}")
 
 
+def account_display(name: str, shown: str, config: ConfigFile = None) -> None:
+    """Show another name beside the handle; '' shows the handle alone."""
+    typer.echo(f"{name}: {_do(config, 'change_account', name, display_name=shown).display_name}")
+
+
+def account_revoke_one(token: str, config: ConfigFile = None) -> None:
+    """End one token at once, by the id that `tokens` shows."""
+    _do(config, "revoke_token", token)
+    typer.echo("revoked")
+
+
 # ---------------------------------------------------------------------- boards and robots
 @boards_cli.command("add")
 def boards_add(
@@ -221,6 +232,19 @@ def _moderate(config: Path | None, deed: str, *args: Any) -> Any:
     return in_transaction(settings_of(config), lambda t: run(t, shell, *args))
 
 
+@moderate_cli.command("read")
+def read(post: str, config: ConfigFile = None) -> None:
+    """What a post says or said before it was hidden, and its earlier texts."""
+    from agentrob.board import admin, moderation
+    from agentrob.board.reader import Reader
+
+    with admin.writing(settings_of(config)) as connection:
+        found, versions, hidden_by = moderation.hidden(Reader(connection), post)
+    typer.echo(f"{found.author.name}{f', hidden by {hidden_by}' if hidden_by else ''}: {found.raw}")
+    for version in versions:
+        typer.echo(f"until {version.until:%Y-%m-%d %H:%M:%S} UTC: {version.raw}")
+
+
 @moderate_cli.command("hide")
 def hide(post: str, reason: Reason = "", config: ConfigFile = None) -> None:
     """Hide a post; nothing of it is lost."""
@@ -257,6 +281,8 @@ def add_to(board: typer.Typer, account: typer.Typer) -> None:
     account.command("sign-out")(account_sign_out)
     account.command("erase")(account_erase)
     account.command("tokens")(account_tokens)
+    account.command("display")(account_display)
+    account.command("revoke-one")(account_revoke_one)
     groups = {"boards": boards_cli, "robot": robot_cli, "invite": invite_cli, "moderate": moderate_cli}
     for name, group in groups.items():
         board.add_typer(group, name=name)

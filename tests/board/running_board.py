@@ -79,7 +79,8 @@ class RunningBoard:
             account = admin.find_account(self.settings, name)
         except BoardError:
             account = admin.create_account(self.settings, name, **options)
-        self.tokens[name] = admin.issue_token(self.settings, account)
+        scopes = accounts.SCOPES if account.role is Role.ADMIN else ("read", "write")
+        self.tokens[name] = admin.issue_token(self.settings, account, scopes=scopes)
 
     def client(self, name: str | None = None) -> httpx2.Client:
         """A program signed in by token (or a browser that is not signed in); paths are below `/api/v1`."""

@@ -177,7 +177,7 @@ def test_nobody_gets_the_answer_to_somebody_else_s_question(board: RunningBoard)
 
 def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
-    kept, reader = Topics(max_kept=100), board.services.store.everything
+    kept, reader = Topics(max_kept=100), board.services.store.everything  # read on the board's own loop
     made: list[int] = []
 
     def ask(n: int, size: int = 30) -> int:

@@ -15,16 +15,18 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from postgres_server import open_to_all, postgres_server
 from running_board import POSTGRES, database_for, running_board
+from sqlalchemy import select
 from test_board_backup import fill, told
 
 from agentrob.board import admin, backup, schema
 from agentrob.board.database import migrate, open_engine
 from agentrob.board.settings import BoardSettings
 from agentrob.config import BoardConfig
+from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
-SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup")
+SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot")
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +66,17 @@ def test_migrations_build_the_same_tables_there_and_lead_back(server: str, tmp_p
     migrate(there, "0001")
     migrate(there)
     assert admin.find_account(there, "somebody").name == "somebody"
+
+
+def test_who_writes_waits_for_who_writes_so_events_come_in_order(server: str, tmp_path: Path) -> None:
+    there = replace(settings(server, tmp_path), busy_timeout_s=0.2)
+    admin.bootstrap(there)
+    with admin.writing(there), pytest.raises(BoardError, match="busy"):
+        admin.create_account(there, "second")
+    assert admin.create_account(there, "second").name == "second"
+    with backup._snapshot(there) as connection:
+        connection.execute(select(schema.accounts)).all()
+        assert admin.create_account(there, "meanwhile").name == "meanwhile", "a backup keeps nobody waiting"
 
 
 def test_a_forum_moves_from_sqlite_to_postgresql_and_back_with_all_it_has(server: str, tmp_path: Path) -> None:

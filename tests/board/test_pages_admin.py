@@ -45,8 +45,10 @@ def test_what_cannot_be_says_so_on_the_page_and_keeps_what_was_typed(world: Worl
     assert page.status_code == 422
     assert "looks like the robot @quadruped" in page.text
     assert 'value="Tidy"' in page.text
-    page = root.send("/admin/robots/quadruped", closed="sometimes", camera_days="0")
+    page = root.send("/admin/robots/quadruped", closed="sometimes", camera_days="0", camera_role="guest")
     assert page.status_code == 422
+    assert "are no maintenance hours" in page.text
+    assert ">sometimes</textarea>" in page.text
 
 
 def test_a_token_is_shown_once_and_can_be_revoked(world: World) -> None:

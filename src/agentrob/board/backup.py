@@ -98,7 +98,7 @@ def _snapshot(settings: BoardSettings) -> Iterator[Connection]:
     """One moment of the database, however much is written meanwhile."""
     migrate(settings)
     sqlite = settings.database_path is not None
-    engine = open_engine(settings, writes=not sqlite)
+    engine = open_engine(settings, writes=False)
     try:
         with engine.connect() as connection:
             if sqlite:  # WAL: what is read stays as it was at the first read

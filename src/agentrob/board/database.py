@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ def open_engine(settings: BoardSettings, *, writes: bool) -> Engine:
         if writes:
             event.listen(engine, "begin", _begin_immediate)
     elif writes and engine.dialect.name == "postgresql":
-        event.listen(engine, "begin", _one_writer)
+        event.listen(engine, "begin", partial(_one_writer, settings.busy_timeout_s))
     return engine if writes else engine.execution_options(isolation_level="AUTOCOMMIT")
 
 
@@ -72,9 +73,10 @@ def _begin_immediate(connection: Connection) -> None:
     connection.exec_driver_sql("BEGIN IMMEDIATE")
 
 
-def _one_writer(connection: Connection) -> None:
+def _one_writer(patience_s: float, connection: Connection) -> None:
     """As in SQLite: who writes waits for who writes. So events become visible in the order of their ids, and nobody
     who follows them misses one that was committed late."""
+    connection.exec_driver_sql(f"SET LOCAL lock_timeout = '{int(patience_s * 1000)}ms'")
     connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_WRITER_LOCK})")
 
 
@@ -116,7 +118,7 @@ def migrate(settings: BoardSettings, to: str = "head") -> None:
 def unavailable(error: DBAPIError) -> BoardError:
     """What a database that cannot be used now means for whoever asked: 503, try again."""
     text = str(error.orig)
-    if isinstance(error, OperationalError) and ("locked" in text or "busy" in text):
+    if isinstance(error, OperationalError) and any(w in text for w in ("locked", "busy", "lock timeout")):
         return BoardError(503, "busy", "the database is busy; nothing was written", "try again", retry_after_s=1.0)
     if "full" in text:
         return BoardError(

@@ -197,7 +197,7 @@ async def change_robot(request: Request, viewer: Anybody, name: str) -> Response
             changes["owner"] = forms.field(form, "owner").removeprefix("@").lower()
         await forms.do(request, lambda t: administration.change_robot(t.connection, by.name, name, **changes))
     except BoardError as e:
-        return _robot(request, viewer, name, e)
+        return _robot(request, viewer, name, e, forms.field(form, "closed"))
     return go(f"/admin/robots/{name}")
 
 
@@ -217,9 +217,11 @@ def _robot_of(parts: Services, by: Account, name: str) -> None:
     check_owner(by, rights.settings_of(parts.store.reader, known_robot(parts, name).name).owner)
 
 
-def _robot(request: Request, viewer: Viewer, name: str, error: BoardError | None = None) -> Response:
+def _robot(
+    request: Request, viewer: Viewer, name: str, error: BoardError | None = None, typed: str | None = None
+) -> Response:
     kept = rights.settings_of(services(request).store.reader, name)
-    data = {"robot": name, "kept": kept, "hours": rights.hours_in_words(kept.closed)}
+    data = {"robot": name, "kept": kept, "hours": rights.hours_in_words(kept.closed) if typed is None else typed}
     return forms.page(request, viewer, "admin_robot.html", "robots", data, error)
 
 
