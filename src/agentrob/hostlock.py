@@ -30,7 +30,7 @@ class HostLock:
         self.socket.listen(16)
 
     def close(self) -> None:
-        """Give the name back at once; whoever waits for a caller in another thread gets an `OSError`."""
+        """Give the name back; a thread that waits for a caller gets an `OSError`, and the name is free once it has."""
         with contextlib.suppress(OSError):
             self.socket.shutdown(socket.SHUT_RDWR)  # or a thread that accepts would keep the name
         self.socket.close()

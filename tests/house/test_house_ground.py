@@ -71,9 +71,9 @@ def test_a_host_lock_is_given_back_while_a_thread_waits_for_callers_on_it() -> N
     while not waits():
         assert time.monotonic() < end_s
     lock.close()
-    hostlock.HostLock(name, "x").close()
     waiting.join(LIMIT_S)
-    assert ended
+    assert ended, "it waits for callers of a lock that is closed"
+    hostlock.HostLock(name, "x").close()
 
 
 def test_a_host_lock_dies_with_its_process() -> None:
