@@ -14,9 +14,10 @@ from sqlalchemy import Connection, insert, select, update
 
 from agentrob.board import audit, limits, notices, search
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, event_id, not_found, row_id
+from agentrob.board.reader import Reader, not_found, row_id
 from agentrob.board.records import Board, Event, EventKind, Image, Post, Topic, Written, from_us
 from agentrob.board.render import render
+from agentrob.board.rows import event_id
 from agentrob.board.settings import NO_LIMITS
 from agentrob.board.writer import Transaction
 from agentrob.config import BoardLimitsConfig
