@@ -82,9 +82,11 @@ def checked_name(name: str) -> str:
 
 
 def checked_display_name(name: str) -> str:
+    """The name on one line. 422 for one with characters that cannot be seen."""
+    name = " ".join(name.split())
     if len(name) > 64 or not name.isprintable():
         raise BoardError(422, "bad_display_name", "that cannot be shown as a name", "at most 64 visible characters")
-    return name.strip()
+    return name
 
 
 def change(connection: Connection, account: Account, **values: Any) -> None:
