@@ -17,6 +17,7 @@ demo: setup
 test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
+	@scripts/axe
 	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not alone and not sim and not browser" $(ARGS)
 	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not alone and (sim or browser)" $(ARGS)
 	$(BIN)/pytest -q -m "not slow and alone" $(ARGS)
@@ -24,6 +25,7 @@ test: setup-dev
 test-slow: setup-dev
 	@scripts/system-packages render browser postgres peers
 	@scripts/model-double
+	@scripts/axe
 	@scripts/peers
 	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not alone and not sim and not browser" $(ARGS)
 	$(BIN)/pytest -m "slow and (alone or sim or browser)" $(ARGS)

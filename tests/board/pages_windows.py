@@ -39,7 +39,8 @@ class Windows:
     def open(self, name: str | None = None, **how: Any) -> Page:
         """A window of its own, of that account."""
         how.setdefault("viewport", {"width": 1280, "height": 800})
-        context = self.chromium.new_context(base_url=self.world.base, reduced_motion="reduce", **how)
+        how.setdefault("reduced_motion", "reduce")
+        context = self.chromium.new_context(base_url=self.world.base, **how)
         context.set_default_timeout(10_000)
         context.add_init_script(WATCH)
         self.contexts.append(context)

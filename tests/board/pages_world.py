@@ -42,6 +42,13 @@ class World:
         """The JSON API as that account."""
         return self.board.client(name)
 
+    def chief(self) -> httpx2.Client:
+        """The API as `root` with a token that administers."""
+        chief, scopes = admin.find_account(self.settings, "root"), ("read", "write", "admin")
+        client = self.board.client()
+        client.headers["Authorization"] = f"Bearer {admin.issue_token(self.settings, chief, scopes=scopes)}"
+        return client
+
     def browser(self, name: str | None = None) -> Surfer:
         """A browser without scripts, signed in by a one-time link or not."""
         client = self.board.browser()

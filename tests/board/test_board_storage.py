@@ -161,7 +161,11 @@ def test_migrations_build_exactly_the_tables_of_the_schema(settings: BoardSettin
     migrate(settings)
     engine = open_engine(settings, writes=False)
     with engine.connect() as connection:
-        assert compare_metadata(MigrationContext.configure(connection), schema.metadata) == []
+        found = compare_metadata(MigrationContext.configure(connection), schema.metadata)
+    # The words of posts are a table of SQLite's own kind, which SQLAlchemy has no name for.
+    tables = {d[1].name for d in found if isinstance(d, tuple) and d[0] == "remove_table"}
+    assert len(tables) == len(found)
+    assert all(name.startswith("post_words") for name in tables)
     engine.dispose()
 
 

@@ -111,7 +111,7 @@ def test_what_the_reader_looks_at_stays_where_it_is(world: World, windows: Windo
     late = robot_posts(world, topic, "at the end")
     expect(page.locator(f"#post-{late}")).to_be_attached()
     assert abs(top_of(page, middle) - before) <= 1
-    pill = page.get_by_role("link", name="New posts below")
+    pill = page.get_by_role("link", name="1 new post below")
     expect(pill).to_be_visible()
     pill.click()
     expect(page.locator(f"#post-{late}")).to_be_in_viewport()

@@ -264,6 +264,7 @@ def test_a_suspended_account_cannot_stop(world: World) -> None:
 
 
 def test_a_robots_page_tells_what_it_is_and_can(world: World) -> None:
+    world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()  # it is here now
     text = world.browser("bob").get("/robots/quadruped").text
     for said in ("idle", "83 %", "take a photo", "0.5 m/s", "10 m, 60 s", "go2"):
         assert said in text

@@ -35,6 +35,9 @@ LEAST = {
     "POST /posts/{post_id}/show": "moderator",
     "POST /topics/{topic_id}/lock": "moderator",
     "POST /topics/{topic_id}/move": "moderator",
+    "GET /search": "guest",
+    "GET /commands/{post_id}": "guest",
+    "PUT /commands/{post_id}": "robot+robot",  # of whatever post, under its own name
     "GET /changes": "guest",
     "GET /events": "guest",
     "GET /robots": "guest",
@@ -58,6 +61,7 @@ BODIES: dict[str, Any] = {
     "POST /topics/{topic_id}/lock": {"locked": False},
     "POST /topics/{topic_id}/move": {"board": "talk"},
     "PUT /robots/{name}": {"card": {}},
+    "PUT /commands/{post_id}": {"record": {}},
     "POST /admin/accounts": {"name": "op"},
     "POST /admin/boards": {"id": "talk", "name": "Talk"},
 }
@@ -146,7 +150,8 @@ def ask(client: httpx2.Client, name: str, ids: dict[str, str]) -> int:
     method, _, path = name.partition(" ")
     robots = "/robots/" in path
     path = path.format(**(NAMES | ids | ({"name": "quadruped"} if robots else {})))
-    params = {"key": "x"} if name == "GET /posts" else {"board": "talk"} if path.endswith("/rights") else {}
+    params = {"key": "x", "q": "x"} if name in ("GET /posts", "GET /search") else {}
+    params |= {"board": "talk"} if path.endswith("/rights") else {}
     options: dict[str, Any] = {"params": params}
     if name == "POST /images":
         options["files"] = {"file": ("x.jpg", jpeg(), "image/jpeg")}

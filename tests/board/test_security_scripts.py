@@ -41,6 +41,7 @@ def title_of(text: str) -> str:
 def fill(world: World, rows: Sequence[str]) -> list[str]:
     """Put each row everywhere that a person can put text; the pages that show them."""
     api, pages = world.api("root"), ["/", "/u/root", "/robots", "/robots/quadruped", "/admin/audit", "/admin/accounts"]
+    pages += ["/latest", "/notices", "/search?q=script", "/search?q=<script>alert(1)</script>"]
     for start in range(0, len(rows), A_PAGE):
         some = rows[start : start + A_PAGE]
         made = api.post("/topics", json={"board": "robots", "title": title_of(some[0]), "body": some[0]}).json()
@@ -50,6 +51,8 @@ def fill(world: World, rows: Sequence[str]) -> list[str]:
             body = f"{row}\n\n![{alt}](/images/1) @quadruped"
             assert api.post(f"/topics/{topic}/posts", json={"body": body}).status_code == 201, row
         pages += [f"/t/{topic}", f"/p/{post}/edit", f"/p/{post}/history", f"/p/{post}/moderate", f"/p/{post}/raw"]
+        pages += [f"/t/{topic}?quote={post}", f"/c/{post}"]
+        world.api("quadruped").put(f"/commands/{post}", json={"record": record(some)}).raise_for_status()
         reason = title_of(some[-1])
         world.api("quadruped").put(
             "/robots/quadruped", json={"card": {"model": reason, "state": reason, "ops": some[:20]}}
@@ -57,6 +60,20 @@ def fill(world: World, rows: Sequence[str]) -> list[str]:
     for row in rows:
         api.post("/topics", json={"board": "talk", "title": title_of(row), "body": "x"}).raise_for_status()
     return pages
+
+
+def record(rows: Sequence[str]) -> dict[str, Any]:
+    """What a robot's agent may tell of a command, with rows wherever there are words."""
+    some = [row[:200] for row in rows[:20]]
+    steps = [{"op": row, "asked": {row: row}, "measured": {}, "outcome": row, "message": row} for row in some]
+    turns = [{"tool": row, "arguments": {row: row}, "words": row, "problem": row} for row in some]
+    usage = [{"mind": row, "model": row, "failed": row} for row in some]
+    links = [{"kind": row, "url": row, "until": row} for row in some]
+    links += [{"kind": row, "url": f"https://example.org/{row}", "until": ""} for row in some]
+    verdict = {"decision": some[0], "rule": some[-1], "reason": some[0]}
+    looked = {"goal": some[0], "turns": turns[:10], "end": {"did": some[0], "saw": some[:8]}}
+    told = {"steps": steps[:10], "models": usage[:10], "looked": looked, "links": links, "verdict": verdict}
+    return told | {"status": some[0], "message": some[-1], "trace_id": some[0], "mind": some[-1], "notes": some[:8]}
 
 
 def names(world: World, rows: Sequence[str]) -> list[str]:

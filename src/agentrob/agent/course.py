@@ -27,6 +27,7 @@ from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, permission
 from agentrob.agent.pictures import Picture, illustrate, late_recording
+from agentrob.agent.publish import page_of, publish
 from agentrob.agent.recorder import Recorder
 from agentrob.agent.records import Records
 from agentrob.agent.sentences import say
@@ -329,11 +330,14 @@ class Course:
         looked, language = job.looked, command.language
         calls = look_calls.lines(looked) if looked else b""
         pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
+        page = await page_of(self.forum, command.post_id, hurry=self.ending())
         images = [picture.data for picture in pictures if picture.attached]
+        facts: dict[str, Any] | None = None
         try:
             kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
-            more = {"looked": asdict(job.looked)} if job.looked else {}
-            self.records.write(report, job.thought, stopped_by=job.stopped_by, recording=kept, summary=said, **more)
+            more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
+            more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said}
+            facts = self.records.write(report, job.thought, **more)
         except OSError as e:
             _log.error("record not written", post=command.post_id, error=str(e))
         at, asked = len(report.plan.steps), self.thinking.mind.name
@@ -344,7 +348,7 @@ class Course:
 
         def text(pictures: Sequence[Picture]) -> str:
             table = look_calls.table(looked, report.results, pictures, language) if looked else ""
-            return words.final(report, pictures, told, worded(summary, language), table)
+            return words.final(report, pictures, told, worded(summary, language), table, page)
 
         async def deed() -> str:
             await job.status.close(Shown(text(pictures), card), images, words.short(report))
@@ -359,9 +363,11 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+        await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
         if recording := await late_recording(command.post_id, self.recorder, self.store):
             late = Shown(text((*pictures, recording)), card)
             await job.status.add(late, [recording.data] if recording.attached else [])
+            await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
 
     async def _summary(self, job: Job, report: Report) -> Summary | None:
         """What a model makes of the measured results in words, where the owner wants that."""

@@ -90,6 +90,11 @@ class Line:
         return iter(tuple(self._jobs))
 
     @property
+    def posts(self) -> list[str]:
+        """The posts of all that is not told yet, the next one first; who is held back comes last."""
+        return [job.command.post_id for job in sorted(self._jobs, key=lambda job: job.held)]
+
+    @property
     def moving(self) -> Job | None:
         """The command whose motion runs now."""
         return next((job for job in self._jobs if job.moving), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -18,6 +18,8 @@ from agentrob.model import Capabilities, RobotState
 from agentrob.robots.client import DriverClient
 
 LOOK_S = 1.0
+#: So many of those that wait are told.
+LINE = 20
 REFRESH_S = 5.0
 #: After a reset the odometry jumps; the guard needs a moment until it lets itself be homed again.
 HOME_TRIES, HOME_WAIT_S = 10, 0.3
@@ -25,10 +27,10 @@ _log = structlog.get_logger()
 
 
 class Presence:
-    """Publishes a card every five seconds and when something changed. `waiting` counts commands."""
+    """Publishes a card every five seconds and when something changed. `waiting`: the posts of commands, in order."""
 
     def __init__(
-        self, stage: Stage, driver: DriverClient, name: str, settings: RobotConfig, waiting: Callable[[], int]
+        self, stage: Stage, driver: DriverClient, name: str, settings: RobotConfig, waiting: Callable[[], Sequence[str]]
     ) -> None:
         self._stage = stage
         self._driver = driver
@@ -77,7 +79,8 @@ class Presence:
             "limits": asdict(capabilities.limits) if capabilities else {},
             "state": ("halted" if state.halted else state.mode) if state else "offline",
             "battery_percent": None if battery is None else round(battery),
-            "queue": self._waiting(),
+            "queue": len(waiting := self._waiting()),
+            "line": list(waiting[:LINE]),
             "board": self._settings.boards[0] if self._settings.boards else "",
             "simulated": self._settings.simulated,
             "can_reset": bool(self._settings.room_reset),

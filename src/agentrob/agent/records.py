@@ -39,8 +39,9 @@ class Records:
         pictures = (Path(p).read_bytes() if p and Path(p).exists() else None for p in paths)
         return tuple(replace(r, image=image) for r, image in zip(results, pictures, strict=True))
 
-    def write(self, report: Report, thought: Thought | None = None, **more: Any) -> None:
-        """The record of a finished command, readable by people and programs. `mind` is who read it in the end."""
+    def write(self, report: Report, thought: Thought | None = None, **more: Any) -> dict[str, Any]:
+        """The record of a finished command, readable by people and programs, and given back. `mind` is who read it in
+        the end."""
         command = report.command
         facts = {
             "post": command.post_id,
@@ -67,6 +68,7 @@ class Records:
         part = path.with_suffix(".part")
         part.write_text(json.dumps(facts, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
         part.replace(path)
+        return facts
 
 
 def _minds(thought: Thought | None) -> dict[str, Any]:

@@ -53,12 +53,18 @@ def doing(step: Primitive, language: Language) -> str:
 
 # -------------------------------------------------------------------- the end
 def final(
-    report: Report, pictures: Sequence[Picture] = (), notes: Sequence[str] = (), said: str = "", calls: str = ""
+    report: Report,
+    pictures: Sequence[Picture] = (),
+    notes: Sequence[str] = (),
+    said: str = "",
+    calls: str = "",
+    page: str = "",
 ) -> str:
     """The whole reply to a command. The message of a stopped one is the handle of who stopped it.
 
     `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head, `calls` a table
-    that has all steps beside the calls of a model which they came of.
+    that has all steps beside the calls of a model which they came of; `page` is the forum's own page of the command, if
+    it has one.
     """
     language = report.command.language
     parts = [_head(report), said, _why(report), calls or _table(report)]
@@ -67,7 +73,7 @@ def final(
     if report.stop is not None:
         parts.append(stop_figures(report.stop, language))
     parts += [_slower(report), _pictures(pictures, language), *notes]
-    parts.append(_foot(report))
+    parts.append(_foot(report, page))
     return "\n\n".join(part for part in parts if part)
 
 
@@ -183,14 +189,15 @@ def _pictures(pictures: Sequence[Picture], language: Language) -> str:
     return said
 
 
-def _foot(report: Report) -> str:
+def _foot(report: Report, page: str) -> str:
     language, timings = report.command.language, report.timings_ms
     said = [
         say(f"timing.{name}", language, seconds=timings[name] / 1000)
         for name in ("seen", "first_motion", "done")
         if name in timings and (name != "done" or report.status == "done")
     ]
-    said.append(say("trace", language, trace_id=report.command.trace_id))
+    trace = say("trace", language, trace_id=report.command.trace_id)
+    said.append(f"[{trace}]({page})" if page else trace)
     return _small(" · ".join(said))
 
 

@@ -47,6 +47,11 @@ class StatusLine:
         self._last: Shown | None = None
         self._sending: asyncio.Task[None] | None = None
 
+    @property
+    def post_id(self) -> str | None:
+        """The status post, once it is there."""
+        return self._post_id
+
     async def claim(self, shown: Shown) -> Written:
         """Put the first status there, trying until the forum answers. `created` False: somebody claimed it before."""
         key = f"claim:{self._command.post_id}"

@@ -79,8 +79,8 @@ class Thinking:
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
             chained = await insist(partial(chain_refusal, self.forum, command))
-            rights = await insist(partial(rights_on, self.forum, command, terms))
             plan = judged_plan(thought.goal) if thought.goal else understood.plan
+            rights = await insist(partial(rights_on, self.forum, command, terms))
             known = replace(terms, known=thought.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
             thought = replace(thought, verdict=verdict)

@@ -89,7 +89,7 @@ class RobotAgent:
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
         self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
         stage = forum if isinstance(forum, Stage) else None
-        self.presence = Presence(stage, driver, name, settings, lambda: len(self.line)) if stage else None
+        self.presence = Presence(stage, driver, name, settings, lambda: self.line.posts) if stage else None
         seen_by = settings.room_camera
         live, view = stage is not None and bool(seen_by), settings.recording.view
         self.recorder = Recorder(

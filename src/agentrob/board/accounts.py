@@ -18,7 +18,8 @@ from sqlalchemy import Connection, Select, bindparam, delete, insert, select, up
 from sqlalchemy.exc import IntegrityError
 
 from agentrob.board import schema as db
-from agentrob.board.reader import ACCOUNT, Reader, account_from
+from agentrob.board.reader import ACCOUNT, Reader
+from agentrob.board.rows import account_from
 from agentrob.board.writes import now_us
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role

@@ -17,9 +17,10 @@ from sqlalchemy import Connection, and_, func, insert, select, update
 from agentrob.board import accounts, audit, rights
 from agentrob.board import schema as db
 from agentrob.board.lookalike import check_display_name, check_name
-from agentrob.board.reader import ACCOUNT, Reader, account_from, not_found
+from agentrob.board.reader import ACCOUNT, Reader, not_found
 from agentrob.board.records import Board, from_us
 from agentrob.board.rights import RobotSettings
+from agentrob.board.rows import account_from
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 

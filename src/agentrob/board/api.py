@@ -37,6 +37,7 @@ from agentrob.board.events import EventStream
 from agentrob.board.problem import documented
 from agentrob.board.reader import MAX_LIMIT, event_number, not_found
 from agentrob.board.records import Written
+from agentrob.board.search import MAX_QUERY
 from agentrob.board.services import Services, services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
@@ -50,6 +51,7 @@ Member = Annotated[Account, Depends(member)]
 Stopper = Annotated[Account, Depends(stopper)]
 Key = Annotated[str | None, Header(alias="Idempotency-Key", pattern=KEY)]
 Cursor = Annotated[str | None, Query(pattern=r"^[0-9a-f]{1,15}$", description="`next` of the page before")]
+Words = Annotated[str, Query(max_length=MAX_QUERY)]
 Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT)]
 After = Annotated[str | None, Query(pattern=EVENT_ID, description="an event id")]
 NOT_FOUND = documented(404)
@@ -153,6 +155,13 @@ async def find(request: Request, who: Reading, key: Annotated[str, Query(pattern
     """The caller's own post written under a key."""
     found = services(request).store.find(who.account, key) if who.account else None
     return out(Items(items=(shaper(request, who.account).post(found),) if found else ()))
+
+
+@router.get("/search", response_model=Paged[PostOut])
+async def search(request: Request, who: Reading, q: Words, cursor: Cursor = None, limit: Limit = 20) -> Response:
+    """Posts that have all the words of `q`, newest first; words between double quotes must stand together."""
+    page = await services(request).store.search(q, cursor, limit)
+    return out(Paged(items=tuple(map(shaper(request, who.account).post, page.items)), next=page.next))
 
 
 @router.get("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND)

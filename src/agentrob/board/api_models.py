@@ -85,6 +85,13 @@ class RobotIn(_In):
     card: dict[str, Any] = Field(description="model, ops, limits, state, …; shown as it is")
 
 
+class CommandIn(_In):
+    """What a robot's agent recorded of a command; `reply` is its own post that tells it."""
+
+    reply: str | None = None
+    record: dict[str, Any] = Field(description="at most 64 KiB; shown as it is known, kept as it is")
+
+
 # -------------------------------------------------------------------- out
 class Problem(_Out):
     """RFC 9457 problem details; `code` is a stable word, `hint` says what would be valid."""
@@ -181,8 +188,21 @@ class RightsOut(_Out):
     closed_until: Time | None = Field(description="the end of the robot's maintenance, when it is closed now")
 
 
+class CommandOut(_Out):
+    robot: str
+    post: str
+    reply: str | None
+    at: Time
+    url: str
+    record: dict[str, Any]
+
+
 class Items(_Out, Generic[T]):
     items: tuple[T, ...]
+
+
+class CommandsOut(Items[CommandOut]):
+    url: str = Field(description="the page that shows the same to people, also before there is anything")
 
 
 class Paged(_Out, Generic[T]):

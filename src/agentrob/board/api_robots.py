@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, UploadFile
 from starlette.responses import FileResponse, Response
 
-from agentrob.board import buttons, images, rights
+from agentrob.board import buttons, commands, images, rights, uploads
+from agentrob.board.access import Viewer
 from agentrob.board.api import Key, Member, Reading, Stopper, out, shaper, still_allowed
 from agentrob.board.api_models import (
     EventOut,
@@ -25,10 +26,11 @@ from agentrob.board.api_models import (
 )
 from agentrob.board.problem import documented
 from agentrob.board.reader import not_found
+from agentrob.board.records import Image
 from agentrob.board.services import Services, services
 from agentrob.board.stage import CameraStream
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind, Role
+from agentrob.model import Account, AccountKind
 
 router = APIRouter(prefix="/api/v1", responses=documented(404))
 #: Pictures in posts, beside the API since pages show them.
@@ -36,6 +38,8 @@ files = APIRouter()
 
 #: Bytes of JSON and levels of nesting that a robot's card may have.
 CARD_BYTES, CARD_DEPTH = 16 * 1024, 20
+#: What a browser may keep of a picture.
+_KEPT = {"Cache-Control": "private, max-age=3600"}
 _JPEG = {"content": {"image/jpeg": {"schema": {"type": "string", "format": "binary"}}}}
 
 
@@ -133,23 +137,7 @@ def _robot(parts: Services, account: Account) -> RobotOut:
 
 def _check_card(card: dict[str, Any]) -> None:
     """413 for a card that is too large, 422 for what is no JSON or cannot be shown."""
-    try:
-        size = len(json.dumps(card, allow_nan=False, ensure_ascii=False).encode())
-        if not _plain(card, CARD_DEPTH):
-            raise ValueError("nested too deeply, or a number that is too large")
-    except (ValueError, RecursionError) as e:
-        reason = "a broken character" if isinstance(e, UnicodeError) else str(e)
-        hint = f"finite numbers below 2^53, whole characters, at most {CARD_DEPTH} levels"
-        raise BoardError(422, "bad_card", f"that card cannot be shown: {reason}"[:200], hint) from None
-    if size > CARD_BYTES:
-        raise BoardError(413, "card_too_large", f"the card has {size} bytes", f"at most {CARD_BYTES} bytes")
-
-
-def _plain(value: object, depth: int) -> bool:
-    if isinstance(value, (dict, list)):
-        inside = value.values() if isinstance(value, dict) else value
-        return depth > 0 and all(_plain(v, depth - 1) for v in inside)
-    return not isinstance(value, int) or abs(value) < 2**53
+    commands.check(card, "card", CARD_BYTES, CARD_DEPTH)
 
 
 def _own(by: Account, name: str) -> None:
@@ -161,25 +149,33 @@ def _own(by: Account, name: str) -> None:
 @router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415))
 async def upload(request: Request, file: UploadFile, by: Member, key: Key = None) -> Response:
     """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins."""
-    if by.kind is not AccountKind.ROBOT_AGENT and by.role.rank < Role.OPERATOR.rank:
+    if not uploads.may(by):  # before reading it
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
-    parts = services(request)
-    data = await file.read(images.MAX_BYTES + 1)
-    image, data = await asyncio.to_thread(images.check, data)
-    digest = await asyncio.to_thread(images.keep, parts.settings.images_dir, data)
-    image, created = await parts.store.add_image(by, digest, image, key)
+    image, created = await uploads.take(services(request), by, await file.read(images.MAX_BYTES + 1), key)
     return out(shaper(request, by).image(image), 201 if created else 200)
 
 
 @files.get("/images/{image_id}", include_in_schema=False)
 async def picture(request: Request, image_id: str, who: Reading) -> Response:
     """The file of a picture, for those who may read a post that shows it."""
-    parts = services(request)
+    image, path = _seen(services(request), image_id, who)
+    return FileResponse(path, media_type=image.media_type, headers=_KEPT, content_disposition_type="inline")
+
+
+@files.get("/images/{image_id}/small", include_in_schema=False)
+async def thumbnail(request: Request, image_id: str, who: Reading) -> Response:
+    """A picture small enough for a list of posts."""
+    image, path = _seen(services(request), image_id, who)
+    if not image.shrinks:
+        return FileResponse(path, media_type=image.media_type, headers=_KEPT, content_disposition_type="inline")
+    small = await asyncio.to_thread(images.small, path)
+    return Response(small, media_type="image/webp", headers=_KEPT)
+
+
+def _seen(parts: Services, image_id: str, who: Viewer) -> tuple[Image, Path]:
     image, digest = parts.store.reader.image(image_id)
     if not parts.store.reader.image_shown(image.id, who.account):
         raise not_found("image", image_id)
     if (robot := parts.store.reader.image_robot(image.id)) is not None:
         buttons.check_camera(parts, robot, who.account)
-    path = images.path_of(parts.settings.images_dir, digest)
-    headers = {"Cache-Control": "private, max-age=3600"}
-    return FileResponse(path, media_type=image.media_type, headers=headers, content_disposition_type="inline")
+    return image, images.path_of(parts.settings.images_dir, digest)

@@ -17,6 +17,8 @@ from agentrob.errors import BoardError
 #: JSON writes CJK text with up to six bytes a character, so a post of 64 KiB may come in a larger body.
 MAX_BODY: Final = 512 * 1024
 _MULTIPART_ROOM: Final = 64 * 1024
+#: The API's uploads, and forms of pages for writing.
+_WITH_PICTURES: Final = ("/images", "/reply", "/new", "/edit")
 _SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
 _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
 _HEADERS: Final = {
@@ -85,7 +87,7 @@ class Gate:
 
 def max_body(path: str) -> int:
     """Bytes that a request to this path may have."""
-    if path.endswith("/images"):
+    if path.endswith(_WITH_PICTURES):
         return images.MAX_BYTES + _MULTIPART_ROOM
     return images.MAX_FRAME_BYTES if path.endswith("/frame") else MAX_BODY
 

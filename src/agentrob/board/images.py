@@ -7,12 +7,13 @@ import io
 import os
 import tempfile
 import warnings
+from functools import lru_cache
 from pathlib import Path
 
 from PIL import Image as Pillow
 from PIL import ImageOps
 
-from agentrob.board.records import Image
+from agentrob.board.records import SMALL, Image
 from agentrob.errors import BoardError
 
 MAX_BYTES = 8 * 1024 * 1024
@@ -125,6 +126,21 @@ def keep(folder: Path, data: bytes) -> str:
     except OSError as e:
         raise BoardError(503, "storage", f"the image could not be kept: {e.strerror}", "try again later", 30.0) from e
     return digest
+
+
+@lru_cache(maxsize=64)
+def small(path: Path) -> bytes:
+    """A kept picture as a small WebP for pages. Decodes it, so not on the event loop; a few are remembered, none is
+    kept on disk. 404 when the file is gone."""
+    try:
+        with Pillow.open(path) as picture:
+            picture.draft("RGB", (SMALL, SMALL))
+            picture.thumbnail((SMALL, SMALL))
+            out = io.BytesIO()
+            picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(out, "WEBP", quality=80)
+            return out.getvalue()
+    except OSError as e:
+        raise BoardError(404, "no_such_image", "the file of this picture is gone") from e
 
 
 def path_of(folder: Path, digest: str) -> Path:

@@ -6,14 +6,15 @@ import sqlite3
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, TypeVar
 
-from sqlalchemy import Connection, Integer, Row, Select, and_, bindparam, func, or_, select
+from sqlalchemy import Connection, Executable, Integer, Row, Select, and_, bindparam, func, or_, select
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board import schema as db
 from agentrob.board.database import unavailable
-from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, from_us
+from agentrob.board.records import Board, Event, Image, Page, Post, Topic, Version, from_us
+from agentrob.board.rows import account_from, board_from, event_from, event_id, post_from, topic_from
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind, Role
+from agentrob.model import Account, AccountKind
 
 T = TypeVar("T")
 #: So much is kept of what was read since the last commit.
@@ -78,17 +79,6 @@ def not_found(what: str, which: str, hint: str = "") -> BoardError:
     return BoardError(404, f"no_such_{what}", f"there is no {what} {which[:64]!r}", hint)
 
 
-def account_from(row: Row[Any]) -> Account:
-    return Account(
-        id=str(row.a_id),
-        name=row.a_name,
-        kind=AccountKind(row.a_kind),
-        role=Role(row.a_role),
-        suspended=row.a_suspended,
-        display_name=row.a_display_name or row.a_name,
-    )
-
-
 class Reader:
     """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503.
 
@@ -104,7 +94,7 @@ class Reader:
         self._kept: dict[Hashable, Any] = {}
         self._kept_at: int | None = None
 
-    def rows(self, statement: Select[Any], **values: Any) -> Sequence[Row[Any]]:
+    def rows(self, statement: Executable, **values: Any) -> Sequence[Row[Any]]:
         try:
             return self.connection.execute(statement, values).all()
         except DBAPIError as e:
@@ -164,7 +154,7 @@ class Reader:
     # ---------------------------------------------------------------- boards and topics
     def all_boards(self) -> tuple[Board, ...]:
         """All there are, whoever asks."""
-        return self.kept("boards", lambda: tuple(map(_board, self.rows(_BOARDS))))
+        return self.kept("boards", lambda: tuple(map(board_from, self.rows(_BOARDS))))
 
     def boards(self) -> tuple[Board, ...]:
         boards, seen = self.all_boards(), self.seen()
@@ -188,14 +178,20 @@ class Reader:
         if cursor:
             statement = statement.where(t.last_post_id < from_cursor(cursor))
         rows = self.rows(statement)
-        return Page(tuple(map(_topic, rows[:limit])), _cursor([r.last_post_id for r in rows], limit))
+        return Page(tuple(map(topic_from, rows[:limit])), _cursor([r.last_post_id for r in rows], limit))
 
     def topic(self, topic_id: str) -> Topic:
         number = row_id(topic_id, "topic")
         row = self.kept(("topic", number), lambda: self.first(_TOPIC, id=number))
         if row is None or ((seen := self.seen()) is not None and row.board_id not in seen):
             raise not_found("topic", topic_id)
-        return _topic(row)
+        return topic_from(row)
+
+    def title_begun_by(self, post: Post) -> str:
+        """The title of a topic when this is its first post, else nothing."""
+        p = db.posts.c
+        first = self.first(select(func.min(p.id)).where(p.topic_id == int(post.topic_id)))
+        return self.topic(post.topic_id).title if first and str(first[0]) == post.id else ""
 
     # ---------------------------------------------------------------- posts
     def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[Post]:
@@ -212,6 +208,23 @@ class Reader:
         if (seen := self.seen()) is not None:
             statement = statement.where(db.topics.c.board_id.in_(seen))
         return self._posts(self.rows(statement))
+
+    def latest_posts(
+        self, cursor: str | None, limit: int, board_id: str | None = None, topic_id: str | None = None
+    ) -> Page[Post]:
+        """Newest first, of one board, one topic or of all, without what was removed."""
+        p, t = db.posts.c, db.topics.c
+        statement = _POSTS.where(p.removed.is_(False)).order_by(p.id.desc()).limit(_limit(limit) + 1)
+        if topic_id is not None:
+            statement = statement.where(p.topic_id == int(self.topic(topic_id).id))
+        elif board_id is not None:
+            statement = statement.where(t.board_id == self.board(board_id).id)
+        elif (seen := self.seen()) is not None:
+            statement = statement.where(t.board_id.in_(seen))
+        if cursor:
+            statement = statement.where(p.id < from_cursor(cursor))
+        rows = self.rows(statement)
+        return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
 
     def cursor_before(self, post_id: str, limit: int) -> str | None:
         p = db.posts.c
@@ -252,7 +265,7 @@ class Reader:
         images = self._images([r.id for r in rows if not r.removed])
         authors = {r.a_id: r for r in rows}  # few people write many posts
         accounts = {a_id: account_from(r) for a_id, r in authors.items()}
-        return tuple(_post(r, accounts[r.a_id], images.get(r.id, ())) for r in rows)
+        return tuple(post_from(r, accounts[r.a_id], images.get(r.id, ())) for r in rows)
 
     def _images(self, post_ids: Sequence[int]) -> dict[int, tuple[Image, ...]]:
         found: dict[int, tuple[Image, ...]] = {}
@@ -327,50 +340,10 @@ class Reader:
             statement = statement.where(e.topic_id == row_id(topic_id, "topic"))
         rows = self.rows(statement)
         posts = {int(p.id): p for p in self.posts_by_id(sorted({r.post_id for r in rows if r.post_id}))}
-        return tuple(_event(r, posts.get(r.post_id)) for r in rows)
-
-
-# -------------------------------------------------------------------- rows to records
-def _board(r: Row[Any]) -> Board:
-    return Board(r.id, r.name, r.description, Role(r.read_role), Role(r.post_role), Role(r.command_role))
-
-
-def _topic(r: Row[Any]) -> Topic:
-    created, last = from_us(r.created_us), from_us(r.last_post_us)
-    return Topic(str(r.id), r.board_id, r.title, account_from(r), created, last, r.posts, r.locked)
-
-
-def _post(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:
-    return Post(
-        id=str(r.id),
-        topic_id=str(r.topic_id),
-        board_id=r.board_id,
-        author=author,
-        raw="" if r.removed else r.raw,
-        html="" if r.removed else r.html,
-        version=r.version,
-        created_at=from_us(r.created_us),
-        edited_at=from_us(r.edited_us) if r.edited_us is not None else None,
-        removed=r.removed,
-        mentions=() if r.removed else tuple(r.mentions),
-        reply_to=str(r.reply_to) if r.reply_to is not None else None,
-        key=r.key,
-        images=images,
-        card=None if r.removed else r.card,
-    )
-
-
-def _event(r: Row[Any], post: Post | None) -> Event:
-    account = account_from(r) if r.a_id is not None and r.robot is not None else None
-    return Event(event_id(r.id, r.at_us), EventKind(r.kind), from_us(r.at_us), post, r.robot, account)
+        return tuple(event_from(r, posts.get(r.post_id)) for r in rows)
 
 
 # -------------------------------------------------------------------- cursors
-def event_id(number: int, at_us: int) -> str:
-    """The id of an event row outside of the database: its number, and its time as the mark of this history."""
-    return f"{number}-{at_us:x}"
-
-
 def event_number(given_out: str) -> int:
     """Where the event of an id stands in the order."""
     return int(given_out.partition("-")[0])

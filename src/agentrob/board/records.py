@@ -15,6 +15,8 @@ from typing import Any, Generic, TypeVar
 from agentrob.model import Account, Role
 
 T = TypeVar("T")
+#: Pixels of the longer side of a picture on a page.
+SMALL = 960
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -77,6 +79,21 @@ class Image:
     @property
     def path(self) -> str:
         return f"/images/{self.id}"
+
+    @property
+    def moving(self) -> bool:
+        """Whether it may be a recording."""
+        return self.media_type in ("image/webp", "image/gif")
+
+    @property
+    def shrinks(self) -> bool:
+        """Whether pages show a smaller one in its place."""
+        return not self.moving and max(self.width, self.height) > SMALL
+
+    @property
+    def small(self) -> str:
+        """What pages show: a smaller one of a large picture."""
+        return f"{self.path}/small" if self.shrinks else self.path
 
 
 @dataclass(frozen=True, slots=True)

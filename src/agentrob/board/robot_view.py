@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
+from agentrob.board import rights
 from agentrob.board.buttons import known_robot
+from agentrob.board.records import Post
 from agentrob.board.services import Services
 from agentrob.board.stage import LIVE_FOR
-from agentrob.model import Account
+from agentrob.model import Account, AccountKind
 
-_KNOWN = {"model", "ops", "limits", "state", "battery_percent", "board", "simulated", "can_reset", "camera"}
+_KNOWN = {
+    "model",
+    "ops",
+    "limits",
+    "state",
+    "battery_percent",
+    "board",
+    "simulated",
+    "can_reset",
+    "camera",
+    "queue",
+    "line",
+}
 _LIMITS = {
     "speed_mps": ("Speed", "m/s"),
     "turn_dps": ("Turning", "°/s"),
@@ -31,7 +45,8 @@ class RobotView:
     """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
     `camera`: there may be live pictures, unless its card says that there are none.
 
-    `limits` and `facts` are (name, value) in words for people; `facts` are what else the card says.
+    `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
+    words for people; `facts` are what else the card says.
     """
 
     name: str
@@ -44,6 +59,7 @@ class RobotView:
     board: str = ""
     can_reset: bool = False
     camera: bool = True
+    line: tuple[str, ...] = ()
     ops: tuple[str, ...] = ()
     limits: tuple[tuple[str, str], ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
@@ -66,7 +82,8 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         board=_words(card.get("board")),
         can_reset=card.get("can_reset") is True,
         camera=card.get("camera") is not False,
-        ops=tuple(_op(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
+        line=tuple(p for p in line[:20] if _is_id(p)) if isinstance(line := card.get("line"), (list, tuple)) else (),
+        ops=tuple(op_in_words(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
         limits=_limits(limits) if isinstance(limits, Mapping) else (),
         facts=tuple((name, value) for name, value in facts[:20] if value),
     )
@@ -84,12 +101,23 @@ def robot(services: Services, name: str) -> tuple[Account, RobotView]:
     return account, _look(services, account)
 
 
+def hidden_cameras(services: Services, viewer: Account | None, posts: Iterable[Post]) -> frozenset[str]:
+    """Which of the robots that show pictures in these posts show them to others only."""
+    reader = services.store.reader
+    shown = {p.author.name for p in posts if p.images and p.author.kind is AccountKind.ROBOT_AGENT}
+    return frozenset(n for n in shown if not rights.sees_camera(rights.settings_of(reader, n), viewer, n))
+
+
 def _look(services: Services, account: Account) -> RobotView:
     now = services.stage.robot(account.name)
     return robot_view(account.name, now.card, now.seen_at)
 
 
-def _op(op: str) -> str:
+def _is_id(value: object) -> bool:
+    return isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 19
+
+
+def op_in_words(op: str) -> str:
     return _OPS.get(op, op.replace("_", " "))[:40]
 
 

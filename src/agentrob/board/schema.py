@@ -242,3 +242,33 @@ used_keys = Table(
     Column("key", String(200), primary_key=True),
     Column("ref", Id, nullable=False),
 )
+
+#: Who is told of which post, and why. `notices_seen` is up to which post an account has looked.
+notices = Table(
+    "notices",
+    metadata,
+    _account(),
+    Column("post_id", Id, ForeignKey("posts.id"), nullable=False),
+    Column("reason", String(10), nullable=False),
+    PrimaryKeyConstraint("account_id", "post_id"),
+)
+
+notices_seen = Table(
+    "notices_seen",
+    metadata,
+    _account(),
+    Column("post_id", Id, nullable=False),
+    PrimaryKeyConstraint("account_id"),
+)
+
+#: What robots' agents recorded of the commands of posts. Beside these, SQLite has the table `post_words` (`search`).
+commands = Table(
+    "commands",
+    metadata,
+    Column("post_id", Id, ForeignKey("posts.id"), nullable=False),
+    _account("robot_id"),
+    Column("reply_id", Id, ForeignKey("posts.id")),
+    Column("at_us", BigInteger, nullable=False),
+    Column("record", JSON, nullable=False),
+    PrimaryKeyConstraint("post_id", "robot_id"),
+)

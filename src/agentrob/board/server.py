@@ -21,7 +21,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_admin, api_moderation, api_robots
+from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots
 from agentrob.board.admin import bootstrap
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
@@ -69,7 +69,10 @@ def create_app(settings: BoardSettings) -> FastAPI:
     )
     app.add_middleware(Hot)
     app.add_middleware(Gate, settings=settings)
-    for router in (api.router, api_robots.router, api_admin.router, api_moderation.router, api_robots.files):
+    for router in (
+        *(api.router, api_robots.router, api_commands.router, api_admin.router, api_moderation.router),
+        api_robots.files,
+    ):
         app.include_router(router)
     _add_pages(app)
     _add_errors(app)

@@ -7,18 +7,25 @@ becomes a job with a savepoint of its own, and every change is an event row in t
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from typing import Any, Literal
 
 from sqlalchemy.exc import DBAPIError
 
-from agentrob.board import sight, writes
+from agentrob.board import search, sight, writes
 from agentrob.board.database import open_engine, unavailable
 from agentrob.board.reader import Reader
 from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Job, T, Writer
+from agentrob.errors import BoardError
 from agentrob.model import Account
+
+#: More searches than this do not wait for the one that runs.
+MAX_SEARCHES = 20
 
 
 class Store:
@@ -34,14 +41,18 @@ class Store:
         try:
             self.reader = Reader(self._engines[0].connect(), sight.now, keeps=True)
             self.everything = Reader(self.reader.connection, keeps=True)
+            self._finder = search.finder(self._engines[0].connect(), sight.now)
         except DBAPIError as e:
             raise unavailable(e) from e
+        self._searches, self._searching = 0, ThreadPoolExecutor(1, "board-search")
         self.writer = Writer(self._engines[1], published)
 
     def close(self) -> None:
         """Finish what is being written and close the database."""
         self.writer.close()
-        self.reader.connection.close()
+        self._searching.shutdown(cancel_futures=True)
+        for reader in (self._finder, self.reader):
+            reader.connection.close()
         for engine in self._engines:
             engine.dispose()
 
@@ -102,6 +113,21 @@ class Store:
     def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[Event, ...]:
         """What happened after an event, oldest first. 404 when `after` is no event of this history."""
         return self.reader.events(self.reader.known_event(after), limit, topic_id)
+
+    # ---------------------------------------------------------------- search, awaited
+    async def search(self, query: str, cursor: str | None = None, limit: int = 20) -> Page[Post]:
+        """Posts with all the words, newest first. In a thread of its own, one after another: nothing else waits for it,
+        least of all a stop (law 15). 503 when it takes too long or too many wait.
+        """
+        if self._searches >= MAX_SEARCHES:
+            raise BoardError(503, "overloaded", "too many searches are waiting", "try again in a moment", 2.0)
+        self._searches += 1
+        try:
+            seeing = copy_context().run  # what whoever asks may see
+            running = self._searching.submit(seeing, search.find, self._finder, query, cursor, limit)
+            return await asyncio.wrap_future(running)
+        finally:
+            self._searches -= 1
 
     # ---------------------------------------------------------------- writes, awaited
     async def do(self, job: Job[T]) -> T:

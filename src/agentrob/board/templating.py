@@ -19,14 +19,17 @@ from markupsafe import Markup
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
-from agentrob.board import access
+from agentrob.board import access, notices
 from agentrob.board.access import Viewer
+from agentrob.board.reader import Reader
+from agentrob.board.render import unmarked
 from agentrob.board.services import services
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind, Role, StatusCard
 
 HERE = Path(__file__).parent
 NAME = re.compile(r"[a-z][a-z0-9_-]{0,63}\Z")
+_NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 #: Characters of a post that its excerpt is made from.
 EXCERPT_FROM = 600
 
@@ -89,14 +92,8 @@ def tone(name: str) -> int:
 def excerpt(raw: str) -> str:
     """The first words of a post, without the marks of Markdown. Takes no longer for a long post than for a short one:
     pages with many of them are made on the event loop, which the stop button needs too."""
-    bare = re.sub(r"[*`~]+|[\s|:-]{3,}", _unruled, raw[:EXCERPT_FROM])
-    text = " ".join(re.sub(r"[|>#]+", " ", bare).split())
+    text = unmarked(raw[:EXCERPT_FROM])
     return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
-
-
-def _unruled(marks: re.Match[str]) -> str:
-    """Nothing for emphasis and for the line between a table's head and body; other white space and bars stay."""
-    return "" if marks[0][0] in "*`~" or "---" in marks[0] else marks[0]
 
 
 def status_card(card: Mapping[str, Any]) -> StatusCard:
@@ -146,13 +143,27 @@ def show(
     settings = known.settings
     frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
     frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
+    frame["unread"] = _unread(known.store.reader, viewer)
     html = _TEMPLATES.get_template(template).render(
-        {"viewer": viewer, "here": here, "title": settings.title, "problem": ""} | frame | dict(data)
+        {"viewer": viewer, "here": here, "title": settings.title, "problem": "", "feed": ""} | frame | dict(data)
     )
     response = HTMLResponse(html, status, headers=_HEADERS)
     if viewer.account is None:
         access.keep(response, known, viewer)
     return response
+
+
+def _unread(reader: Reader, viewer: Viewer) -> int:
+    """The number at the bell, counted once between two commits."""
+    account = viewer.account
+    if account is None or account.suspended:
+        return 0
+    return reader.kept(("unread", account.id, reader.seen()), lambda: notices.unread(reader, account))
+
+
+def render_feed(data: Mapping[str, Any]) -> str:
+    """An Atom feed. Characters that no XML may have are left out."""
+    return _NOT_XML.sub("", _TEMPLATES.get_template("feed.xml").render(data))
 
 
 def piece(template: str, data: Mapping[str, Any]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from agentrob.board import sight
+from agentrob.board import robot_view, sight
 from agentrob.board.access import Viewer
 from agentrob.board.records import Page, Post
 from agentrob.board.services import Services
@@ -24,7 +24,10 @@ def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | 
 
     def make() -> tuple[Shown, int]:
         page: Page[Post] = known.store.posts(topic_id, after, limit)
-        html = piece("topic_posts.html", {"posts": page.items, "viewer": viewer})
+        hidden = robot_view.hidden_cameras(known, viewer.account, page.items)
+        authors = {post.id: post.author.name for post in page.items}
+        data = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
+        html = piece("topic_posts.html", data)
         return Shown(html, page.next), len(html)
 
     form = viewer.csrf if viewer.account else ""  # in the stop buttons

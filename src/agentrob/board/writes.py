@@ -12,11 +12,12 @@ from typing import Any, Literal
 
 from sqlalchemy import Connection, insert, select, update
 
-from agentrob.board import audit, limits
+from agentrob.board import audit, limits, notices, search
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, event_id, not_found, row_id
+from agentrob.board.reader import Reader, not_found, row_id
 from agentrob.board.records import Board, Event, EventKind, Image, Post, Topic, Written, from_us
 from agentrob.board.render import render
+from agentrob.board.rows import event_id
 from agentrob.board.settings import NO_LIMITS
 from agentrob.board.writer import Transaction
 from agentrob.config import BoardLimitsConfig
@@ -55,7 +56,7 @@ def create_topic(t: Transaction, board_id: str, title: str, draft: Draft) -> Wri
     at = now_us()
     row = {"board_id": board.id, "title": title, "author_id": int(draft.author.id)}
     topic_id = _insert(t, db.topics, **row, created_us=at, last_post_us=at)
-    return _add_post(t, topic_id, draft, at)
+    return _add_post(t, topic_id, draft, at, title)
 
 
 def reply(t: Transaction, topic_id: str, draft: Draft) -> Written:
@@ -128,6 +129,7 @@ def edit(
         values["card"] = card
     t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
     _attach(t.connection, int(post.id), editor, images, first=len(post.images))
+    search.change(t.connection, int(post.id), body, reader.title_begun_by(post))
     add_event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
     return reader.post(post.id)
 
@@ -188,7 +190,7 @@ def _written_before(t: Transaction, draft: Draft) -> Written | None:
     return Written(reader.topic(old.topic_id), old, created=False)
 
 
-def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int) -> Written:
+def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str = "") -> Written:
     reader = Reader(t.connection)
     reply_to = _same_topic(reader, draft.reply_to, topic_id) if draft.reply_to is not None else None
     post_id = _insert(
@@ -206,6 +208,8 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int) -> Written:
     newest = {"last_post_id": post_id, "last_post_us": at, "posts": topics.posts + 1}
     t.connection.execute(update(db.topics).where(topics.id == topic_id).values(**newest))
     _attach(t.connection, post_id, draft.author, draft.images)
+    search.add(t.connection, post_id, draft.body, title)
+    notices.tell(t, post_id, draft.author)
     add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
 

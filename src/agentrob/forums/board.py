@@ -162,6 +162,13 @@ class BoardForum:
         path, headers = f"/robots/{quote(robot, safe='')}/frame", {"Content-Type": "image/jpeg"}
         return await self._call("PUT", path, lambda answer: int(answer["viewers"]), content=jpeg, headers=headers)
 
+    async def command_page(self, post_id: str) -> str:
+        return await self._call("GET", f"/commands/{quote(post_id, safe='')}", lambda answer: str(answer["url"]))
+
+    async def publish_record(self, post_id: str, reply_id: str | None, record: dict[str, Any]) -> None:
+        path, body = f"/commands/{quote(post_id, safe='')}", {"reply": reply_id, "record": record}
+        await self._call("PUT", path, _nothing, body)
+
     # ---------------------------------------------------------------- buttons
     async def press_stop(self, robot: str) -> None:
         """The stop button of a robot's page."""

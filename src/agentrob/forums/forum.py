@@ -189,6 +189,19 @@ class Keeper(Protocol):
         ...
 
 
+@runtime_checkable
+class Archive(Protocol):
+    """A forum that has a page per command."""
+
+    async def command_page(self, post_id: str) -> str:
+        """The address of the page of a post's command, also before there is anything on it."""
+        ...
+
+    async def publish_record(self, post_id: str, reply_id: str | None, record: dict[str, Any]) -> None:
+        """Keep the record of a post's command, in place of the one before; `reply_id` is the post that tells it."""
+        ...
+
+
 class Forum(Reader, Writer, Accounts, Events, Protocol):
     """A whole forum, signed in as one account."""
 

@@ -102,7 +102,14 @@ function place(fresh) {
     posts.insertBefore(fresh, next || null);
     return seen;
   });
-  if (!old && fresh.getBoundingClientRect().top > innerHeight) offer("New posts below", `#${fresh.id}`);
+  if (!old && fresh.getBoundingClientRect().top > innerHeight) offerMore(fresh.id);
+}
+
+// Counts what came below the screen; leads to the first of it.
+let below = [];
+function offerMore(id) {
+  below = document.querySelector(".pill") ? [...below, id] : [id];
+  offer(below.length > 1 ? `${below.length} new posts below` : "1 new post below", `#${below[0]}`);
 }
 
 function offer(text, href) {
@@ -194,7 +201,7 @@ for (const part of document.querySelectorAll("[data-refresh]")) {
       part.replaceChildren(...new DOMParser().parseFromString(text, "text/html").body.childNodes);
       localTimes(part);
     } catch { /* the next time */ }
-  }, 3000);
+  }, Number(part.dataset.every) || 3000);
 }
 
 // The camera runs only while its picture is on the screen: somebody looking is what makes the robot's room render.

@@ -1,0 +1,94 @@
+"""Who is told of a post: those it names, whoever it answers, whoever began the topic; and what each has seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Select, and_, func, insert, select, update
+
+from agentrob.board import schema as db
+from agentrob.board.reader import Reader, from_cursor, to_cursor
+from agentrob.board.records import Page, Post
+from agentrob.board.writer import Transaction
+from agentrob.model import Account, AccountKind
+
+#: More than this many are not counted.
+MOST = 99
+REASONS = {"mention": "names you", "reply": "answers you", "topic": "is in your topic"}
+_PEOPLE = (AccountKind.HUMAN,)
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """`reason` is a word of `REASONS`; `fresh`: not seen before."""
+
+    post: Post
+    reason: str
+    fresh: bool
+
+
+def tell(t: Transaction, post_id: int, author: Account) -> None:
+    """Tell people of a new post; of several reasons the first counts. Robots and programs listen to events instead."""
+    p = db.posts.c
+    row = t.connection.execute(
+        select(p.mentions, p.reply_to, db.topics.c.author_id)
+        .join(db.topics, db.topics.c.id == p.topic_id)
+        .where(p.id == post_id)
+    ).one()
+    named = set(t.connection.execute(select(db.accounts.c.id).where(db.accounts.c.name.in_(row.mentions))).scalars())
+    answered = t.connection.execute(select(p.author_id).where(p.id == row.reply_to)).scalar_one_or_none()
+    reasons = {row.author_id: "topic"} | ({answered: "reply"} if answered else {}) | dict.fromkeys(named, "mention")
+    reasons.pop(int(author.id), None)
+    a = db.accounts.c
+    people = t.connection.execute(select(a.id).where(a.id.in_(reasons), a.kind.in_(_PEOPLE))).scalars()
+    rows = [{"account_id": i, "post_id": post_id, "reason": reasons[i]} for i in people]
+    if rows:
+        t.connection.execute(insert(db.notices), rows)
+
+
+def unread(reader: Reader, account: Account) -> int:
+    """How many an account has not seen, at most `MOST`."""
+    fresh = _of(account, db.notices.c.post_id).where(db.notices.c.post_id > _seen(reader, account)).limit(MOST)
+    return int(reader.rows(select(func.count()).select_from(_visible(reader, fresh).subquery()))[0][0])
+
+
+def latest(reader: Reader, account: Account, cursor: str | None = None, limit: int = 30) -> Page[Notice]:
+    """An account's notices, newest first; those of posts that are gone or not to be seen are left out."""
+    n, seen = db.notices.c, _seen(reader, account)
+    statement = _visible(reader, _of(account, n.post_id, n.reason)).order_by(n.post_id.desc()).limit(limit + 1)
+    if cursor:
+        statement = statement.where(n.post_id < from_cursor(cursor))
+    rows = reader.rows(statement)
+    posts = {int(p.id): p for p in reader.posts_by_id([r.post_id for r in rows[:limit]])}
+    items = tuple(Notice(posts[r.post_id], r.reason, r.post_id > seen) for r in rows[:limit] if r.post_id in posts)
+    return Page(items, to_cursor(rows[limit - 1].post_id) if len(rows) > limit else None)
+
+
+def mark_seen(t: Transaction, account: Account, up_to: int) -> None:
+    """All up to a post are seen; never fewer than before."""
+    s = db.notices_seen.c
+    newest = t.connection.execute(select(func.max(db.posts.c.id))).scalar_one() or 0
+    up_to, mine = min(up_to, newest), s.account_id == int(account.id)
+    before = t.connection.execute(select(s.post_id).where(mine)).scalar_one_or_none()
+    if before is None:
+        t.connection.execute(insert(db.notices_seen).values(account_id=int(account.id), post_id=up_to))
+    elif before < up_to:
+        t.connection.execute(update(db.notices_seen).where(mine).values(post_id=up_to))
+
+
+def _of(account: Account, *columns: Any) -> Select[Any]:
+    return select(*columns).where(db.notices.c.account_id == int(account.id))
+
+
+def _visible(reader: Reader, statement: Select[Any]) -> Select[Any]:
+    p, t, seen = db.posts.c, db.topics.c, reader.seen()
+    statement = statement.join(db.posts, and_(p.id == db.notices.c.post_id, p.removed.is_(False)))
+    return statement if seen is None else statement.join(db.topics, t.id == p.topic_id).where(t.board_id.in_(seen))
+
+
+def _seen(reader: Reader, account: Account) -> int:
+    s = db.notices_seen.c
+    row: Sequence[Any] | None = reader.first(select(s.post_id).where(s.account_id == int(account.id)))
+    return int(row[0]) if row else 0

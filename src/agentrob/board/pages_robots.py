@@ -1,0 +1,111 @@
+"""The pages of robots and people: what each is and did, and a robot's buttons."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import HTMLResponse, Response
+
+from agentrob.board import access, buttons, forms, rights, robot_view
+from agentrob.board.access import Viewer
+from agentrob.board.records import Image, Post, Topic
+from agentrob.board.robot_view import RobotView
+from agentrob.board.services import Services, services
+from agentrob.board.store import Store
+from agentrob.board.templating import go, own_path, show, with_receipt
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind
+
+router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
+
+Reading = Annotated[Viewer, Depends(access.reader)]
+Anybody = Annotated[Viewer, Depends(access.viewer)]
+_LATEST = 10
+#: Answers among which the last picture is looked for.
+_LOOK_BACK = 50
+
+
+@router.get("/robots")
+async def robots(request: Request, viewer: Reading, part: str = "") -> Response:
+    data = {"robots": robot_view.robots(services(request))}
+    return show(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
+
+
+@router.get("/robots/{name}")
+async def robot(request: Request, viewer: Reading, name: str) -> Response:
+    known = services(request)
+    account, view = robot_view.robot(known, name)
+    latest = _latest(known.store, account, once=True)
+    kept = rights.settings_of(known.store.reader, account.name)
+    seen = (
+        _last_picture(known.store.posts_by(account, _LOOK_BACK))
+        if rights.sees_camera(kept, viewer.account, account.name)
+        else None
+    )
+    data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view)
+    data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
+    return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
+
+
+@router.get("/robots/{name}/fragment")
+async def robot_fragment(request: Request, viewer: Reading, name: str) -> Response:
+    known = services(request)
+    view = robot_view.robot(known, name)[1]
+    return show(request, viewer, "robot_facts.html", {"robot": view} | _about(known, view))
+
+
+@router.post("/robots/{name}/stop")
+async def stop(request: Request, viewer: Anybody, name: str) -> Response:
+    """Anybody signed in, at any rate, whatever the robot's agent last said."""
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    await buttons.stop(services(request), name, access.account_of(viewer))
+    if request.headers.get("x-live"):
+        return Response(status_code=204)
+    return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "stop", name))
+
+
+@router.post("/robots/{name}/reset")
+async def reset(request: Request, viewer: Anybody, name: str) -> Response:
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    await buttons.reset(services(request), name, access.account_of(viewer))
+    return go(with_receipt(f"/robots/{name}", viewer, "reset", name))
+
+
+@router.get("/u/{name}")
+async def person(request: Request, viewer: Reading, name: str) -> Response:
+    store = services(request).store
+    found = store.account(name)
+    if found is None:
+        raise BoardError(404, "no_such_account", f"there is no account {name[:64]!r}")
+    if found.kind is AccountKind.ROBOT_AGENT:
+        return go(f"/robots/{found.name}")
+    mine = viewer.account is not None and viewer.account.id == found.id
+    latest = _latest(store, found)
+    data = {"account": found, "mine": mine, "latest": latest}
+    return show(request, viewer, "account.html", data, here="me" if mine else "")
+
+
+# ------------------------------------------------------------------ pieces
+def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[Topic, Post]]:
+    """An account's latest posts, each with its topic; with `once` only the latest one of each topic."""
+    posts = store.posts_by(author, 5 * _LATEST if once else _LATEST)
+    newest: dict[str, Post] = {}
+    for post in posts:
+        newest.setdefault(post.topic_id if once else post.id, post)
+    return [(store.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
+
+
+def _about(known: Services, view: RobotView) -> dict[str, Any]:
+    """What the forum itself knows of a robot: its owner, and the posts that wait, as far as they are to be seen."""
+    posts = {post.id: post for post in known.store.reader.posts_by_id([int(i) for i in view.line])}
+    line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
+    return {"owner": rights.settings_of(known.store.reader, view.name).owner, "line": line}
+
+
+def _last_picture(posts: Sequence[Post]) -> tuple[Post, Image] | None:
+    """The last picture that a robot put into an answer: of its photos the first, which stand before the drawings."""
+    return next(((post, image) for post in posts for image in post.images if not image.moving), None)

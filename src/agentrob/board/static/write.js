@@ -1,0 +1,174 @@
+// Helps while somebody writes: preview, pictures by paste and drop, names with the robots' state, quoting in place.
+// Everything here is an addition: without it the same forms and links do the same things.
+"use strict";
+
+const csrf = document.querySelector("meta[name=csrf]").content;
+const text = document.querySelector("[data-compose]");
+
+if (text) {
+  const form = text.form;
+  const told = form.querySelector("[data-told]");
+  const tell = (words) => { told.textContent = words; };
+
+  // -------------------------------------------------------------- preview without leaving the page
+  form.addEventListener("submit", async (event) => {
+    if (event.submitter?.value !== "preview") return;
+    event.preventDefault();
+    const shown = form.querySelector("[data-preview]");
+    try {
+      const body = new URLSearchParams({ csrf, body: text.value });
+      const answer = await fetch("/preview", { method: "POST", body, headers: { Accept: "text/html" } });
+      if (!answer.ok) throw new Error(String(answer.status));
+      shown.replaceChildren(...new DOMParser().parseFromString(await answer.text(), "text/html").body.childNodes);
+      tell("");
+    } catch {
+      tell("There is no preview now. Is the forum there, and the text not too long?");
+    }
+  });
+
+  // -------------------------------------------------------------- pictures
+  const thumbs = form.querySelector("[data-thumbs]");
+  const take = async (files) => {
+    for (const file of [...files].filter((file) => file.type.startsWith("image/"))) {
+      tell(`Uploading ${file.name}…`);
+      const body = new FormData();
+      body.append("file", file);
+      try {
+        const answer = await fetch("/api/v1/images", { method: "POST", body, headers: { "X-CSRF-Token": csrf } });
+        const image = await answer.json();
+        if (!answer.ok) { tell(`${file.name}: ${[image.detail, image.hint].filter(Boolean).join("; ")}.`); continue; }
+        thumbs.append(thumb(image, file.name));
+        tell(`${file.name} is attached.`);
+      } catch {
+        tell(`${file.name} could not be uploaded.`);
+      }
+    }
+  };
+  const thumb = (image, name) => {
+    const item = document.createElement("li");
+    const shown = new Image();
+    shown.src = `/images/${image.id}/small`;
+    shown.alt = name;
+    const sent = Object.assign(document.createElement("input"), { type: "hidden", name: "images", value: image.id });
+    const away = Object.assign(document.createElement("button"), { type: "button", textContent: "Take away" });
+    away.setAttribute("aria-label", `Take away ${name}`);
+    away.addEventListener("click", () => { item.remove(); text.focus(); });
+    item.append(shown, sent, away);
+    return item;
+  };
+  if (thumbs) {
+    const chosen = form.querySelector("input[type=file]");
+    chosen.addEventListener("change", async () => { const files = [...chosen.files]; chosen.value = ""; await take(files); });
+    text.addEventListener("paste", (event) => {
+      if (event.clipboardData.files.length) { event.preventDefault(); take(event.clipboardData.files); }
+    });
+    text.addEventListener("dragover", (event) => { event.preventDefault(); text.classList.add("dropping"); });
+    text.addEventListener("dragleave", () => text.classList.remove("dropping"));
+    text.addEventListener("drop", (event) => {
+      text.classList.remove("dropping");
+      if (event.dataTransfer.files.length) { event.preventDefault(); take(event.dataTransfer.files); }
+    });
+  }
+
+  // -------------------------------------------------------------- names
+  // A list below the text: arrows choose, Enter and Tab take, Escape closes; the text keeps the focus.
+  const offer = Object.assign(document.createElement("ul"), { className: "offer", id: "offer", hidden: true });
+  offer.setAttribute("role", "listbox");
+  offer.setAttribute("aria-label", "Names");
+  text.after(offer);
+  const attributes = { "aria-autocomplete": "list", "aria-haspopup": "listbox", "aria-controls": "offer" };
+  for (const [name, value] of Object.entries(attributes)) text.setAttribute(name, value);
+  let at = -1;
+  let asked = 0;
+
+  const begun = () => /(?:^|[^A-Za-z0-9_@/.+-])[@＠]([A-Za-z][A-Za-z0-9_-]{0,31})?$/.exec(text.value.slice(0, text.selectionStart));
+  const close = () => {
+    if (!offer.hidden) tell("");
+    offer.hidden = true;
+    text.removeAttribute("aria-activedescendant");
+  };
+  const choose = (next) => {
+    const items = [...offer.children];
+    at = (next + items.length) % items.length;
+    items.forEach((item, n) => item.setAttribute("aria-selected", String(n === at)));
+    text.setAttribute("aria-activedescendant", items[at].id);
+  };
+  const accept = (name) => {
+    const found = begun();
+    if (!found) return close();
+    const start = text.selectionStart - (found[1] || "").length;
+    text.setRangeText(`${name} `, start, text.selectionStart, "end");
+    close();
+    text.focus();
+  };
+  const item = (one, n) => {
+    const made = Object.assign(document.createElement("li"), { id: `offer-${n}` });
+    made.setAttribute("role", "option");
+    made.dataset.name = one.name;
+    const name = Object.assign(document.createElement("strong"), { textContent: `@${one.name}` });
+    const state = Object.assign(document.createElement("span"), { className: "faint", textContent: one.state });
+    if (one.robot) {
+      const dot = Object.assign(document.createElement("span"), { className: `dot ${one.live ? "on" : "off"}` });
+      made.append(dot);
+    }
+    made.append(name, state);
+    made.addEventListener("pointerdown", (event) => { event.preventDefault(); accept(one.name); });
+    return made;
+  };
+  text.addEventListener("input", async () => {
+    const found = begun();
+    const mine = ++asked;
+    if (!found) return close();
+    try {
+      const answer = await fetch(`/names?q=${encodeURIComponent(found[1] || "")}`);
+      const names = answer.ok ? await answer.json() : [];
+      if (mine !== asked) return;
+      if (!names.length) return close();
+      offer.replaceChildren(...names.map(item));
+      offer.hidden = false;
+      tell(`${names.length} ${names.length > 1 ? "names" : "name"}: arrows choose, Enter takes one.`);
+      choose(0);
+    } catch { close(); }
+  });
+  text.addEventListener("keydown", (event) => {
+    if (offer.hidden || event.isComposing) return;
+    if (event.key === "ArrowDown") choose(at + 1);
+    else if (event.key === "ArrowUp") choose(at - 1);
+    else if (event.key === "Enter" || event.key === "Tab") accept(offer.children[at].dataset.name);
+    else if (event.key === "Escape") close();
+    else return;
+    event.preventDefault();
+  });
+  text.addEventListener("blur", close);
+
+  // -------------------------------------------------------------- answering in place: what was written stays
+  const answers = form.querySelector("[data-answers]");
+  const answer = (post) => {
+    answers.hidden = !post;
+    answers.querySelector("input").value = post;
+    if (post) {
+      const to = answers.querySelector("a");
+      to.href = `/p/${post}`;
+      to.textContent = document.querySelector(`#post-${post} .who`)?.textContent || "an earlier post";
+    }
+    text.focus();
+  };
+  const quote = async (link) => {
+    try {
+      const raw = await fetch(`/p/${link.dataset.quote}/raw`);
+      if (!raw.ok) throw new Error(String(raw.status));
+      const lines = (await raw.text()).trim().split("\n").slice(0, 40).map((line) => `> ${line}`.trimEnd());
+      const before = text.value.slice(0, text.selectionStart).trimEnd();
+      const words = `${before ? "\n\n" : ""}${lines.join("\n")}\n\n`;
+      text.setRangeText(words, before.length, text.selectionEnd, "end");
+      answer(link.dataset.quote);
+    } catch { location.href = link.href; }
+  };
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest("[data-quote], [data-reply], [data-answers-none]");
+    if (!answers || !link || event.ctrlKey || event.metaKey || event.shiftKey) return;
+    event.preventDefault();
+    if (link.dataset.quote) quote(link);
+    else answer(link.dataset.reply || "");
+  });
+}
