@@ -187,8 +187,8 @@ def board_link(config: Config, name: str) -> str:
 
 
 # ---------------------------------------------------------------------- agents
-def make_agent(config: Config, name: str) -> RobotAgent:
-    """The agent of one robot, wired to the configured forum, mind and driver."""
+def make_agent(config: Config, name: str, **more: Any) -> RobotAgent:
+    """The agent of one robot, wired to the configured forum, mind and driver; `more` are arguments of its own."""
     from agentrob.agent.turn import RobotAgent
     from agentrob.images.store import make_store
     from agentrob.robots.client import DriverClient
@@ -202,6 +202,7 @@ def make_agent(config: Config, name: str) -> RobotAgent:
         mind=make_mind(settings.mind, config),
         data=config.data_dir,
         store=make_store(config.images),
+        **more,
     )
 
 
@@ -227,6 +228,26 @@ def run_agent(config: Config, name: str, once: bool) -> None:
             pass
         finally:
             await agent.close()
+
+    asyncio.run(serve())
+
+
+def serve_agent(config: Config, name: str) -> None:
+    """Run an agent and its HTTP service until SIGTERM or Ctrl-C."""
+    from agentrob.service import server
+
+    log_to_stderr()
+    listens = config.service.loop
+
+    async def serve() -> None:
+        parts = server.assemble(
+            config.service,
+            name,
+            lambda on_end: make_agent(config, name, on_end=on_end, listens=listens),
+            lambda token: make_forum(config, token),
+        )
+        with server.listen(config.service) as listener:
+            await server.serve(parts, listener, lambda url: say_ready(robot=name, url=url))
 
     asyncio.run(serve())
 

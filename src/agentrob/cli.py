@@ -236,6 +236,13 @@ def agent_once(robot: RobotName = None, config: ConfigFile = None) -> None:
     app.run_agent(settings, app.only_robot(settings, robot), once=True)
 
 
+@agent_cli.command("serve")
+def agent_serve(robot: RobotName = None, config: ConfigFile = None) -> None:
+    """Serve the robot's mentions, and an HTTP API beside, until ended. `service.loop = false`: only when asked."""
+    settings = app.load(config)
+    app.serve_agent(settings, app.only_robot(settings, robot))
+
+
 # ---------------------------------------------------------------------- minds
 @mind_cli.command("check")
 def mind_check(

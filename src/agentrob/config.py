@@ -12,6 +12,10 @@ model = "go2"
 interface = "lo"
 domain = 1
 
+[service.tokens.planner]      # the agent's HTTP service: who may use it, for what
+token_env = "PLANNER_TOKEN"
+scopes = ["look"]
+
 [minds.clever]                # one table per model; its key is in the environment
 provider = "openai"
 model = "gpt-5-mini"
@@ -27,6 +31,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from agentrob.config_images import ImagesConfig, plain_address
+from agentrob.config_service import ServiceConfig
 from agentrob.errors import ConfigError
 
 DEFAULT_LISTEN = "127.0.0.1:8088"
@@ -257,6 +262,7 @@ class Config(_Section):
     board: BoardConfig = BoardConfig()
     forum: ForumConfig = ForumConfig()
     images: ImagesConfig = ImagesConfig()
+    service: ServiceConfig = ServiceConfig()
     robots: dict[Name, RobotConfig] = {}
     minds: dict[Name, MindConfig] = {}
 

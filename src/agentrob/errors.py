@@ -15,6 +15,7 @@
     ├── ImageStoreError      a picture could not be kept where the configuration says
     ├── SimError             the simulated world cannot be built or run
     ├── BoardError           the embedded forum cannot do this; carries an HTTP status
+    ├── ServiceError         the agent's HTTP service cannot do this; carries an HTTP status
     └── JournalError         the journal cannot be opened or trusted
 
 A refusal, a failed step, a post that is not understood are results (see `model`), not errors.
@@ -97,6 +98,19 @@ class BoardError(AgentRobError):
 
     `status` is the HTTP status, `code` a stable word for programs, `hint` what would be valid.
     """
+
+    def __init__(
+        self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None
+    ) -> None:
+        super().__init__(message)
+        self.status = status
+        self.code = code
+        self.hint = hint
+        self.retry_after_s = retry_after_s
+
+
+class ServiceError(AgentRobError):
+    """The agent's HTTP service cannot do this; fields as those of `BoardError`."""
 
     def __init__(
         self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None

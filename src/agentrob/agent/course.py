@@ -56,7 +56,7 @@ _log = structlog.get_logger()
 @dataclass(frozen=True)
 class Course:
     """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins;
-    when `ending` says that the agent is being ended, no step begins."""
+    when `ending` says that the agent is being ended, no step begins. `on_end` hears each final report that was told."""
 
     name: str
     settings: RobotConfig
@@ -73,6 +73,7 @@ class Course:
     pace: Pace
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
+    on_end: Callable[[Report], None] = lambda _: None
 
     @property
     def terms(self) -> Terms:
@@ -104,6 +105,7 @@ class Course:
         report = self._report(job, "failed", message=self._because(job, "journal"))
         card = StatusCard(self.name, "failed", trace_id=command.trace_id)
         await StatusLine(self.forum, command).claim(Shown(words.final(report), card))
+        self.on_end(report)
 
     async def _decide(self, job: Job) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
@@ -347,6 +349,7 @@ class Course:
         except JournalError as e:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
+        self.on_end(report)
         if recording := await late_recording(command.post_id, self.recorder, self.store):
             text = words.final(report, (*pictures, recording), told, worded(summary, command.language))
             await job.status.add(Shown(text, card), [recording.data] if recording.attached else [])
