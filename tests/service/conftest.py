@@ -15,9 +15,10 @@ from service_scene import Service, make_service
 
 
 @pytest.fixture(scope="module")
-def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    """In real time, so that there is something to stop."""
-    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 1}), name="served")
+def driver(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Iterator[Driver]:
+    """In real time, so that there is something to stop, where the file of tests does not say how much faster."""
+    scale = getattr(request.module, "TIME_SCALE", 1)
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": scale}), name="served")
     yield made
     made.end()
 

@@ -10,6 +10,9 @@ from service_scene import Service
 
 from agentrob.model import Role
 
+TIME_SCALE = 3
+
+
 async def test_a_command_is_posted_by_its_account_moves_the_robot_and_is_reported(service: Service) -> None:
     before_m = await service.x_m()
     answer = await service.call("alice", "POST", "/commands", {"text": "walk forward 0.3 m", "title": "A walk"})
@@ -127,7 +130,7 @@ async def test_law_2_a_member_looks_and_stops_but_does_not_command(service: Serv
 
 
 async def test_law_4_a_right_that_is_lost_while_it_waits_moves_nothing(service: Service) -> None:
-    first = await service.submit("alice", "walk forward 1 m")
+    first = await service.submit("alice", "walk forward 5 m")
     await service.moving(first)
     second, third = [await service.submit("planner", "walk backward 1 m") for _ in range(2)]
     await service.scene.state(service.scene.world.posts[third["id"]], "queued")
