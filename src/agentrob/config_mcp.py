@@ -38,7 +38,7 @@ class McpUserConfig(_Section):
     token_env: _Variable = ""
     subject: str = ""
     write: bool = False
-    toolsets: tuple[Toolset, ...] = ("core",)
+    toolsets: tuple[Toolset, ...] = ("core", "social")
 
 
 class McpConfig(_Section):

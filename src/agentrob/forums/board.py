@@ -15,7 +15,7 @@ import httpx2
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
-from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
+from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Page, Topic, Written
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 USER_AGENT = "AgentRob/0.1"
@@ -181,6 +181,8 @@ class BoardForum:
         headers = dict(more.pop("headers", {}))
         if key is not None:
             headers["Idempotency-Key"] = key
+        if trace_id := TRACE_ID.get():
+            headers["X-Trace-Id"] = trace_id
         with _translated():
             response = await self._http.request(method, path, json=body, headers=headers, **more)
             await _raise_for(response)

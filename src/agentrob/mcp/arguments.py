@@ -11,14 +11,14 @@ from agentrob.model import AccountKind, Role
 #: No NUL and no lone surrogates: no forum can be trusted with them. At least one sign that is seen.
 _SAFE = r"^[^\x00]*[^\x00\s][^\x00]*$"
 Id = Annotated[str, StringConstraints(min_length=1, max_length=200, pattern=r"^[^\x00-\x20\x7f]+$")]
-Cursor = Annotated[str | None, Field(max_length=2_000, description="`next` or `more` of an answer before")]
+Cursor = Annotated[str | None, Field(max_length=2_000, description="next or more of an answer")]
 Body = Annotated[str, StringConstraints(pattern=_SAFE, max_length=60_000), Field(description="Markdown")]
 Title = Annotated[
     str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f]*[^\s\x00-\x1f\x7f][^\x00-\x1f\x7f]*$", max_length=200)
 ]
 Key = Annotated[
     str | None,
-    Field(pattern=r"^[!-~]{1,150}$", description="idempotency key: sent again with the same key it is one write"),
+    Field(pattern=r"^[!-~]{1,150}$", description="idempotency key"),
 ]
 Status = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,31}$", description="e.g. asking, working, done, failed")]
 Images = Annotated[list[Id], Field(max_length=8, description="media_id from upload_media")]
@@ -148,7 +148,7 @@ class ManagePermissions(Arguments):
 
 
 def input_schema(model: type[Arguments]) -> dict[str, Any]:
-    """The JSON Schema of a tool's arguments without what only costs tokens: titles, null defaults."""
+    """The JSON Schema of a tool's arguments without what only costs tokens."""
     return _lean(model.model_json_schema(), model.model_json_schema().get("$defs", {}), top=True)
 
 
@@ -165,7 +165,9 @@ def _lean(schema: dict[str, Any], definitions: dict[str, Any], top: bool = False
             continue
         if name == "description" and top:
             continue
-        if name == "pattern" and "x00" in value:
+        if name in ("minLength", "maxLength") or (name == "pattern" and ("x00" in value or "!-~" in value)):
+            continue  # such bounds are met by whoever means well; the answer to others says them
+        if (name, value) in (("minimum", 1), ("additionalProperties", True)):
             continue
         if name == "properties":
             out[name] = {k: _lean(v, definitions) for k, v in value.items()}

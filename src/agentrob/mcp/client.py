@@ -315,7 +315,9 @@ class _Link:
                 await self._leave.wait()
         except BaseException as e:
             if not ready.done():
-                why = e.exceptions[0] if isinstance(e, BaseExceptionGroup) else e
+                why = e
+                while isinstance(why, BaseExceptionGroup):
+                    why = why.exceptions[0]
                 said = ServerGone(f"the MCP server cannot be used: {type(why).__name__} {why}".rstrip()[:300])
                 ready.set_exception(said)
             if isinstance(e, asyncio.CancelledError):

@@ -16,11 +16,7 @@ from agentrob.errors import (
 )
 
 #: What every tool answers, as JSON Schema: one for all, so that a list of tools stays short.
-SCHEMA: dict[str, Any] = {
-    "type": "object",
-    "required": ["ok", "tool", "trace_id"],
-    "properties": {"ok": {"type": "boolean"}, "data": {"type": "object"}, "error": {"type": "object"}},
-}
+SCHEMA: dict[str, Any] = {"type": "object", "required": ["ok", "tool", "trace_id"]}
 
 
 class ToolError(AgentRobError):

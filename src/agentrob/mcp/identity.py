@@ -47,6 +47,7 @@ class Identity:
         """The account as it was when first asked; the forum holds its rights against every write itself."""
         if self._me is None:
             self._me = await self.forum.me()
+            self.name = self._me.name
         return self._me
 
     async def once(self, key: str | None, write: Callable[[], Awaitable[Any]]) -> tuple[Any, bool]:

@@ -232,13 +232,13 @@ def _protocol_error(error: Exception, trace_id: str, **data: Any) -> MCPError:
 @functools.cache
 def _described(tool: Tool) -> types.Tool:
     read_only = not tool.writes and tool.name != "login_account"
-    hints = types.ToolAnnotations(
-        title=tool.name.replace("_", " ").capitalize(),
-        read_only_hint=read_only,
-        destructive_hint=tool.destructive,
-        idempotent_hint=tool.idempotent or read_only,
-        open_world_hint=tool.name != "get_manual",
-    )
+    # What a hint of the protocol is by default, and what says nothing of a tool that only reads, is left out.
+    hints = types.ToolAnnotations(read_only_hint=True)
+    if not read_only:
+        idempotent = tool.idempotent or None
+        hints = types.ToolAnnotations(
+            read_only_hint=False, destructive_hint=tool.destructive, idempotent_hint=idempotent
+        )
     return types.Tool(
         name=tool.name,
         description=tool.description,
