@@ -52,11 +52,13 @@ async def test_the_papers_tools_and_what_it_left_to_the_future_are_there_by_name
     assert {t.name for t in await _listed(world)} == {*PAPER, *LATER}
 
 
-async def test_the_list_of_all_tools_is_as_reviewed_and_within_8_kB(world: MemoryWorld) -> None:
+async def test_the_list_of_all_tools_is_as_reviewed_and_within_8_kb(world: MemoryWorld) -> None:
     listed = [t.model_dump(by_alias=True, exclude_none=True, mode="json") for t in await _listed(world)]
     size = len(json.dumps({"tools": listed}, separators=(",", ":"), ensure_ascii=False).encode())
     assert size <= 8_000, f"{size} bytes"
-    assert listed == json.loads(SNAPSHOT.read_text()), "the tools changed: review, then write them to tests/mcp/tools.json"
+    assert listed == json.loads(SNAPSHOT.read_text()), (
+        "the tools changed: review, then write them to tests/mcp/tools.json"
+    )
 
 
 async def test_every_tool_says_whether_it_writes_and_takes_no_unknown_arguments(world: MemoryWorld) -> None:

@@ -61,6 +61,13 @@ class McpForum:
         else:
             self._client = ForumClient.connect(settings.url, token)
 
+    @classmethod
+    def over(cls, client: ForumClient) -> McpForum:
+        """The forum behind a client that is there already."""
+        forum = cls.__new__(cls)
+        forum._client = client
+        return forum
+
     async def connect(self) -> None:
         """Ask what the forum can do."""
         await self._facts()
