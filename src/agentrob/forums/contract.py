@@ -273,6 +273,7 @@ class ForumContract:
         except ForumUnoffered:
             return
         assert ("mention", mention.id) in [(n.kind, n.post.id) for n in found.items]
+        assert isinstance(bob, Notices)
         assert (await bob.notices()).items == ()
 
     async def test_accounts_and_rights_are_for_admins_or_are_said_not_to_be_offered(self, world: World) -> None:

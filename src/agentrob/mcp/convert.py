@@ -28,8 +28,8 @@ def board_info(b: Board) -> BoardInfo:
     return BoardInfo(id=b.id, name=b.name, description=b.description)
 
 
-def post_info(p: Post, max_chars: int | None = None, more: str | None = None) -> PostInfo:
-    """`more` is the cursor that is given out when the body is cut at `max_chars`."""
+def post_info(p: Post, max_chars: int | None = None) -> PostInfo:
+    """A post with its body cut at `max_chars`; `left` says how much is missing."""
     body, tag = untagged(p.raw, p.author)
     cut = max_chars is not None and len(body) > max_chars
     return PostInfo(
@@ -49,7 +49,6 @@ def post_info(p: Post, max_chars: int | None = None, more: str | None = None) ->
         images=p.images,
         card={k: v for k, v in asdict(p.card).items() if v not in ("", 0, None)} if p.card else None,
         agent=TagInfo(type=tag.type, status=tag.status, trace_id=tag.trace_id) if tag else None,
-        more=more if cut else None,
         left=len(body) - max_chars if cut and max_chars is not None else 0,
     )
 

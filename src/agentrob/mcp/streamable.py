@@ -25,7 +25,7 @@ from agentrob.mcp.identity import Identity
 from agentrob.mcp.server import Context, ForumServer
 
 if TYPE_CHECKING:
-    from starlette.applications import Starlette
+    from starlette.types import ASGIApp, Receive, Scope, Send
 
 #: A picture of 8 MiB as base64 in JSON.
 MAX_BODY = 12 * 1024 * 1024
@@ -34,7 +34,7 @@ PATH = "/mcp"
 
 def make_app(
     config: McpConfig, users: Mapping[str, tuple[Identity, str, str]], port: int
-) -> tuple[Starlette, ForumServer]:
+) -> tuple[ASGIApp, ForumServer]:
     """The ASGI app and its server. `port` is the real one, where any free one was asked for."""
     host = _host_port(config.listen)[0]
     url = config.public_url or f"http://{_bracketed(host)}:{port}{PATH}"
@@ -58,7 +58,18 @@ def make_app(
         auth=auth,
         token_verifier=bearers,
     )
-    return app, server
+    return _trimmed(app), server
+
+
+def _trimmed(app: ASGIApp) -> ASGIApp:
+    """White space around a header's value is none of it (RFC 9110, 5.5); the HTTP parser leaves it there."""
+
+    async def trimmed(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            scope = {**scope, "headers": [(name, value.strip(b" \t")) for name, value in scope["headers"]]}
+        await app(scope, receive, send)
+
+    return trimmed
 
 
 def _security(url: str, host: str, port: int) -> TransportSecuritySettings:

@@ -97,10 +97,13 @@ async def _rest(call: Call, args: a.GetTopic, post_id: str, start: int) -> r.Pos
 
 
 def _cut(posts: Sequence[Post], max_chars: int) -> tuple[r.PostInfo, ...]:
-    def more(post: Post) -> str:
-        return seal("get_topic", post.topic_id, post=post.id, **{"from": max_chars})
+    def cut(post: Post) -> r.PostInfo:
+        shown = post_info(post, max_chars)
+        if not shown.left:
+            return shown
+        return shown.model_copy(update={"more": seal("get_topic", post.topic_id, post=post.id, **{"from": max_chars})})
 
-    return tuple(post_info(p, max_chars, more(p)) for p in posts)
+    return tuple(map(cut, posts))
 
 
 def _next(tool: str, place: str, page: Page[Any]) -> str | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 from collections.abc import Mapping
 
@@ -14,16 +13,18 @@ from agentrob.mcp.identity import Accounts, Identity, OpenForum, Rights
 
 def run_stdio(config: Config, open_forum: OpenForum, token: str) -> None:
     """Serve one client until it closes its end. `token` signs in the account of `[forum]`."""
-    from agentrob.mcp.stdio import serve
+    from agentrob.mcp.quick import quick_imports
+
+    with quick_imports():
+        from agentrob.mcp.stdio import run
 
     rights = Rights(config.mcp.write, frozenset(config.mcp.toolsets))
     tokens = {name: found for name, user in config.mcp.users.items() if (found := _secret(user.forum_token_env))}
 
-    async def main() -> None:
-        first = Identity("(the account of [forum])", open_forum(token), rights)
-        await serve(Accounts(first, open_forum, tokens))
+    def make() -> Accounts:
+        return Accounts(Identity("(the account of [forum])", open_forum(token), rights), open_forum, tokens)
 
-    asyncio.run(main())
+    run(make)
 
 
 def run_http(config: Config, open_forum: OpenForum) -> None:
