@@ -1,4 +1,4 @@
-"""A product HTTP server in a thread, before a memory forum, whose door signs every request in: for suites that cannot."""
+"""A product HTTP server in a thread, before a memory forum, whose door signs requests in: for suites that cannot."""
 
 from __future__ import annotations
 

@@ -64,7 +64,9 @@ def inspect(*args: str, env: dict[str, str]) -> subprocess.CompletedProcess[str]
 
 def test_the_inspector_lists_and_calls_over_stdio(setup: McpSetup) -> None:
     env, script = setup.environment("op"), setup.folder / "server"
-    script.write_text(f"#!/bin/sh\nexec {shlex.join(setup.command())}\n")  # its own options would be the inspector's
+    # A script, since the inspector takes options for its own and hands on little of the environment.
+    given = [f"{name}={env[name]}" for name in ("AGENTROB_TOKEN", "PYTHONPATH") if name in env]
+    script.write_text(f"#!/bin/sh\nexec env {shlex.join([*given, *setup.command()])}\n")
     script.chmod(0o700)
     command = str(script)
     listed = inspect(command, "--method", "tools/list", env=env)

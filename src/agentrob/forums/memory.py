@@ -132,8 +132,8 @@ class MemoryWorld:
         self._wake()
 
     def after(self, event_id: str, limit: int) -> tuple[Event, ...]:
-        start = int(event_id or 0)
-        if start > len(self.events):
+        start = int(event_id or 0) if event_id.isdecimal() or not event_id else -1
+        if not 0 <= start <= len(self.events):
             raise ForumNotFound(f"there is no event {event_id}; the newest is {len(self.events)}")
         return tuple(self._delivered(e) for e in self.events[start : start + limit])
 
@@ -402,6 +402,8 @@ class MemoryForum:
 
 
 def _page(items: Sequence[T], cursor: str | None, limit: int) -> Page[T]:
+    if cursor is not None and not cursor.isdecimal():
+        raise ForumError(f"{cursor[:40]!r} is not a cursor of this forum")
     start = int(cursor or 0)
     end = start + limit
     return Page(tuple(items[start:end]), str(end) if end < len(items) else None)

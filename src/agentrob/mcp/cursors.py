@@ -18,6 +18,22 @@ def seal(tool: str, place: str, **state: Any) -> str:
     return base64.urlsafe_b64encode(packed.encode("utf-8", "surrogatepass")).decode().rstrip("=")
 
 
+def place_in(state: dict[str, Any], name: str = "at") -> str | None:
+    """The forum's own cursor in a cursor of ours."""
+    found = state.get(name)
+    if found is not None and not isinstance(found, str):
+        raise ToolError("invalid_arguments", "that cursor was not given out", "send it as it was given")
+    return found
+
+
+def number_in(state: dict[str, Any], name: str) -> int:
+    """A number in a cursor of ours; 0 when it is not there."""
+    found = state.get(name, 0)
+    if type(found) is not int or not 0 <= found < 2**31:
+        raise ToolError("invalid_arguments", "that cursor was not given out", "send it as it was given")
+    return found
+
+
 def unseal(tool: str, place: str, cursor: str | None) -> dict[str, Any]:
     """What a cursor holds; empty without one. `ToolError` when it was given out for something else."""
     if cursor is None:

@@ -13,7 +13,7 @@ from agentrob.forums.forum import Event, EventKind, Notices, Page, Permissions, 
 from agentrob.mcp import arguments as a
 from agentrob.mcp import results as r
 from agentrob.mcp.convert import account_info, board_info, card, post_info, topic_info
-from agentrob.mcp.cursors import seal, unseal
+from agentrob.mcp.cursors import number_in, place_in, seal, unseal
 from agentrob.mcp.envelope import ToolError
 from agentrob.mcp.identity import Accounts, Identity
 from agentrob.mcp.manual import manual
@@ -60,7 +60,7 @@ async def get_manual(call: Call, args: a.GetManual) -> r.Manual:
 
 
 async def list_boards(call: Call, args: a.ListBoards) -> r.Boards:
-    start = int(unseal("list_boards", "", args.cursor).get("at", 0))
+    start = number_in(unseal("list_boards", "", args.cursor), "at")
     boards = await call.who.forum.boards()
     end = start + args.limit
     following = seal("list_boards", "", at=end) if end < len(boards) else None
@@ -68,7 +68,7 @@ async def list_boards(call: Call, args: a.ListBoards) -> r.Boards:
 
 
 async def list_posts(call: Call, args: a.ListPosts) -> r.Topics:
-    cursor = unseal("list_posts", args.board_id, args.cursor).get("at")
+    cursor = place_in(unseal("list_posts", args.board_id, args.cursor))
     page = await call.who.forum.topics(args.board_id, cursor, args.limit)
     topics = tuple(map(topic_info, page.items))
     return r.Topics(topics=topics, next=_next("list_posts", args.board_id, page), untrusted=r.UNTRUSTED)
@@ -77,10 +77,10 @@ async def list_posts(call: Call, args: a.ListPosts) -> r.Topics:
 async def get_topic(call: Call, args: a.GetTopic) -> r.TopicPosts:
     forum, state = call.who.forum, unseal("get_topic", args.topic_id, args.cursor)
     topic = topic_info(await forum.topic(args.topic_id))
-    if (post_id := state.get("post")) is not None:
-        rest = await _rest(call, args, str(post_id), int(state.get("from", 0)))
+    if (post_id := place_in(state, "post")) is not None:
+        rest = await _rest(call, args, post_id, number_in(state, "from"))
         return r.TopicPosts(topic=topic, posts=(rest,), untrusted=r.UNTRUSTED)
-    page = await forum.posts(args.topic_id, state.get("at"), args.limit)
+    page = await forum.posts(args.topic_id, place_in(state), args.limit)
     posts = _cut(page.items, args.max_chars)
     return r.TopicPosts(topic=topic, posts=posts, next=_next("get_topic", args.topic_id, page), untrusted=r.UNTRUSTED)
 
@@ -88,7 +88,7 @@ async def get_topic(call: Call, args: a.GetTopic) -> r.TopicPosts:
 async def _rest(call: Call, args: a.GetTopic, post_id: str, start: int) -> r.PostInfo:
     """One post's body from somewhere on."""
     whole = post_info(await call.who.forum.post(post_id))
-    if whole.topic_id != args.topic_id or start < 0:
+    if whole.topic_id != args.topic_id:
         raise ToolError("invalid_arguments", "that cursor does not belong here", "send `more` as it was given")
     end = start + args.max_chars
     left = max(0, len(whole.body) - end)
@@ -115,7 +115,7 @@ async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
     if not isinstance(forum, Searcher):
         raise ForumUnoffered("this forum cannot be searched")
     place = f"{args.board_id or ''}\n{args.query}"
-    cursor = unseal("search_posts", place, args.cursor).get("at")
+    cursor = place_in(unseal("search_posts", place, args.cursor))
     page = await forum.search(args.query, board_id=args.board_id, cursor=cursor, limit=args.limit)
     return r.Found(
         posts=_cut(page.items, args.max_chars), next=_next("search_posts", place, page), untrusted=r.UNTRUSTED
@@ -126,7 +126,7 @@ async def list_notifications(call: Call, args: a.ListNotifications) -> r.Notific
     forum = call.who.forum
     if not isinstance(forum, Notices):
         raise ForumUnoffered("this forum keeps no notifications; subscribe_topic tells of new posts")
-    page = await forum.notices(unseal("list_notifications", "", args.cursor).get("at"), args.limit)
+    page = await forum.notices(place_in(unseal("list_notifications", "", args.cursor)), args.limit)
     found = (r.NoticeInfo(id=n.id, kind=n.kind, post=_cut([n.post], 400)[0], read=n.read) for n in page.items)
     return r.Notifications(
         notifications=tuple(found), next=_next("list_notifications", "", page), untrusted=r.UNTRUSTED
