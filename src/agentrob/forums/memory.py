@@ -308,9 +308,7 @@ class MemoryForum:
         ]
         return _page(found, cursor, limit)
 
-    async def register(
-        self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = ""
-    ) -> Registered:
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
         """By an admin. The secret of an account of this forum is its name."""
         world = self._admin("making accounts")
         if name in world.accounts:
