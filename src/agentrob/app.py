@@ -397,7 +397,7 @@ def describe_plan(facts: dict[str, Any]) -> str:
 
 
 # ---------------------------------------------------------------------- MCP
-def serve_mcp_forum(config: Config, http: bool) -> None:
+def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
     """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
     from agentrob.mcp import wiring
 
@@ -409,7 +409,7 @@ def serve_mcp_forum(config: Config, http: bool) -> None:
     if http:
         wiring.run_http(config, open_forum)
     else:
-        wiring.run_stdio(config, open_forum, secret(config))
+        wiring.run_stdio(config, open_forum, secret(config), write or config.mcp.write)
 
 
 # ---------------------------------------------------------------------- world

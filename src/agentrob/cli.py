@@ -266,10 +266,11 @@ def mind_try(
 @mcp_cli.command("forum")
 def mcp_forum(
     http: Annotated[bool, typer.Option("--http", help="Serve the users of [mcp.users] over HTTP.")] = False,
+    write: Annotated[bool, typer.Option("--write", help="Allow writes over stdio, as mcp.write does.")] = False,
     config: ConfigFile = None,
 ) -> None:
     """Serve the forum to one MCP client over standard input and output, or to several over HTTP."""
-    app.serve_mcp_forum(app.load(config), http)
+    app.serve_mcp_forum(app.load(config), http, write)
 
 
 # ---------------------------------------------------------------------- board

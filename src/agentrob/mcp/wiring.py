@@ -11,14 +11,14 @@ from agentrob.errors import ConfigError
 from agentrob.mcp.identity import Accounts, Identity, OpenForum, Rights
 
 
-def run_stdio(config: Config, open_forum: OpenForum, token: str) -> None:
+def run_stdio(config: Config, open_forum: OpenForum, token: str, write: bool) -> None:
     """Serve one client until it closes its end. `token` signs in the account of `[forum]`."""
     from agentrob.mcp.quick import quick_imports
 
     with quick_imports():
         from agentrob.mcp.stdio import run
 
-    rights = Rights(config.mcp.write, frozenset(config.mcp.toolsets))
+    rights = Rights(write, frozenset(config.mcp.toolsets))
     tokens = {name: found for name, user in config.mcp.users.items() if (found := _secret(user.forum_token_env))}
 
     def make() -> Accounts:
