@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import uvicorn
@@ -13,7 +15,7 @@ from inside import ALL, a_world
 
 from agentrob.config_mcp import McpConfig
 from agentrob.mcp.identity import Identity, Rights
-from agentrob.mcp.streamable import make_app
+from agentrob.mcp.streamable import make_app, trimmed
 
 TOKEN = "mcp-token-for-conformance"
 
@@ -31,6 +33,20 @@ def serving(app: Any, listener: socket.socket) -> Iterator[None]:
         server.should_exit = True
         thread.join(10)
         listener.close()
+
+
+@contextmanager
+def fixture_server() -> Iterator[str]:
+    """The SDK's own server of fixtures for the conformance suite, on the engine and HTTP parts that ours stands on."""
+    spec = importlib.util.spec_from_file_location("everything_server", Path(__file__).parent / "everything/server.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    listener = socket.create_server(("127.0.0.1", 0))
+    app = module.mcp.streamable_http_app(event_store=module.event_store, retry_interval=100)
+    with serving(trimmed(app), listener):
+        yield f"http://localhost:{listener.getsockname()[1]}/mcp"
 
 
 @contextmanager

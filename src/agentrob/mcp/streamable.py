@@ -58,18 +58,18 @@ def make_app(
         auth=auth,
         token_verifier=bearers,
     )
-    return _trimmed(app), server
+    return trimmed(app), server
 
 
-def _trimmed(app: ASGIApp) -> ASGIApp:
+def trimmed(app: ASGIApp) -> ASGIApp:
     """White space around a header's value is none of it (RFC 9110, 5.5); the HTTP parser leaves it there."""
 
-    async def trimmed(scope: Scope, receive: Receive, send: Send) -> None:
+    async def passed_on(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":
             scope = {**scope, "headers": [(name, value.strip(b" \t")) for name, value in scope["headers"]]}
         await app(scope, receive, send)
 
-    return trimmed
+    return passed_on
 
 
 def _security(url: str, host: str, port: int) -> TransportSecuritySettings:
