@@ -24,6 +24,7 @@ test-slow: setup-dev
 	@scripts/system-packages render browser peers
 	@scripts/model-double
 	@scripts/peers
+	@scripts/mcp-peers
 	$(BIN)/pytest -m slow $(ARGS)
 
 test-all: test test-slow

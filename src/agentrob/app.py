@@ -404,6 +404,30 @@ def describe_plan(facts: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
+# ---------------------------------------------------------------------- MCP
+def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
+    """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
+    from agentrob.mcp import wiring
+
+    log_to_stderr()
+
+    def open_forum(token: str) -> Forum:
+        return make_forum(config, token)
+
+    if http:
+        wiring.run_http(config, open_forum)
+    else:
+        wiring.run_stdio(config, open_forum, secret(config), write or config.mcp.write)
+
+
+def serve_mcp_robot(config: Config) -> None:
+    """The robots as tools for one MCP client over stdio, through their HTTP services."""
+    from agentrob.mcp_robot import server
+
+    log_to_stderr()
+    server.run(config.mcp_robot)
+
+
 # ---------------------------------------------------------------------- world
 def serve_world(
     robots: list[str], domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None

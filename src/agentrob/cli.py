@@ -22,12 +22,14 @@ account_cli = typer.Typer(no_args_is_help=True)
 agent_cli = typer.Typer(no_args_is_help=True)
 eval_cli = typer.Typer(no_args_is_help=True)
 mind_cli = typer.Typer(no_args_is_help=True)
+mcp_cli = typer.Typer(no_args_is_help=True)
 cli.add_typer(demo_cli, name="demo", help="Forum, simulated world and robot on this machine.")
 cli.add_typer(board_cli, name="board", help="The embedded forum.")
 board_cli.add_typer(account_cli, name="account", help="Accounts of the embedded forum.")
 cli.add_typer(eval_cli, name="eval", help="Measure a mind on sentences of your own.")
 cli.add_typer(agent_cli, name="agent", help="The agent of one robot.")
 cli.add_typer(mind_cli, name="mind", help="The models that read posts.")
+cli.add_typer(mcp_cli, name="mcp", help="The forum, and robots, as tools for MCP clients.")
 
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", "-c", help="The configuration file; ./agentrob.toml when it is there.")
@@ -268,6 +270,23 @@ def mind_try(
 ) -> None:
     """Say what a mind makes of a text, and what that took. Nothing moves."""
     typer.echo("\n".join(app.try_mind(app.load(config), mind, text, model)))
+
+
+# ---------------------------------------------------------------------- MCP
+@mcp_cli.command("forum")
+def mcp_forum(
+    http: Annotated[bool, typer.Option("--http", help="Serve the users of [mcp.users] over HTTP.")] = False,
+    write: Annotated[bool, typer.Option("--write", help="Allow writes over stdio, as mcp.write does.")] = False,
+    config: ConfigFile = None,
+) -> None:
+    """Serve the forum to one MCP client over standard input and output, or to several over HTTP."""
+    app.serve_mcp_forum(app.load(config), http, write)
+
+
+@mcp_cli.command("robot")
+def mcp_robot(config: ConfigFile = None) -> None:
+    """Serve the robots of [mcp_robot] to one MCP client over standard input and output."""
+    app.serve_mcp_robot(app.load(config))
 
 
 # ---------------------------------------------------------------------- board

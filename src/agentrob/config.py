@@ -31,7 +31,8 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from agentrob.config_images import ImagesConfig, plain_address
-from agentrob.config_service import ServiceConfig
+from agentrob.config_mcp import McpConfig
+from agentrob.config_service import McpRobotConfig, ServiceConfig
 from agentrob.errors import ConfigError
 
 DEFAULT_LISTEN = "127.0.0.1:8088"
@@ -262,6 +263,8 @@ class Config(_Section):
     board: BoardConfig = BoardConfig()
     forum: ForumConfig = ForumConfig()
     images: ImagesConfig = ImagesConfig()
+    mcp: McpConfig = McpConfig()
+    mcp_robot: McpRobotConfig = McpRobotConfig()
     service: ServiceConfig = ServiceConfig()
     robots: dict[Name, RobotConfig] = {}
     minds: dict[Name, MindConfig] = {}

@@ -1,4 +1,4 @@
-"""The `[service]` table: the agent of one robot as an HTTP service.
+"""The `[service]` table: the agent of one robot as an HTTP service; and `[mcp_robot]`: such services as MCP tools.
 
 [service]
 listen = "127.0.0.1:8089"
@@ -15,6 +15,13 @@ secret_env = "FORUM_HOOK_SECRET"
 [service.hooks_out.planner]   # told when a command has ended
 url = "https://planner.example.org/ended"
 secret_env = "PLANNER_HOOK_SECRET"
+
+[mcp_robot]                   # off until a service is named
+submit = true
+
+[mcp_robot.services.quadruped]
+url = "http://127.0.0.1:8089"
+token_env = "QUADRUPED_TOKEN"
 """
 
 from __future__ import annotations
@@ -108,6 +115,33 @@ class ServiceConfig(_Section):
         if not self.allow_remote and not _is_loopback(host):
             raise ValueError("listen is reachable from other machines; set allow_remote = true if that is meant")
         return self
+
+
+class RobotServiceConfig(_Section):
+    """Where a robot's HTTP service is, and the variable with the token that it gave to the MCP server."""
+
+    url: str
+    token_env: _Variable
+
+    @field_validator("url")
+    @classmethod
+    def _is_plain(cls, url: str) -> str:
+        parts = urlsplit(url)
+        if parts.scheme not in ("http", "https") or not parts.hostname or parts.username or parts.query:
+            raise ValueError("must be http(s)://host[:port][/path]")
+        return url.rstrip("/")
+
+
+class McpRobotConfig(_Section):
+    """The robots as tools for an MCP client: a client of their HTTP services, with tokens of its own. Off until a
+    service is named. Looking and stopping are always there; `preview` and `submit` (which may also take back) are the
+    owner's to allow. `pictures_per_minute` bounds what the client sees of each robot.
+    """
+
+    preview: bool = False
+    submit: bool = False
+    pictures_per_minute: Annotated[int, Field(ge=1, le=150)] = 20
+    services: dict[_Name, RobotServiceConfig] = {}
 
 
 def _is_loopback(host: str) -> bool:

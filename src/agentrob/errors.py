@@ -6,7 +6,9 @@
     │   ├── ForumUnreachable     no answer, try again later
     │   ├── ForumDenied          signed out, or not allowed
     │   ├── ForumLimited         too fast; `retry_after_s` says when again
-    │   └── ForumNotFound        no such board, topic or post
+    │   ├── ForumNotFound        no such board, topic or post
+    │   └── ForumUnoffered       this forum does not have that at all
+    ├── McpError             an MCP server could not be used
     ├── MindError            a mind could not answer
     ├── RobotError           a robot or its driver could not be used
     │   ├── RobotUnreachable     no driver, no state, no answer
@@ -54,6 +56,14 @@ class ForumLimited(ForumError):
 
 class ForumNotFound(ForumError):
     """No such board, topic or post."""
+
+
+class ForumUnoffered(ForumError):
+    """Not offered by this forum: asking again does not help."""
+
+
+class McpError(AgentRobError):
+    """An MCP server could not be started, reached or understood."""
 
 
 class MindError(AgentRobError):
