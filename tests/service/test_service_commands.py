@@ -109,6 +109,23 @@ async def test_another_host_and_large_bodies_are_refused(service: Service) -> No
     assert (answer.status_code, answer.json()["code"]) == (413, "too_large")
 
 
+async def test_a_forum_that_does_not_take_it_is_told_and_so_is_what_to_do(service: Service) -> None:
+    world = service.scene.world
+    world.limited_s = 3.0
+    limited = await service.call("alice", "POST", "/commands", {"text": "walk 1 m"})
+    assert (limited.status_code, limited.json()["code"], limited.headers["retry-after"]) == (429, "forum_limited", "3")
+    world.limited_s = 0.0
+    world.suspend("planner")
+    denied = await service.call("planner", "POST", "/commands", {"text": "walk 1 m"})
+    assert (denied.status_code, denied.json()["code"]) == (403, "forum_denied")
+    missing = await service.call("alice", "POST", "/commands", {"text": "walk 1 m", "topic": "999"})
+    assert (missing.status_code, missing.json()["code"]) == (404, "not_found")
+    world.reachable = False
+    gone = await service.call("alice", "POST", "/commands", {"text": "walk 1 m"})
+    assert (gone.status_code, gone.json()["code"]) == (503, "forum_unreachable")
+    assert not world.posts
+
+
 # ---------------------------------------------------------------------- laws
 async def test_law_1_the_account_counts_and_no_text_makes_it_another(service: Service) -> None:
     before_m = await service.x_m()

@@ -120,3 +120,14 @@ async def test_law_17_an_unreachable_driver_is_said_so(tmp_path: Path) -> None:
         stopped = (await service.call("alice", "POST", "/stop")).json()
         assert not stopped["reached"]
         assert "NOT STOPPED" in stopped["message"]
+
+
+async def test_law_15_those_who_look_do_not_use_up_what_a_stop_needs(service: Service) -> None:
+    command = await service.submit("alice", "walk forward 5 m")
+    await service.moving(command)
+    looks = [asyncio.create_task(service.call("alice", "GET", path)) for path in ("", "/camera.jpg") for _ in range(60)]
+    stopped = (await service.call("bob", "POST", "/stop")).json()
+    assert stopped["confirmed"]
+    assert stopped["latency_ms"] < 1000
+    assert {answer.status_code for answer in await asyncio.gather(*looks)} <= {200, 429}
+    assert (await service.end(command))["state"] == "stopped"

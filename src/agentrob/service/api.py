@@ -84,7 +84,7 @@ async def robot_status(who: Looker, desk: TheDesk) -> models.Robot:
 async def camera_snapshot(who: Looker, desk: TheDesk) -> Response:
     """What the robot's own camera sees now, at most every 0.4 s for everybody together (429)."""
     try:
-        return Response(await desk.agent.driver.look(), media_type="image/jpeg")
+        return Response(await desk.picture(), media_type="image/jpeg")
     except (RobotBusy, RobotUnreachable):
         raise
     except RobotError as e:

@@ -11,11 +11,14 @@ import contextlib
 import hashlib
 import math
 import time
+import traceback
 from collections import OrderedDict
 from dataclasses import asdict
 from datetime import datetime
 from typing import Any
 from uuid import uuid4
+
+import structlog
 
 from agentrob.agent.course import FINAL
 from agentrob.agent.extract import Thought
@@ -33,6 +36,9 @@ from agentrob.service.hooks import Outbox
 #: What was submitted is remembered so long that its author can ask for it before the agent has heard of it.
 REMEMBERED = 1000
 SCAN_S = 10.0
+#: So many questions to driver and forum at a time: those who look never use up the connections that a stop needs.
+MOST_READS = 8
+_log = structlog.get_logger()
 CALLS = {Call.STOP: "stop", Call.HALT: "stop", Call.NOTHING: "nothing"}
 
 
@@ -46,14 +52,18 @@ class Desk:
         self._submitted: OrderedDict[str, tuple[Post, str]] = OrderedDict()
         self._newest_at: datetime | None = None
         self._news = asyncio.Event()
+        self._reads = asyncio.Semaphore(MOST_READS)
         self._scans: set[asyncio.Task[None]] = set()
         line = agent.line
         figures.watch(lambda: len(line), lambda: float(line.moving is not None), lambda: agent.channel.silent_s)
 
     def ended(self, report: Report) -> None:
-        """A command has ended and its reply is told."""
-        self.figures.ended(report)
-        self._outbox.tell("command.ended", _of_report(report).model_dump(mode="json"))
+        """A command has ended and its reply is told. Nothing of ours may hold up what its agent does next."""
+        try:
+            self.figures.ended(report)
+            self._outbox.tell("command.ended", _of_report(report).model_dump(mode="json"))
+        except Exception:
+            _log.error("end not told", post=report.command.post_id, trace=traceback.format_exc())
         news, self._news = self._news, asyncio.Event()
         news.set()
 
@@ -68,14 +78,20 @@ class Desk:
             "forum_silent_s": round(silent_s, 3) if math.isfinite(silent_s) else None,
         }  # fmt: skip
         with contextlib.suppress(RobotError):
-            capabilities, state = await asyncio.gather(agent.driver.capabilities(), agent.driver.state())
+            async with self._reads:
+                capabilities, state = await asyncio.gather(agent.driver.capabilities(), agent.driver.state())
             facts |= {
                 "model": capabilities.model, "ops": sorted(str(op) for op in capabilities.ops),
                 "limits": asdict(capabilities.limits), "state": "halted" if state.halted else state.mode,
                 "battery_percent": state.battery_percent, "homed": state.homed,
                 "state_age_s": state.age_s if math.isfinite(state.age_s) else None,
             }  # fmt: skip
-        return models.Robot.model_validate(facts)
+        return models.Robot.model_validate(_finite(facts))
+
+    async def picture(self) -> bytes:
+        """A JPEG of the robot's own camera. Raises `RobotError`."""
+        async with self._reads:
+            return await self.agent.driver.look()
 
     def queue(self) -> models.Queue:
         return models.Queue(items=[self._of_job(job) for job in self.agent.line])
@@ -194,12 +210,11 @@ class Desk:
     async def scan(self) -> models.Scanned:
         """Ask the forum now. `heard` is false when it does not answer in time."""
         self._ready()
-        heard = True
-        try:
+        heard = False
+        with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(SCAN_S):
                 await self.agent.channel.poke()
-        except TimeoutError:
-            heard = False
+                heard = await self.agent.channel.prove()
         return models.Scanned(heard=heard, waiting=len(self.agent.line))
 
     def _begin_scan(self) -> None:
@@ -240,7 +255,8 @@ class Desk:
                 return False
             return True
 
-        heard, drives = await asyncio.gather(forum(), driver())
+        async with self._reads:
+            heard, drives = await asyncio.gather(forum(), driver())
         return models.Readiness(ready=ready and heard and drives, agent=ready, forum=heard, driver=drives)
 
     # ------------------------------------------------------------------ how
@@ -274,6 +290,15 @@ class Desk:
         )  # fmt: skip
 
 
+def _finite(value: Any) -> Any:
+    """Plain data as JSON has it: infinities and what is no number are null."""
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def _steps(plan: Plan) -> list[dict[str, Any]]:
     return [{"op": str(step.op), **step.asked()} for step in plan.steps]
 
@@ -295,16 +320,16 @@ def _of_report(report: Report) -> models.Command:
     found = _of_command(report.command, report.status, ended=True)
     found.plan, found.verdict, found.message = _steps(report.plan), _judged(report.verdict), report.message
     found.timings_ms = {k: round(v, 1) for k, v in report.timings_ms.items()}
-    found.results = [
+    found.results = _finite([
         {"op": str(r.primitive.op), "asked": r.primitive.asked(), "measured": dict(r.measured),
          "outcome": str(r.outcome), "reason": r.reason, "message": r.message}
         for r in report.results
-    ]  # fmt: skip
+    ])  # fmt: skip
     return found
 
 
 def _of_record(record: dict[str, Any]) -> models.Command:
-    verdict = record.get("verdict")
+    record, verdict = _finite(record), record.get("verdict")
     return models.Command(
         id=record["post"], robot=record["robot"], state=record["status"], ended=True, topic=record["topic"],
         author=record["author"]["name"], text=record["text"], posted_at=record["posted_at"],

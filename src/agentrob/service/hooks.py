@@ -93,7 +93,11 @@ class Outbox:
     async def _serve(self, http: httpx2.AsyncClient, receiver: Receiver) -> None:
         while True:
             identity, body = await receiver.waiting.get()
-            outcome = "told" if await self._deliver(http, receiver, identity, body) else "failed"
+            try:
+                outcome = "told" if await self._deliver(http, receiver, identity, body) else "failed"
+            except Exception as e:  # the next ones are told all the same
+                outcome = "failed"
+                _log.error("webhook not told", receiver=receiver.name, why=type(e).__name__)
             self._figures.count(self._figures.hooks_out, outcome)
             receiver.waiting.task_done()
 

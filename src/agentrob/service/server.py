@@ -25,7 +25,7 @@ from agentrob.service import api, callers
 from agentrob.service.desk import Desk
 from agentrob.service.figures import Figures
 from agentrob.service.gate import Gate
-from agentrob.service.hooks import Outbox, Receiver
+from agentrob.service.hooks import Outbox, Receiver, signature
 from agentrob.service.models import Problem
 from agentrob.service.parts import Parts
 from agentrob.service.problem import add_errors
@@ -74,6 +74,10 @@ def secret(variable: str) -> str:
     found = os.environ.get(variable, "")
     if not found:
         raise ConfigError(f"the environment variable {variable} must hold a secret of [service]")
+    try:
+        signature("", "", b"", found)
+    except ValueError:
+        raise ConfigError(f"the secret in {variable} begins with whsec_, so the rest must be base64") from None
     return found
 
 
