@@ -420,11 +420,13 @@ def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
         wiring.run_stdio(config, open_forum, secret(config), write or config.mcp.write)
 
 
-def serve_mcp_robot(config: Config) -> None:
-    """The robots as tools for one MCP client over stdio, through their HTTP services."""
-    from agentrob.mcp_robot import server
-
+def serve_mcp_robot(config: Config, http: bool) -> None:
+    """The robots as tools for one MCP client over stdio, or over HTTP, through their HTTP services."""
     log_to_stderr()
+    if http:
+        from agentrob.mcp_robot import over_http as server
+    else:
+        from agentrob.mcp_robot import server  # type: ignore[no-redef]
     server.run(config.mcp_robot)
 
 

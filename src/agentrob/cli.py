@@ -284,9 +284,12 @@ def mcp_forum(
 
 
 @mcp_cli.command("robot")
-def mcp_robot(config: ConfigFile = None) -> None:
-    """Serve the robots of [mcp_robot] to one MCP client over standard input and output."""
-    app.serve_mcp_robot(app.load(config))
+def mcp_robot(
+    http: Annotated[bool, typer.Option("--http", help="Serve over HTTP, by mcp_robot.token_env.")] = False,
+    config: ConfigFile = None,
+) -> None:
+    """Serve the robots of [mcp_robot] to one MCP client over standard input and output, or over HTTP."""
+    app.serve_mcp_robot(app.load(config), http)
 
 
 # ---------------------------------------------------------------------- board

@@ -101,19 +101,11 @@ class ServiceConfig(_Section):
     @property
     def address(self) -> tuple[str, int]:
         """Host and port."""
-        parts = urlsplit(f"//{self.listen}")
-        return parts.hostname or "", parts.port or 0
+        return _address(self.listen)
 
     @model_validator(mode="after")
     def _is_on_this_machine(self) -> Self:
-        try:
-            host, _ = self.address
-        except ValueError:
-            host = ""
-        if not host or ":" not in self.listen:
-            raise ValueError('listen must be host:port, for example "127.0.0.1:8089"')
-        if not self.allow_remote and not _is_loopback(host):
-            raise ValueError("listen is reachable from other machines; set allow_remote = true if that is meant")
+        _check_listen(self.listen, self.allow_remote)
         return self
 
 
@@ -135,13 +127,43 @@ class RobotServiceConfig(_Section):
 class McpRobotConfig(_Section):
     """The robots as tools for an MCP client: a client of their HTTP services, with tokens of its own. Off until a
     service is named. Looking and stopping are always there; `preview` and `submit` (which may also take back) are the
-    owner's to allow. `pictures_per_minute` bounds what the client sees of each robot.
+    owner's to allow. `pictures_per_minute` bounds what the client sees of each robot. Over HTTP it serves on `listen`
+    whoever has the token that is in the variable `token_env`.
     """
 
     preview: bool = False
     submit: bool = False
     pictures_per_minute: Annotated[int, Field(ge=1, le=150)] = 20
+    listen: str = "127.0.0.1:8091"
+    allow_remote: bool = False
+    token_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
     services: dict[_Name, RobotServiceConfig] = {}
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port."""
+        return _address(self.listen)
+
+    @model_validator(mode="after")
+    def _is_on_this_machine(self) -> Self:
+        _check_listen(self.listen, self.allow_remote)
+        return self
+
+
+def _address(listen: str) -> tuple[str, int]:
+    parts = urlsplit(f"//{listen}")
+    return parts.hostname or "", parts.port or 0
+
+
+def _check_listen(listen: str, allow_remote: bool) -> None:
+    try:
+        host, _ = _address(listen)
+    except ValueError:
+        host = ""
+    if not host or ":" not in listen:
+        raise ValueError('listen must be host:port, for example "127.0.0.1:8089"')
+    if not allow_remote and not _is_loopback(host):
+        raise ValueError("listen is reachable from other machines; set allow_remote = true if that is meant")
 
 
 def _is_loopback(host: str) -> bool:

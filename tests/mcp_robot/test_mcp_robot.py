@@ -12,12 +12,15 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
+import httpx2
 import pytest
 from agent_scene import ROBOT
 from mcp.client.client import Client
 from mcp.client.stdio import StdioServerParameters
+from mcp.client.streamable_http import streamable_http_client
 from service_scene import Service, token
 
+from agentrob.child import Child, end_all
 from agentrob.config import Config
 from agentrob.config_service import McpRobotConfig
 from agentrob.errors import ConfigError
@@ -159,6 +162,31 @@ def test_it_is_off_until_a_service_and_its_token_are_named(monkeypatch: pytest.M
     services = {"quadruped": {"url": "http://127.0.0.1:8089", "token_env": "NO_SUCH_TOKEN"}}
     with pytest.raises(ConfigError, match="NO_SUCH_TOKEN"):
         configured(McpRobotConfig.model_validate({"services": services}))
+
+
+async def test_over_http_by_its_own_token_and_not_by_the_services(service: Service, tmp_path: Path) -> None:
+    services = {ROBOT: {"url": service.url, "token_env": "ROBOT_TOKEN"}}
+    facts = {"mcp_robot": {"listen": "127.0.0.1:0", "token_env": "MCP_TOKEN", "services": services}}
+    Config.model_validate(facts).write(tmp_path / "robots.toml")
+    env = {"ROBOT_TOKEN": token("alice"), "MCP_TOKEN": "a-token-of-the-client"}
+    child = Child("mcp", ["mcp", "robot", "--http", "-c", str(tmp_path / "robots.toml")], tmp_path / "mcp.log", env)
+    try:
+        url = (await asyncio.to_thread(child.wait_ready))["url"]
+        asked = {"jsonrpc": "2.0", "id": 1, "method": "tools/list", "params": {}}
+        for headers in ({}, {"Authorization": f"Bearer {token('alice')}"}):
+            assert (await service.http.post(url, json=asked, headers=headers)).status_code == 401
+        mine = {"Authorization": f"Bearer {env['MCP_TOKEN']}"}
+        evil = await service.http.post(url, json=asked, headers={**mine, "Origin": "http://evil.example.org"})
+        assert evil.status_code == 403
+        async with (
+            httpx2.AsyncClient(headers=mine, trust_env=False) as http,
+            Client(streamable_http_client(url, http_client=http), cache=None) as client,
+        ):
+            assert [tool.name for tool in (await client.list_tools()).tools] == ALWAYS
+            assert (await ask(client, "robot_status"))["data"]["robot"]["name"] == ROBOT
+            assert (await ask(client, "stop"))["data"]["stop"]["confirmed"]
+    finally:
+        await asyncio.to_thread(end_all, [child])
 
 
 async def test_over_stdio_as_a_client_starts_it(service: Service, tmp_path: Path) -> None:
