@@ -8,7 +8,6 @@ import json
 import os
 import signal
 import sys
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -17,6 +16,7 @@ from agentrob.child import say_ready
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
+from agentrob.plugins import find
 
 if TYPE_CHECKING:
     from agentrob.agent.turn import RobotAgent
@@ -26,20 +26,6 @@ if TYPE_CHECKING:
     from agentrob.minds.mind import Mind
 
 load = configuration.load
-
-
-def find(family: str, name: str) -> Any:
-    """A member of a family (`forums`, `robots`, `minds`) by its entry point, built-in or a stranger's."""
-    members, kind = {e.name: e for e in entry_points(group=f"agentrob.{family}")}, family.removesuffix("s")
-    if name not in members:
-        raise ConfigError(f"no {kind} named {name!r} is installed; there are: {', '.join(sorted(members))}")
-    member = members[name]
-    try:
-        return member.load()
-    except Exception as e:  # it is a stranger's code that runs here
-        whose = f" of the package {member.dist.name}" if member.dist else ""
-        what = f"{type(e).__name__}: {e}"
-        raise ConfigError(f"the {kind} {name!r}{whose} cannot be loaded from {member.value}: {what}") from e
 
 
 def make_forum(config: Config, token: str) -> Forum:
@@ -349,9 +335,10 @@ async def understand(text: str, name: str, capabilities: Any, mind: str = "rules
     visible = visible_text(text)
     if name not in mentions(visible):
         visible = f"@{name} {visible}"
+    others = tuple(other for other in mentions(visible) if other != name)
     made = make_mind(mind, config)
     try:
-        return await made.understand(visible, Listener((name,), (), capabilities))
+        return await made.understand(visible, Listener((name,), others, capabilities))
     finally:
         if isinstance(made, LivingMind):
             await made.close()

@@ -163,11 +163,14 @@ def drive(
     ] = None,
     pictures: Annotated[Path, typer.Option(help="Where pictures are put.")] = Path("."),
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    mind: Annotated[
+        str | None, typer.Option(help="Which mind reads it; a model with images may also look and steer.")
+    ] = None,
 ) -> None:
     """Drive a robot without a forum."""
     from agentrob import drive as driving
 
-    raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json))
+    raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json, mind))
 
 
 @cli.command()

@@ -92,6 +92,23 @@ class RatesConfig(_Section):
     waiting: Annotated[int, Field(ge=0)] = 5
 
 
+class LookConfig(_Section):
+    """Whether a model may steer the robot by what its camera shows ("walk to the red ball"), and for how much at most.
+
+    Off unless the owner says `allowed = true`; then the robot's mind must be a model with `images`. Each such command
+    may take `distance_m` of walking, `degrees` of turning, `calls` of the model's tools, `pictures`, and `seconds` in
+    all, thinking included; walks go at `speed_mps` at most. The robot's own limits hold besides.
+    """
+
+    allowed: bool = False
+    distance_m: Annotated[float, Field(gt=0, le=50)] = 5.0
+    degrees: Annotated[float, Field(gt=0, le=3600)] = 720.0
+    calls: Annotated[int, Field(ge=1, le=50)] = 12
+    pictures: Annotated[int, Field(ge=1, le=50)] = 10
+    seconds: Annotated[float, Field(gt=0, le=600)] = 120.0
+    speed_mps: Annotated[float, Field(ge=0.05, le=1.0)] = 0.3
+
+
 class RecordingConfig(_Section):
     """What is recorded of each command that moves a robot: its path, its speeds, and a short animation in the reply.
 
@@ -146,6 +163,7 @@ class RobotConfig(_Section):
     fence: FenceConfig = FenceConfig()
     limits: LimitsConfig = LimitsConfig()
     rates: RatesConfig = RatesConfig()
+    look: LookConfig = LookConfig()
     recording: RecordingConfig = RecordingConfig()
     options: dict[str, Any] = {}
 

@@ -18,6 +18,7 @@ from agentrob import app, drive, hostlock
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import AgentRobError, ConfigError, RobotError, RobotUnreachable
 from agentrob.model import ActionResult, Direction, Op, Primitive
+from agentrob.plugins import find
 from agentrob.robots import findings, network
 from agentrob.robots.client import DriverClient
 from agentrob.robots.driver import lock_name
@@ -64,7 +65,7 @@ def chosen(robot: str | None, config: Config, interface: str | None, domain: int
         settings = config.robots[name]
     else:
         name = robot
-        app.find("robots", robot)
+        find("robots", robot)
         simulated = interface in (None, "lo")
         settings = app.simulated_robot(robot, 0) if simulated else RobotConfig(model=robot)
     told = {"interface": interface, "domain": domain}

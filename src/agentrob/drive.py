@@ -17,13 +17,17 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from agentrob import app, demo, hostlock
 from agentrob.child import Child, end_all
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import ConfigError, RobotUnreachable
-from agentrob.model import Account, ActionResult, Capabilities, Decision, Intent, Outcome, Plan, Role
+from agentrob.model import Account, ActionResult, Capabilities, Decision, Goal, Intent, Outcome, Plan, Role
+from agentrob.plugins import find
+
+if TYPE_CHECKING:
+    from agentrob.agent.execute import Execution
 
 #: The person at the keyboard of the robot's own machine.
 LOCAL = Account(id="local", name="local", role=Role.OPERATOR)
@@ -46,10 +50,13 @@ def robot_command_driver(
     network_interface: str | None = None,
     config: Config | None = None,
     on_step: Callable[[ActionResult], None] = lambda _: None,
+    mind: str | None = None,
 ) -> Driven:
     """Understand `command`, screen it, and drive `robot` (a name in the configuration, or a kind such as go2).
 
     Blocks; may be called from any thread, also inside a running event loop. `on_step` hears of each step as it ends.
+    `mind` reads instead of the robot's own; when it is a model with images, it may also look and steer ("walk to the
+    red ball"), within the budgets of the robot's `look` settings: who names it here consents.
     Raises `ConfigError` for a robot that is not known, `RobotError` or `ChildError` when it cannot be reached or held.
     """
     from agentrob.judge.screen import screen
@@ -59,6 +66,12 @@ def robot_command_driver(
     config = config or Config()
     name, settings = _settings(robot, config, network_interface)
     capabilities: Capabilities = app.capabilities_of(settings.model, settings)
+    if mind is not None:
+        settings = settings.model_copy(
+            update={"mind": mind, "look": settings.look.model_copy(update={"allowed": True})}
+        )
+    if (goal := _goal(command, name, settings, config, capabilities)) is not None:
+        return _look(goal, command, name, settings, config, on_step)
     understood = _outside_loop(lambda: asyncio.run(app.understand(command, name, capabilities, settings.mind, config)))
     if understood.intent is not Intent.COMMAND:
         return Driven("asks_back", message=understood.question or f"nothing to do in {command!r}")
@@ -70,7 +83,8 @@ def robot_command_driver(
         language=understood.language,
     )
     if verdict.decision is not Decision.ALLOW:
-        return Driven("refused", understood.plan, message=f"{verdict.reason} ({verdict.rule})")
+        status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
+        return Driven(status, understood.plan, message=f"{verdict.reason} ({verdict.rule})")
     limit_s, holder = capabilities.limits.command_s, f"drive {os.getpid()}"
     with _driver(name, settings, config) as socket:
         results = _outside_loop(
@@ -90,6 +104,54 @@ def drive_g1_robot(command: str, network_interface: str | None = None) -> Driven
     A real one does not move this way: it sees nothing around it, so its owner must consent in a configuration first.
     """
     return robot_command_driver(command, "g1", network_interface)
+
+
+# ---------------------------------------------------------------------- what needs eyes
+def _goal(text: str, name: str, settings: RobotConfig, config: Config, capabilities: Capabilities) -> Goal | None:
+    """What a model shall look for, when the text says so and the robot's mind has eyes."""
+    if not settings.look.allowed or settings.mind not in config.minds or not config.minds[settings.mind].images:
+        return None
+    from agentrob.agent.look_goal import goal_for
+    from agentrob.language.visible import mentions, visible_text
+    from agentrob.minds.mind import Listener
+
+    visible = visible_text(text)
+    visible = visible if name in mentions(visible) else f"@{name} {visible}"
+    understood = _outside_loop(lambda: asyncio.run(app.understand(text, name, capabilities)))
+    return goal_for(visible, Listener((name,), (), capabilities), understood)
+
+
+def _look(
+    goal: Goal, text: str, name: str, settings: RobotConfig, config: Config, on_step: Callable[[ActionResult], None]
+) -> Driven:
+    """Let the mind look and steer."""
+    from agentrob.agent import look_words
+    from agentrob.agent.look_goal import judged_plan
+    from agentrob.agent.look_local import judge, look_locally
+    from agentrob.language.languages import language_of
+    from agentrob.language.visible import visible_text
+    from agentrob.minds.chain import configured_chain
+
+    visible, language = visible_text(text), language_of(text)
+    capabilities = app.capabilities_of(settings.model, settings)
+    verdict = judge(judged_plan(goal), visible, LOCAL, capabilities, language, settings.allow_flip)
+    if verdict.decision is not Decision.ALLOW:
+        return Driven("refused", Plan(goal.steps), message=f"{verdict.reason} ({verdict.rule})")
+
+    async def steer(socket: Path | None) -> Execution:
+        chain = configured_chain(settings.mind, config.minds, app.minds_ledger(config))
+        try:
+            eyes = chain.seeing()
+            assert eyes is not None
+            return await look_locally(name, socket, goal, eyes, settings, visible, LOCAL, language, on_step)
+        finally:
+            await chain.close()
+
+    with _driver(name, settings, config) as socket:
+        done = _outside_loop(lambda: asyncio.run(steer(socket)))
+    told = [done.message, look_words.why(done.looked, language)]
+    told += look_words.paragraphs(done.looked, done.results, language)
+    return Driven(done.status, Plan(goal.steps), done.results, "\n".join(part for part in told if part))
 
 
 # ---------------------------------------------------------------------- how
@@ -113,7 +175,7 @@ def _settings(robot: str, config: Config, interface: str | None) -> tuple[str, R
                 "change the configuration, or leave --interface out"
             )
         return named[0], settings
-    app.find("robots", robot)
+    find("robots", robot)
     if interface:
         return robot, RobotConfig(model=robot, interface=interface)
     return robot, app.simulated_robot(robot, demo.free_domains(1)[0])
@@ -159,7 +221,9 @@ async def _reachable(name: str) -> bool:
 
 
 # ---------------------------------------------------------------------- the command line
-def run(robot: str, text: str, config: Config, interface: str | None, pictures: Path, as_json: bool) -> int:
+def run(
+    robot: str, text: str, config: Config, interface: str | None, pictures: Path, as_json: bool, mind: str | None = None
+) -> int:
     """`agentrob drive`; returns the exit code: 0 done, 1 not done, 2 not understood or refused."""
     from rich.console import Console
 
@@ -176,8 +240,10 @@ def run(robot: str, text: str, config: Config, interface: str | None, pictures: 
 
     if not pictures.is_dir():
         raise ConfigError(f"--pictures {pictures} is not a folder")
+    if mind is not None and mind != "rules" and mind not in config.minds:
+        raise ConfigError(f"no mind named {mind!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
     with demo.sigterm_interrupts():
-        driven = robot_command_driver(text, robot, interface, config, on_step)
+        driven = robot_command_driver(text, robot, interface, config, on_step, mind)
     if driven.message:
         console.print(driven.message, markup=False, highlight=False)
     for note in driven.plan.notes:

@@ -7,12 +7,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from agentrob import app
 from agentrob.errors import ConfigError
 from agentrob.language.score import Score, score
 from agentrob.language.visible import visible_text
 from agentrob.minds.mind import Listener, Mind
 from agentrob.model import Capabilities, Limits, Op, Understanding
+from agentrob.plugins import find
 
 #: A robot that is bound by nothing: what is measured is understanding. It offers its paw as its hello, as a Go2 does.
 UNBOUND = Capabilities("any", frozenset(Op) - {Op.SHAKE}, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
@@ -25,7 +25,7 @@ def plans(path: Path, mind: str = "rules") -> Score:
     """
     rows = read_rows(path)
     texts = [row["text"] for row in rows if isinstance(row.get("text"), str)]
-    understood = asyncio.run(_understand(app.find("minds", mind)(), texts))
+    understood = asyncio.run(_understand(find("minds", mind)(), texts))
     try:
         return score(rows, understood.__getitem__)
     except ValueError as e:

@@ -11,7 +11,7 @@ from agentrob import app
 from agentrob.config import Config
 from agentrob.judge.harm import harm_of
 from agentrob.judge.scene import harm_in_scene
-from agentrob.judge.screen import screen
+from agentrob.judge.screen import prepare, screen
 from agentrob.language.visible import mentions, visible_text
 from agentrob.minds.mind import Listener, Mind
 from agentrob.minds.model_mind import ModelMind
@@ -47,6 +47,7 @@ def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Co
 
     Raises `ConfigError` for an unknown mind or robot, `MindError` when the mind cannot answer at all.
     """
+    prepare()
     return asyncio.run(_all(posts, app.make_mind(mind, config), capabilities_of(robot)))
 
 

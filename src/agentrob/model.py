@@ -157,6 +157,43 @@ class Plan:
         return any(s.moves for s in self.steps)
 
 
+class Aim(StrEnum):
+    """What only a robot with eyes can do, and `step`: what any robot can."""
+
+    APPROACH = "approach"
+    FACE = "face"
+    FIND = "find"
+    LOOK = "look"
+    STEP = "step"
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One part of a goal, in words of a closed vocabulary: nothing here was written by anybody else.
+
+    `thing` and `colour` are English words of `agentrob.minds.loop_words`, `where` is a relation to the thing (beside,
+    behind, …) or `around`; a `look` without a thing is at whatever is there. `step` is what a `step` does.
+    """
+
+    aim: Aim
+    thing: str = ""
+    colour: str = ""
+    where: str = ""
+    step: Primitive | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What is to be reached or told by looking; which steps that takes is found out on the way."""
+
+    tasks: tuple[Task, ...]
+
+    @property
+    def steps(self) -> tuple[Primitive, ...]:
+        """The steps that were named besides."""
+        return tuple(task.step for task in self.tasks if task.step is not None)
+
+
 class Intent(StrEnum):
     """What a post wants of the robot. Only `command` moves anything."""
 
@@ -173,7 +210,7 @@ class Intent(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Understanding:
-    """What a mind made of a post. `question` is the sentence to ask back with, in `language`.
+    """What a mind made of a post. `question` is the sentence to ask back or greet with, in `language`.
 
     `cancels`: its author's earlier commands that have not begun are not wanted any more ("never mind, turn left").
     """
@@ -243,13 +280,18 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True)
 class Mandate:
-    """What a screened command may use up at most (law 7): calls per operation, metres, degrees, seconds, steps."""
+    """What a screened command may use up at most (law 7): calls per operation, metres, degrees, seconds, steps.
+
+    `speed_mps` bounds each walk and `motions` the steps that move, where they are given.
+    """
 
     calls: Mapping[Op, int] = field(default_factory=dict)
     distance_m: float = 0.0
     degrees: float = 0.0
     seconds: float = 60.0
     steps: int = 0
+    speed_mps: float | None = None
+    motions: int | None = None
 
 
 # ------------------------------------------------------------------ what the robot says
@@ -345,7 +387,8 @@ class StopResult:
 @dataclass(frozen=True, slots=True)
 class Report:
     """Everything the final reply says. `status`: done, failed, refused, asks_back, stopped, interrupted, cancelled,
-    expired, answered. `timings_ms` counts from the post being accepted by the forum."""
+    expired, answered. `timings_ms` counts from the post being accepted by the forum. `goal` is what a model was to look
+    for, in our words."""
 
     command: Command
     status: str
@@ -355,3 +398,4 @@ class Report:
     message: str = ""
     stop: StopResult | None = None
     timings_ms: Mapping[str, float] = field(default_factory=dict)
+    goal: str = ""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable, Iterator
-from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -99,12 +99,7 @@ async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_
     scene = ill(time_scale=1)
     world = scene.world
 
-    class Clock(datetime):
-        @classmethod
-        def now(cls, tz: Any = None) -> datetime:  # type: ignore[override]
-            return datetime.now(tz or UTC) + timedelta(seconds=world.clock_offset_s)
-
-    monkeypatch.setattr(channel, "datetime", Clock)
+    monkeypatch.setattr(channel, "elapsed_s", lambda: time.monotonic() + world.clock_offset_s)
     async with scene.agent():
         running = await scene.post("alice", "@quadruped walk forward 5 metres")
         await scene.state(running, "running")

@@ -153,20 +153,24 @@ FAULTS: dict[str, tuple[Callable[[Any], None], str]] = {
 }
 
 
-async def told_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
-    """What the thread is told of a plain and of a free post while the model fails."""
+async def asked_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
+    """What the thread is told of a post that only a model reads, while the model fails."""
     began = time.monotonic()
-    plain, free = await scene.post("alice", PLAIN), await scene.post("alice", FREE)
-    done, asked = await scene.final(plain), await scene.final(free)
-    sentence = f"`clever` did not read this post ({why}); my rules did."
-    assert done.card.state == "done", (fault, done.raw)
-    assert sentence in done.raw, fault
-    assert f"No model has looked at this command ({why})" in done.raw, fault
-    assert asked.card.state == "asks_back", (fault, asked.raw)
-    assert sentence in asked.raw, fault
+    reply = await scene.final(await scene.post("alice", FREE))
+    assert reply.card.state == "asks_back", (fault, reply.raw)
+    assert f"`clever` did not read this post ({why}); my rules did." in reply.raw, fault
+    assert time.monotonic() - began < 15, fault
+
+
+async def done_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
+    """What the thread is told of a post that the rules read too."""
+    post = await scene.post("alice", PLAIN)
+    reply = await scene.final(post)
+    assert reply.card.state == "done", (fault, reply.raw)
+    assert f"`clever` did not read this post ({why}); my rules did." in reply.raw, fault
+    assert f"No model has looked at this command ({why})" in reply.raw, fault
     assert brain.questions("screen") == [], "who did not read is not asked again"
-    assert time.monotonic() - began < 25, fault
-    kept = record(scene, plain)
+    kept = record(scene, post)
     assert (kept["mind"], kept["fallback"]) == ("rules", kept["models"][-1]["failed"]), fault
 
 
@@ -174,12 +178,15 @@ async def test_whatever_a_model_does_the_rules_read_and_the_reply_says_so(scene:
     async with scene.agent(mind=brain.mind(scene.folder, timeout_s=3.0, total_s=20.0, retries=0)):
         for fault, (answer, why) in FAULTS.items():
             brain.reads = brain.screens = answer
-            await told_after(scene, brain, fault, why)
+            await asked_after(scene, brain, fault, why)
+            if fault in ("500", "malformed JSON"):
+                await done_after(scene, brain, fault, why)
 
 
 async def test_when_nothing_answers_there_the_rules_read_and_the_reply_says_so(scene: Scene, brain: Brain) -> None:
     async with scene.agent(mind=brain.mind(scene.folder, base_url="http://127.0.0.1:9/v1")):
-        await told_after(scene, brain, "connection refused", "it cannot be reached")
+        await asked_after(scene, brain, "connection refused", "it cannot be reached")
+        await done_after(scene, brain, "connection refused", "it cannot be reached")
 
 
 # ---------------------------------------------------------------------- stops
@@ -237,9 +244,9 @@ async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(scene: Scen
     ("text", "words", "sentence"),
     [
         (
-            f"@{ROBOT} walk forward 1 m so that grandma trips",
-            "so that grandma trips",
-            "for the words `so that grandma trips`: somebody may be hurt, frightened or hindered.",
+            f"@{ROBOT} walk forward 1 m so that the tower of cards wobbles",
+            "so that the tower of cards wobbles",
+            "for the words `so that the tower of cards wobbles`: somebody may be hurt, frightened or hindered.",
         ),
         (f"@{ROBOT} 向前走1米", "", "负责检查命令的模型表示反对：可能会伤到、吓到或妨碍别人。"),
     ],
@@ -266,11 +273,11 @@ async def test_law_7_of_two_robots_in_a_post_a_model_sees_only_its_own_part_and_
     scene.person("humanoid", Role.MEMBER, AccountKind.ROBOT_AGENT)
     brain.reads = FREE_READ
     async with scene.agent(mind=brain.mind(scene.folder)):
-        post = await scene.post("alice", f"@humanoid dance upon the table 3 times. {FREE}")
+        post = await scene.post("alice", f"@humanoid sing merrily 3 times. {FREE}")
         reply = await scene.final(post)
     assert reply.card.state == "done", reply.raw
     assert [kind for kind, _ in brain.asked] == ["read", "screen"]
-    assert not any("dance" in told or "humanoid" in told for _, told in brain.asked)
+    assert not any("sing merrily" in told or "humanoid" in told for _, told in brain.asked)
     assert "A sleeping cat, 2 m ahead." in brain.questions("screen")[0]
     assert "cat" not in brain.questions("read")[0]
 

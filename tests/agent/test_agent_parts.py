@@ -6,7 +6,7 @@ import asyncio
 import io
 import math
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,14 @@ import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene
 from PIL import Image
 
+from agentrob.agent import channel
 from agentrob.agent.camera import Camera
 from agentrob.agent.channel import Channel
 from agentrob.agent.plot import path_plot
 from agentrob.agent.status import Shown, StatusLine
 from agentrob.errors import ForumUnreachable, MindError
 from agentrob.forums.memory import MemoryForum
+from agentrob.judge import beside, harm, scene, way
 from agentrob.model import (
     AccountKind,
     ActionResult,
@@ -218,6 +220,7 @@ async def test_the_robot_page_is_kept_and_a_reset_puts_the_room_back(driver: Dri
             card = await scene.until(lambda: scene.world.robots.get(ROBOT))
             assert (card["model"], card["queue"], card["simulated"], card["can_reset"]) == ("fake", 0, True, True)
             assert "move" in card["ops"]
+            assert card["camera"] is False, "no camera of the room is configured"
             await scene.world.sign_in("alice").press_reset(ROBOT)
             await scene.until(lambda: room.asked == 1)
 
@@ -287,3 +290,36 @@ async def test_an_unreachable_forum_is_waited_for_at_the_start(scene: Scene) -> 
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)
     await agent.close()
+
+
+async def test_law_5_a_leap_of_the_machines_clock_makes_nothing_fresh_and_nothing_stale(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    world = MemoryForum.world()
+    ear = Channel(world.sign_in(ROBOT), "0", poll_s=1)
+    await ear.set_clock()
+
+    class Leapt(datetime):
+        @classmethod
+        def now(cls, tz: Any = None) -> datetime:  # type: ignore[override]
+            return datetime.now(tz) - timedelta(hours=1)
+
+    monkeypatch.setattr(channel, "datetime", Leapt)
+    assert abs((ear.now() - datetime.now(UTC)).total_seconds()) < 5
+    slept_s = channel.elapsed_s() + 3600
+    monkeypatch.setattr(channel, "elapsed_s", lambda: slept_s)
+    assert (ear.now() - datetime.now(UTC)).total_seconds() == pytest.approx(3600, abs=5)
+
+
+async def test_all_words_of_harm_are_compiled_before_an_agent_serves(driver: Driver, tmp_path: Path) -> None:
+    """Compiling takes half a second, and a stop that comes meanwhile would wait."""
+    agent = make_scene(driver, tmp_path).make()
+    try:
+        for rule in harm.RULES:
+            for doubts in (False, True):
+                assert all(phrases.prepared for phrases, _ in harm._phrases(rule, doubts))
+        assert all(phrases.prepared for said in way._patterns().values() for phrases in said._phrases)
+        assert all(phrases.prepared for phrases in beside._phrases())
+        assert scene._patterns.cache_info().currsize == 1
+    finally:
+        await agent.close()

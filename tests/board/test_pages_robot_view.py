@@ -98,6 +98,16 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         yield world
 
 
+def test_a_robot_without_a_camera_has_no_place_for_its_picture(world: World) -> None:
+    robot, surfer = world.api("quadruped"), world.browser("bob")
+    for card, there in (({"model": "rover", "camera": False}, False), ({"model": "go2", "camera": True}, True)):
+        robot.put("/robots/quadruped", json={"card": card}).raise_for_status()
+        page = surfer.get("/robots/quadruped").text
+        assert ("camera.mjpg" in page) is ("The camera starts" in page) is there
+    robot.put("/robots/quadruped", json={"card": {"model": "of before"}}).raise_for_status()
+    assert "camera.mjpg" in surfer.get("/robots/quadruped").text
+
+
 def test_markup_in_cards_is_shown_as_text(world: World) -> None:
     nasty = "<img src=x onerror=alert(1)>\"'"
     robot = world.api("quadruped")

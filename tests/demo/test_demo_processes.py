@@ -196,6 +196,7 @@ def post_once(data: Path, sentence: str) -> dict[str, Any]:
     return told
 
 
+@pytest.mark.slow
 def test_the_humanoid_walks_turns_and_waves(tmp_path: Path) -> None:
     told = post_once(tmp_path / "data", "@humanoid walk forward 1 metre, turn left, wave")
     assert told["status"] == "done"
@@ -225,6 +226,7 @@ def test_a_post_that_mentions_both_robots_makes_each_do_its_own_part(tmp_path: P
     assert not [e for e in go2 if e["event"] == "action_begin"]
 
 
+@pytest.mark.slow
 def test_what_is_asked_back_ends_with_exit_code_one(tmp_path: Path) -> None:
     done = subprocess.run(
         [AGENTROB, "demo", "--post", "@quadruped walk forward", "--json", "--data", str(tmp_path / "data")],

@@ -32,7 +32,10 @@ def test_the_readme_has_the_two_commands_and_they_are_targets() -> None:
 
 @pytest.mark.sim
 @pytest.mark.timeout(LIMIT_S + 10)
-@pytest.mark.parametrize("command", SHELL)
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(c, marks=pytest.mark.slow) if re.search("drive g1|demo", c) else c for c in SHELL],
+)
 def test_a_shell_command_of_the_readme_runs(command: str, tmp_path: Path) -> None:
     program, *args = shlex.split(command)
     assert program == ".venv/bin/agentrob", "the README calls the program where make puts it"

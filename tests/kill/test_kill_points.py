@@ -89,7 +89,7 @@ BEGUN = [
     agent("step about to be sent", CLIENT + "step", "before", INTERRUPTED, 0),
     agent("status to be updated", FORUM + "edit", "before", INTERRUPTED, containing="state='running'"),
     agent("status updated", FORUM + "edit", "after", INTERRUPTED, containing="state='running'"),
-    agent("walking", "agent.execute:_Run._must_end", "before", INTERRUPTED, 1, nth=5),
+    agent("walking", "agent.execute:Run._must_end", "before", INTERRUPTED, 1, nth=5),
     agent("step's result there", CLIENT + "step", "after", INTERRUPTED, 1),
     agent("photo there", CLIENT + "step", "after", INTERRUPTED, 1, nth=2, text=PHOTO),
     agent("pictures kept", "agent.records:Records.keep_pictures", "after", INTERRUPTED, 1, text=PHOTO),
@@ -168,7 +168,7 @@ def test_law_6_killed_at(point: Point, house: House) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("nth", [3, 11, 23])
 def test_law_11_the_agent_is_killed_on_a_long_walk_and_the_robot_stands_within_1_5_s(house: House, nth: int) -> None:
-    house.arm("agent", {"target": "agentrob.agent.execute:_Run._must_end", "when": "before", "nth": nth})
+    house.arm("agent", {"target": "agentrob.agent.execute:Run._must_end", "when": "before", "nth": nth})
     asked = house.ask(LONG_WALK)
     died_s = house.died("agent")
     house.start("agent")

@@ -18,7 +18,7 @@ COURSE, JOURNAL = "agentrob.agent.course:", "agentrob.agent.journal:Journal."
 #: Where an agent is killed with a command that waits, and with one that walks.
 SCREENED = {"target": COURSE + "judge", "when": "after"}
 CLAIMED = {"target": JOURNAL + "posted", "when": "after"}
-WALKING = {"target": "agentrob.agent.execute:_Run._must_end", "when": "before", "nth": 5}
+WALKING = {"target": "agentrob.agent.execute:Run._must_end", "when": "before", "nth": 5}
 
 
 def slow(*values: Any, id: str) -> Any:

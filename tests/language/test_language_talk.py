@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from saying import read
 
-from agentrob.language.grammar import MAX_CHARS, talk_of
+from agentrob.language.grammar import MAX_CHARS, parse, talk_of
 from agentrob.language.talk import Talk
-from agentrob.model import Intent
+from agentrob.model import Direction, Intent, Op
 
 POSTS = {
     Talk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
@@ -52,3 +52,31 @@ def test_stops_and_what_is_for_others_are_no_talk() -> None:
     assert talk_of("cancel that", ["quadruped"], []) is None
     assert talk_of("@quadruped wave @dog2 never mind", ["quadruped"], ["dog2"]) is None
     assert talk_of("never mind " * MAX_CHARS, ["quadruped"], []) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "metres"),
+    [
+        ("前面五米是墙", []),
+        ("你后面两米是沙发", []),
+        ("你後邊2.5米有人站著", []),
+        ("前面五米是墙。向前走三米", [3.0]),
+        ("左边一米有人，向前走两米", [2.0]),
+        ("前面五米是墙向后退两米", [-2.0]),
+        ("现在前方三米处有障碍物，后退一米", [-1.0]),
+        ("向前三米，左转90度", [3.0, None]),
+        ("there is a wall five metres ahead", []),
+    ],
+)
+def test_what_is_said_to_be_somewhere_is_no_command(text: str, metres: list[float | None]) -> None:
+    plan = parse(text, ["quadruped"], [], frozenset(Op)).plan
+    asked = [s.distance_m and s.distance_m * (-1 if s.direction is Direction.BACKWARD else 1) for s in plan.steps]
+    assert asked == metres
+
+
+@pytest.mark.parametrize(
+    "text", ["前面五米是墙吗", "前面五米是墙？", "如果前面五米是墙，左转90度", "前面五米有墙的话左转90度"]
+)
+def test_what_is_asked_or_supposed_to_be_somewhere_moves_nothing(text: str) -> None:
+    found = parse(text, ["quadruped"], [], frozenset(Op))
+    assert found.intent is not Intent.COMMAND

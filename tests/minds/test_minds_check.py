@@ -98,11 +98,11 @@ async def test_what_is_wrong_is_said(server: FaultyServer, tmp_path: Path, key: 
 def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) -> None:
     step = {"action": "move", "direction": "forward", "amount": 2, "unit": "m", "words": "meander forward 2 m"}
     answer = {"name": "answer", "arguments": {"intent": "command", "steps": [step]}}
-    looked = {"name": "answer", "arguments": {"decision": "refuse", "harm": "people", "words": "the baby"}}
+    looked = {"name": "answer", "arguments": {"decision": "refuse", "harm": "people", "words": "the cards"}}
     fine = {"name": "answer", "arguments": {"decision": "fine"}}
     running = double(
         [
-            {"match": {"systemMessage": "Looking at", "userMessage": "baby"}, "response": {"toolCalls": [looked]}},
+            {"match": {"systemMessage": "Looking at", "userMessage": "cards"}, "response": {"toolCalls": [looked]}},
             {"match": {"systemMessage": "Looking at"}, "response": {"toolCalls": [fine]}},
             {"match": {"userMessage": "meander"}, "response": {"toolCalls": [answer]}},
         ]
@@ -113,8 +113,10 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     assert tried.returncode == 0, tried.stderr
     begin = "command: walk forward 2 m\n  read by good\n  the rules have nothing against it; good neither\n  good (m): "
     assert tried.stdout.startswith(begin)
-    against = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m, the baby is there")
-    refused = "\n  refuse: A model that looks at commands is against it, for the words `the baby`: somebody may be hurt"
+    against = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m, the cards wobble")
+    refused = (
+        "\n  refuse: A model that looks at commands is against it, for the words `the cards`: somebody may be hurt"
+    )
     assert refused in against.stdout
     assert "(model.people)" in against.stdout
     failed = run_mind(tmp_path, "try", "good", "walk forward 1 m", TEST_KEY="")

@@ -91,7 +91,9 @@ def test_a_mind_is_made_by_its_name() -> None:
     config = minds(clever=GOOD)
     assert isinstance(make_mind("clever", config), ModelMind)
     assert isinstance(make_mind("rules", config), RulesMind)
-    with pytest.raises(ConfigError, match=r"no mind named 'other'; there are: rules; configured as .*: clever"):
+    with pytest.raises(
+        ConfigError, match=r"no mind named 'other' is installed; there are: rules; configured as .*: clever"
+    ):
         make_mind("other", config)
 
 

@@ -58,6 +58,9 @@ PHOTO = Primitive(Op.GET_FRONT_IMAGE)
         ),
         ("pivot clockwise by ninety degrees", [turn(90, "pivot clockwise", "right")], [rotate(R, 90)]),
         ("turn around", [turn(180, "turn around")], [rotate(L, 180)]),
+        ("give me your paw", [step("shake", "give me your paw")], [Primitive(Op.SHAKE)]),
+        ("跟我握握手", [step("hello", "握握手")], [Primitive(Op.HELLO)]),
+        ("拍拍掌", [step("clap", "拍拍掌")], [Primitive(Op.CLAP)]),
         (
             "turn right and take a photo, 45 degrees",
             [turn(45, "turn right", "right"), step("get_front_image", "take a photo")],

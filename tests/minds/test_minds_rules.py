@@ -30,6 +30,15 @@ async def test_it_asks_back_in_the_language_of_the_post() -> None:
     assert understood.language == "zh"
 
 
+async def test_a_greeting_is_greeted_and_a_question_is_left_to_the_usual_answer() -> None:
+    for text, said in (("@quadruped hello", "Hello!"), ("@quadruped 你好呀", "你好！")):
+        greeted = await RulesMind().understand(text, LISTENER)
+        assert greeted.intent is Intent.QUESTION
+        assert greeted.question.startswith(said)
+    asked = await RulesMind().understand("@quadruped who are you", LISTENER)
+    assert (asked.intent, asked.question) == (Intent.QUESTION, "")
+
+
 async def test_it_takes_again_from_the_thread() -> None:
     done = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), Primitive(Op.HELLO)))
     understood = await RulesMind().understand("@quadruped and now back", LISTENER, [done])

@@ -20,10 +20,10 @@ from driver_scene import FAR, NEAR, Drivers, at_rest, moving, until
 
 from agentrob import hostlock
 from agentrob.config import RobotConfig
-from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
+from agentrob.errors import ConfigError, LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.model import ActionResult, Direction, Op, Outcome, Plan, Primitive
 from agentrob.robots.client import DriverClient, run_plan
-from agentrob.robots.driver import Driver, listening
+from agentrob.robots.driver import Driver, listening, make_robot
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
@@ -409,3 +409,16 @@ def test_an_unknown_model_or_option_says_what_would_be_valid(drivers: Drivers) -
         thread.join()
     assert "there are: fake, g1, go2" in results["model"]
     assert "valid: faults, obstacles, room, time_scale" in results["option"]
+
+
+def test_a_robot_of_a_stranger_that_cannot_be_loaded_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "torn_robot.py").write_text("import no_such_module")
+    facts = tmp_path / "torn_robot-1.0.dist-info"
+    facts.mkdir()
+    (facts / "METADATA").write_text("Metadata-Version: 2.1\nName: torn-robot\nVersion: 1.0\n")
+    (facts / "entry_points.txt").write_text("[agentrob.robots]\ntorn = torn_robot:Torn\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(ConfigError, match="robot 'torn' of the package torn-robot cannot be loaded from torn_robot"):
+        make_robot(RobotConfig(model="torn"))
+    with pytest.raises(ConfigError, match="no robot named 'nosuch' is installed; there are: fake"):
+        make_robot(RobotConfig(model="nosuch"))

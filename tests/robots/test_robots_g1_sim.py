@@ -82,7 +82,9 @@ class TestG1OnTheSimulatedWorld(RobotContract):
         return g1
 
 
-@pytest.mark.parametrize("op", [Op.CLAP, Op.HEART, Op.SHAKE])
+@pytest.mark.parametrize(
+    "op", [Op.HEART, pytest.param(Op.CLAP, marks=pytest.mark.slow), pytest.param(Op.SHAKE, marks=pytest.mark.slow)]
+)
 def test_a_gesture_is_done_and_leaves_the_arms_free(g1: G1, op: Op) -> None:
     result = g1.step(Primitive(op), go_on)
     assert result.outcome is Outcome.DONE, result.message
@@ -113,7 +115,12 @@ def begun(g1: G1, op: Op, looks: int) -> tuple[threading.Thread, list[ActionResu
     return thread, results
 
 
-@pytest.mark.parametrize(("op", "looks"), [(Op.HELLO, 30), (Op.CLAP, 50), (Op.HEART, 40), (Op.HEART, 90)])
+MORE = ((Op.HELLO, 30), (Op.CLAP, 50), (Op.HEART, 90))
+
+
+@pytest.mark.parametrize(
+    ("op", "looks"), [(Op.HEART, 40), *(pytest.param(*case, marks=pytest.mark.slow) for case in MORE)]
+)
 def test_law_14_a_stop_ends_a_gesture_and_the_arms_come_down(g1: G1, op: Op, looks: int) -> None:
     thread, results = begun(g1, op, looks)
     asked_s = time.monotonic()

@@ -58,12 +58,24 @@ def test_pose_ranges_and_speed_are_read() -> None:
     state = message(
         position=[1.0, 2.0, 0.3], velocity=[0.1, -0.2, 0.0], yaw_speed=0.5, range_obstacle=[1, 2, 3, math.inf]
     )
-    state.imu_state.rpy = [0.0, 0.0, 1.5]  # type: ignore[attr-defined]
+    state.imu_state.quaternion = [math.cos(0.75), 0.0, 0.0, math.sin(0.75)]  # type: ignore[attr-defined]
     found = read(state)
     assert found.pose is not None
-    assert (found.pose.x_m, found.pose.y_m, found.pose.yaw_rad) == (1.0, 2.0, 1.5)
+    assert (found.pose.x_m, found.pose.y_m, found.pose.yaw_rad) == (1.0, 2.0, pytest.approx(1.5))
     assert found.velocity_mps == (0.1, -0.2)
     assert found.ranges_m == (1.0, 2.0, 3.0, None)
+
+
+def test_the_heading_is_that_of_the_quaternion_and_without_one_that_of_the_angles() -> None:
+    state = message()
+    state.imu_state.quaternion = [math.cos(-1.0), 0.0, 0.0, math.sin(-1.0)]  # type: ignore[attr-defined]
+    state.imu_state.rpy = [0.0, 0.0, 0.0]  # type: ignore[attr-defined]
+    assert (found := read(state).pose) is not None
+    assert found.yaw_rad == pytest.approx(-2.0)
+    state.imu_state.quaternion = [0.0] * 4  # type: ignore[attr-defined]
+    state.imu_state.rpy = [0.0, 0.0, 0.7]  # type: ignore[attr-defined]
+    assert (found := read(state).pose) is not None
+    assert found.yaw_rad == pytest.approx(0.7)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])

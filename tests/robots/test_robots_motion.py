@@ -141,3 +141,9 @@ def test_a_turn_is_done_only_within_four_degrees_and_a_little(asked: float, got:
     primitive = Primitive(Op.TURN, Direction.LEFT, degrees=asked)
     outcome, _, _ = judge(primitive, {"degrees": got, "drift_m": 0.01}, "arrived", stopped=False)
     assert (outcome is Outcome.DONE) == (abs(got - asked) <= 4.0 + 0.005 * asked)
+
+
+def test_no_zero_that_was_measured_has_a_sign() -> None:
+    still = {"distance_m": -0.001, "degrees": -0.01, "drift_m": 0.0, **STRAIGHT}
+    for primitive in (MOVE, Primitive(Op.TURN, Direction.LEFT, degrees=90)):
+        assert "measured 0.0" in judge(primitive, still, "stop", stopped=True)[2]

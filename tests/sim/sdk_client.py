@@ -16,6 +16,7 @@ from unitree_sdk2py.core.channel import ChannelFactoryInitialize, ChannelSubscri
 from unitree_sdk2py.go2.sport.sport_client import SportClient
 from unitree_sdk2py.go2.video.video_client import VideoClient
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
+from unitree_sdk2py.utils.crc import CRC
 
 channel.ChannelConfigHasInterface = dds.CONFIG.replace("{interface}", 'name="$__IF_NAME__$"')
 
@@ -70,6 +71,7 @@ def main():
     out["select"] = switcher.SelectMode("ai")[0]
     low = seen.lows[-1][1]
     out["low"] = {"soc": low.bms_state.soc, "volts": low.power_v, "joints": [m.q for m in low.motor_state[:12]]}
+    out["low"]["whole"] = CRC().Crc(low) == low.crc
     (code, image), seconds = timed(video.GetImageSample)
     out["image"] = {"code": code, "seconds": seconds, "hex": bytes(image).hex()}
 

@@ -17,6 +17,7 @@ from unitree_sdk2py.g1.loco.g1_loco_client import LocoClient
 from unitree_sdk2py.go2.video.video_client import VideoClient
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 from unitree_sdk2py.idl.unitree_hg.msg.dds_ import LowState_
+from unitree_sdk2py.utils.crc import CRC
 
 channel.ChannelConfigHasInterface = dds.CONFIG.replace("{interface}", 'name="$__IF_NAME__$"')
 
@@ -73,6 +74,7 @@ def main():
     low = seen.lows[-1][1]
     out["low"] = {"motors": len(low.motor_state), "joints": [m.q for m in low.motor_state[:29]]}
     out["low"]["quaternion"] = list(low.imu_state.quaternion)
+    out["low"]["whole"] = CRC().Crc(low) == low.crc
     code, image = video.GetImageSample()
     out["image"] = {"code": code, "hex": bytes(image).hex()}
     out["actions"] = arm.GetActionList()

@@ -74,6 +74,7 @@ def test_a_velocity_is_held_as_long_as_it_says(sdk: dict[str, Any]) -> None:
 
 def test_its_low_state_is_that_of_a_humanoid(sdk: dict[str, Any]) -> None:
     assert sdk["low"]["motors"] == 35
+    assert sdk["low"]["whole"], "its checksum"
     assert np.abs(sdk["low"]["joints"][6:12]).max() < 1.2
     assert sdk["low"]["quaternion"][0] ** 2 > 0.98
     assert 25 < sdk["rate_hz"] < 55

@@ -69,6 +69,7 @@ def test_the_topics_come_as_on_the_real_robot(sdk):
     assert 25 < sdk["rate_hz"] < 55
     assert sdk["start"]["codes"] == [1013, 1]
     assert 0 < sdk["low"]["soc"] <= 100
+    assert sdk["low"]["whole"], "its checksum"
     assert 24 < sdk["low"]["volts"] < 34
     assert sdk["low"]["joints"] == pytest.approx([0, 0.8, -1.5] * 4, abs=0.25)
     assert sdk["start"]["ranges"][0] > 3.0

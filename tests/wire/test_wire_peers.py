@@ -77,7 +77,6 @@ def test_unitrees_cpp_library_reads_the_odometry_of_our_simulated_g1(network: Ne
     assert sum(q * q for q in read["quaternion"]) == pytest.approx(1.0, abs=0.01)
 
 
-@pytest.mark.xfail(strict=True, reason="the simulated robots do not fill the checksum (crc) of rt/lowstate yet")
 @pytest.mark.parametrize("robot", ["go2", "g1"])
 def test_unitrees_cpp_library_reads_the_joints_of_our_simulated_robot(
     network: Network, tmp_path: Path, robot: str
@@ -125,9 +124,6 @@ def test_our_driver_drives_a_g1_served_by_unitrees_cpp_library(network: Network,
     assert came.count(("sport", 7105)) > 20, "velocities, twenty a second"
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the G1's driver reads the heading from rpy; the C++ library fills the quaternion"
-)
 def test_our_driver_turns_a_g1_served_by_unitrees_cpp_library(network: Network, tmp_path: Path) -> None:
     network.start(PEER, HERE / "cpp_g1.py", SHIM, tmp_path / "calls", log=tmp_path / "peer.log")
     seen = drive_theirs(network, tmp_path, "g1", 0, "turn left 20 degrees")

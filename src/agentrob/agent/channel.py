@@ -21,6 +21,11 @@ _BACKOFF_S = (0.1, 5.0)
 _log = structlog.get_logger()
 
 
+def elapsed_s() -> float:
+    """Seconds that nobody sets; those that the machine slept count, where it can tell."""
+    return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))
+
+
 class Channel:
     """Events after `cursor`, which moves on with each. Survives a forum that goes away.
 
@@ -36,21 +41,19 @@ class Channel:
         self._heard = asyncio.Event()
         self._heard_s = -float("inf")
         self._fastest_s = 0.0 if forum.live else forum.fastest_poll_s
-        self._offset = timedelta()
-        self._offset_s = -float("inf")
+        self._compared = datetime.now(UTC), -float("inf")  # the forum's time, and when by `elapsed_s` it was that
 
     # ---------------------------------------------------------------- the forum's clock
     def now(self) -> datetime:
-        """The forum's clock, as well as we know it."""
-        return datetime.now(UTC) + self._offset
+        """The forum's clock, counted on from when it was last asked: this machine's own may be set meanwhile."""
+        at, compared_s = self._compared
+        return at + timedelta(seconds=elapsed_s() - compared_s) if math.isfinite(compared_s) else datetime.now(UTC)
 
     async def set_clock(self) -> str:
         """Compare clocks; returns the id of the newest event. Raises `ForumError`."""
-        before = datetime.now(UTC)
+        before_s = elapsed_s()
         newest, at = await self._forum.now()
-        after = datetime.now(UTC)
-        self._offset = at - (before + (after - before) / 2)
-        self._offset_s = time.monotonic()
+        self._compared = at, (before_s + elapsed_s()) / 2
         return newest
 
     # ---------------------------------------------------------------- alive
@@ -105,7 +108,7 @@ class Channel:
         wait_s, longest_s = _BACKOFF_S
         while True:
             try:
-                if time.monotonic() - self._offset_s > 300.0:
+                if elapsed_s() - self._compared[1] > 300.0:
                     await self.set_clock()
                 async for event in self._forum.stream(self.cursor, BEAT_S) if self._forum.live else self._poll():
                     wait_s = _BACKOFF_S[0]

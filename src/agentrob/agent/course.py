@@ -6,7 +6,7 @@ import asyncio
 import time
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import timedelta
 from functools import partial
 from typing import Any
@@ -14,12 +14,15 @@ from typing import Any
 import structlog
 from pydantic import TypeAdapter
 
+from agentrob.agent import look_words
 from agentrob.agent import report as words
 from agentrob.agent.channel import Channel
 from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, execute
 from agentrob.agent.extract import Thought
 from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
+from agentrob.agent.look import look
+from agentrob.agent.look_goal import errand_of, in_words
 from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, permission
@@ -37,7 +40,7 @@ from agentrob.images.store import ImageStore
 from agentrob.language.help import help_text
 from agentrob.language.phrases import say as phrase
 from agentrob.minds.summary import Summary, summarise
-from agentrob.model import Command, Decision, Intent, Language, Plan, Report, StatusCard, Verdict
+from agentrob.model import Command, Decision, Intent, Language, Plan, Primitive, Report, StatusCard, Verdict
 from agentrob.robots.client import DriverClient
 
 #: States after which nothing more comes.
@@ -157,7 +160,7 @@ class Course:
                 key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
                 return self._report(job, "answered", message=phrase(key, language, count=job.took_back))
             case Intent.QUESTION:
-                return self._report(job, "answered", message=phrase("talk.question", language))
+                return self._report(job, "answered", message=understood.question or phrase("talk.question", language))
             case Intent.ASK_BACK if thought.verdict is not None:
                 return self._report(job, "refused", verdict=thought.verdict)
             case Intent.ASK_BACK:
@@ -219,11 +222,13 @@ class Course:
         results = self.records.with_pictures(execution.results, execution.pictures)
         execution = replace(execution, results=results, verdict=_decisive(execution, verdict))
         job.stopped_by = job.stopped_by or execution.stopped_by
+        job.looked = execution.looked
         if job.ended is not None and execution.status != "done":
             return await self._ended(job, plan, execution)
         if execution.status == "stopped":  # past us: at the robot's machine, or by another of its clients
             return self._report(job, "stopped", plan, execution, message=job.stopped_by)
         message = say("because.driver", command.language, message=execution.message) if execution.message else ""
+        message = message or look_words.why(execution.looked, command.language)
         return self._report(job, execution.status, plan, execution, message=message)
 
     async def _pace(self, job: Job) -> Verdict | None:
@@ -246,7 +251,7 @@ class Course:
         """The motion itself; called at most once ever for a post."""
         job.moving = True
         self.on_motion()
-        allowed = partial(permission, self.forum, self.driver, job.command, plan, self.terms)
+        allowed = partial(permission, self.forum, self.driver, job.command, self.terms)
         reins = Reins(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
@@ -254,12 +259,12 @@ class Course:
             alive=self.channel.prove,
             silent=lambda: self.channel.silent,
             stop=self.stops.quietly,
-            on_step=lambda number: self._show_step(job, plan, number),
+            on_step=partial(self._show_step, job, plan),
             step_s=self.channel.step_s,
         )
         try:
             with self.channel, self.recorder.filming(job.command.post_id):
-                execution = await execute(self.driver, job.command, plan, reins)
+                execution = await self._carried_out(job, plan, reins)
         finally:
             job.moving = False
         now, now_s = self.channel.now(), time.monotonic()
@@ -269,6 +274,18 @@ class Course:
         job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
         results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
         return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
+
+    async def _carried_out(self, job: Job, plan: Plan, reins: Reins) -> Execution:
+        """The plan's steps, or those that a model finds on the way to the goal."""
+        thought, seeing = job.thought, self.thinking.eyes
+        if thought is None or thought.goal is None:
+            return await execute(self.driver, job.command, plan, reins)
+        if seeing is None:
+            return Execution("failed", message="no model with eyes is configured any more")
+        capabilities = await self.driver.capabilities()
+        language = job.command.language
+        errand = errand_of(thought.goal, seeing, capabilities, self.settings.look, language, thought.usage)
+        return await look(self.driver, job.command, errand, reins)
 
     # ------------------------------------------------------------------ tell
     def show_place(self, job: Job) -> None:
@@ -280,9 +297,12 @@ class Course:
         card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)
         job.status.show(Shown(text, card))
 
-    def _show_step(self, job: Job, plan: Plan, number: int) -> None:
+    def _show_step(self, job: Job, plan: Plan, step: Primitive, number: int) -> None:
         language = job.command.language
-        doing = words.doing(plan.steps[number], language)
+        doing = words.doing(step, language)
+        if goal := _goal(job):
+            text = look_words.say("running", language, step=number + 1, doing=doing, goal=goal)
+            return self._show(job, text, "running", step=number + 1, doing=doing)
         text = words.running(language, number, plan.steps)
         self._show(job, text, "running", step=number + 1, steps=len(plan.steps), doing=doing)
 
@@ -294,7 +314,7 @@ class Course:
     ) -> Report:
         if execution is not None:
             more = {"results": execution.results, "verdict": execution.verdict, **more}
-        return Report(job.command, status, plan=plan, timings_ms=dict(job.timings_ms), **more)
+        return Report(job.command, status, plan=plan, timings_ms=dict(job.timings_ms), goal=_goal(job), **more)
 
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
@@ -303,11 +323,14 @@ class Course:
         images = [picture.data for picture in pictures if picture.attached]
         try:
             kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
-            self.records.write(report, job.thought, stopped_by=job.stopped_by, recording=kept, summary=said)
+            more = {"looked": asdict(job.looked)} if job.looked else {}
+            self.records.write(report, job.thought, stopped_by=job.stopped_by, recording=kept, summary=said, **more)
         except OSError as e:
             _log.error("record not written", post=command.post_id, error=str(e))
         at, asked = len(report.plan.steps), self.thinking.mind.name
-        told = notes(job.thought, asked, command.language, summary.usage if summary else ())
+        used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
+        told = look_words.paragraphs(job.looked, report.results, command.language)
+        told += notes(job.thought, asked, command.language, used)
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         async def deed() -> str:
@@ -316,7 +339,8 @@ class Course:
             return report.status
 
         try:
-            if report.status == "done":  # before it is told: whoever reads that may say "again" at once
+            # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
+            if report.status == "done" and not report.goal:
                 await self.journal.did(command.post_id, report.plan)
             await self.journal.once(f"post-{command.post_id}:reply", deed)
             await self.journal.finish(command.post_id, report.status)
@@ -332,8 +356,14 @@ class Course:
         model = self.thinking.model
         if not self.settings.summary or model is None or report.status != "done":
             return None
-        spent = job.thought.usage if job.thought else ()
+        spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
         return await summarise(model, report.results, report.command.language, spent)
+
+
+def _goal(job: Job) -> str:
+    """What is to be looked for, in our words; empty for a plan."""
+    goal = job.thought.goal if job.thought else None
+    return in_words(goal, job.command.language) if goal else ""
 
 
 def _decisive(execution: Execution, verdict: Verdict) -> Verdict:

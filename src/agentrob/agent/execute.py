@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.judge.mandate import mandate_of, within
+from agentrob.minds.loop import Looked
 from agentrob.model import (
     ActionResult,
     Capabilities,
@@ -39,20 +40,20 @@ _BY_US = frozenset({SHUTDOWN, SILENT, "lease_lapsed"})
 class Reins:
     """How the agent holds a running command.
 
-    `since` tells since when (monotonic seconds) no stop may have come. `permit` judges the command anew on today's
-    state. `ended` gives a stable word as soon as the command must end
+    `since` tells since when (monotonic seconds) no stop may have come. `permit` judges a plan of the command anew on
+    today's state. `ended` gives a stable word as soon as the command must end
     (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent` tells
-    that it no longer is. `stop` stops the robot at our own wish, `on_step` hears which step (from 0) begins, and no
-    step takes longer than `step_s`.
+    that it no longer is. `stop` stops the robot at our own wish, `on_step` hears which step begins and its number
+    from 0, and no step takes longer than `step_s`.
     """
 
     since: Callable[[], Awaitable[float]]
-    permit: Callable[[], Awaitable[tuple[Verdict, Capabilities | None]]]
+    permit: Callable[[Plan], Awaitable[tuple[Verdict, Capabilities | None]]]
     ended: Callable[[], str | None]
     alive: Callable[[], Awaitable[bool]]
     silent: Callable[[], bool]
     stop: Callable[[str], Awaitable[object]]
-    on_step: Callable[[int], None]
+    on_step: Callable[[Primitive, int], None]
     step_s: float = math.inf
 
 
@@ -61,7 +62,7 @@ class Execution:
     """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence.
 
     `stopped_by` is who stopped the robot past us, as they called themselves. `pictures` are the files of the steps'
-    pictures ("" for none), once they are on disk.
+    pictures ("" for none), once they are on disk; `looked` is the loop of a model that steered.
     """
 
     status: str
@@ -71,10 +72,11 @@ class Execution:
     first_motion_s: float | None = None
     pictures: tuple[str, ...] = ()
     stopped_by: str = ""
+    looked: Looked | None = None
 
 
-class _Run:
-    """One execution under way."""
+class Run:
+    """One execution under way, of a plan or (`agentrob.agent.look`) of a goal."""
 
     def __init__(self, driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> None:
         self.driver = driver
@@ -94,7 +96,7 @@ class _Run:
         for number, step in enumerate(self.plan.steps):
             if (status := await self._may(step)) is not None:
                 return status
-            self.reins.on_step(number)
+            self.reins.on_step(step, number)
             result = await self._step(step)
             self.results.append(result)
             if not result.ok:
@@ -106,7 +108,7 @@ class _Run:
     async def _may(self, step: Primitive) -> str | None:
         """None when the step may begin now, else the status that the command ends with."""
         if step.moves or not self.results:
-            self.verdict, capabilities = await self.reins.permit()
+            self.verdict, capabilities = await self.reins.permit(self.plan)
             if self.verdict.decision is not Decision.ALLOW or capabilities is None:
                 return "cancelled" if self.verdict.rule.startswith("command.") else "refused"
             self.mandate = self.mandate or mandate_of(self.plan, capabilities)
@@ -128,8 +130,7 @@ class _Run:
 
     async def _step(self, step: Primitive) -> ActionResult:
         sent_s = time.monotonic()
-        assert self.mandate is not None
-        deadline_s = min(self.reins.step_s, max(0.1, self.mandate.seconds - (sent_s - self.started_s)))
+        deadline_s = min(self.reins.step_s, max(0.1, self.left_s()))
         stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
         ended_by = ""
         try:
@@ -146,6 +147,11 @@ class _Run:
             self.first_motion_s = result.started_s if sent_s <= result.started_s <= time.monotonic() else sent_s
         stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
         return replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result
+
+    def left_s(self) -> float:
+        """Seconds that the next step may take."""
+        assert self.mandate is not None
+        return self.mandate.seconds - (time.monotonic() - self.started_s)
 
     async def _ask_who(self) -> None:
         """Whose stop it was: the driver knows, also when the forum does not."""
@@ -187,11 +193,11 @@ class _Run:
 async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> Execution:
     """Hold the robot's lease for the whole command and do its steps until one does not succeed. Never raises a
     `RobotError`: a robot that cannot be used is a result."""
-    run = _Run(driver, command, plan, reins)
+    run = Run(driver, command, plan, reins)
     status, message = "failed", ""
     try:
         async with contextlib.AsyncExitStack() as stack:
-            await _take(stack, run)
+            await take_lease(stack, run)
             status = await run.steps()
     except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum knows nothing of
         run.stopped_by = e.by
@@ -201,7 +207,7 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Rei
     return run.execution(status, message)
 
 
-async def _take(stack: contextlib.AsyncExitStack, run: _Run) -> None:
+async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
     """Take the robot's lease. An agent that was killed keeps it for a moment longer, so a busy robot is asked again."""
     until_s = time.monotonic() + BUSY_S
     while run.reins.ended() is None:

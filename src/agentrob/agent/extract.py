@@ -15,7 +15,7 @@ from agentrob.minds.mind import Listener, LivingMind, Mind, Reading, read
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.screening import Screened
 from agentrob.minds.usage import Usage
-from agentrob.model import Intent, Plan, Understanding, Verdict
+from agentrob.model import Goal, Intent, Plan, Understanding, Verdict
 
 #: A mind that takes longer is as good as none.
 LIMIT_S = 60.0
@@ -31,7 +31,8 @@ class Thought:
 
     `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
     `minds.faults.Kind`, or one of those above), empty when it was. `usage` is one entry per question to a model, failed
-    ones included. `screened` is what a model had against the command, None where none was asked.
+    ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what needs
+    eyes, and then the plan has only the steps that it names.
     """
 
     understanding: Understanding
@@ -40,6 +41,7 @@ class Thought:
     usage: tuple[Usage, ...] = ()
     fallback: str = ""
     screened: Screened | None = None
+    goal: Goal | None = None
 
 
 async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Thought:

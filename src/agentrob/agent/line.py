@@ -10,6 +10,7 @@ from datetime import datetime
 from typing import Any, TypeVar
 
 from agentrob.agent.extract import Thought
+from agentrob.minds.loop import Looked
 from agentrob.model import Command, StopResult
 
 T = TypeVar("T")
@@ -23,8 +24,8 @@ class Job:
     was. `ended` is a stable word as soon as the command may not go on; `paced`: its account may command now; while it
     is `held`, others go before it. `stop`
     brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
-    `thought` is what was made of it, as soon as that is known; `status` is its status post, `task` what carries it
-    through.
+    `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `status` is
+    its status post, `task` what carries it through.
     """
 
     command: Command
@@ -40,6 +41,7 @@ class Job:
     stop: asyncio.Task[StopResult | None] | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
     thought: Thought | None = None
+    looked: Looked | None = None
     status: Any = None
     task: asyncio.Task[None] | None = None
     _changed: asyncio.Event = field(default_factory=asyncio.Event)

@@ -40,7 +40,7 @@ def judge(command: Command, plan: Plan, author: Account, capabilities: Capabilit
 
 
 async def permission(
-    forum: Forum, driver: DriverClient, command: Command, plan: Plan, terms: Terms
+    forum: Forum, driver: DriverClient, command: Command, terms: Terms, plan: Plan
 ) -> tuple[Verdict, Capabilities | None]:
     """Read the post, its author and the robot's limits anew and judge again; also the limits that were judged by.
 

@@ -81,6 +81,7 @@ class Presence:
             "board": self._settings.boards[0] if self._settings.boards else "",
             "simulated": self._settings.simulated,
             "can_reset": bool(self._settings.room_reset),
+            "camera": bool(self._settings.room_camera),
         }
 
 

@@ -76,6 +76,8 @@ def short(report: Report) -> str:
 def _head(report: Report) -> str:
     language = report.command.language
     match report.status:
+        case "done" | "failed" if report.goal:
+            return say(f"goal.{report.status}", language, goal=report.goal)
         case "answered":
             return ""
         case "failed":
@@ -101,7 +103,8 @@ def _why(report: Report) -> str:
         said.append(disarmed(verdict.reason))
     if report.message and report.status != "stopped":
         said.append(report.message if report.status == "answered" else disarmed(report.message))
-    if (last := _decisive(report.results)) is not None and report.status not in ("done", "stopped"):
+    last = _decisive(report.results[-1:] if report.goal else report.results)  # on the way to a goal it may go on
+    if last is not None and report.status not in ("done", "stopped"):
         said.append(_reason(last, language))
     if report.status == "refused" and verdict is not None:
         said.append(say("rule", language, rule=verdict.rule))

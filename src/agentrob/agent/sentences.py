@@ -17,6 +17,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "done": ("**Done.**", "**完成。**"),
     "failed": ("**Failed** at step {step}.", "**失败**：停在第 {step} 步。"),
     "failed.before": ("**Failed** before anything moved.", "**失败**：还没有任何动作。"),
+    "goal.done": ("**Finished:** {goal}.", "**结束：** {goal}。"),
+    "goal.failed": ("**Not reached:** {goal}.", "**未达成：** {goal}。"),
     "refused": ("**Refused.**", "**拒绝执行。**"),
     "asks_back": ("**I need to ask.**", "**需要确认。**"),
     "stopped": ("**Stopped.**", "**已停下。**"),

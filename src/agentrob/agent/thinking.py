@@ -11,6 +11,7 @@ from pydantic import TypeAdapter
 from agentrob.agent.extract import OVER, Thought, by_rules, extract
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job
+from agentrob.agent.look_goal import eyes, goal_for, honest, in_words, judged_plan
 from agentrob.agent.permission import Terms, chain_refusal, judge
 from agentrob.agent.status import insist
 from agentrob.config import RobotConfig
@@ -23,7 +24,7 @@ from agentrob.minds.chat import ChatModel
 from agentrob.minds.mind import Listener, Mind
 from agentrob.minds.model_mind import ModelMind
 from agentrob.minds.screening import Screened, narrowed, screen_by_model
-from agentrob.model import Capabilities, Decision, Intent, Plan
+from agentrob.model import Capabilities, Command, Decision, Intent, Plan, Understanding
 from agentrob.robots.client import DriverClient
 
 _THOUGHT = TypeAdapter(Thought)
@@ -45,6 +46,11 @@ class Thinking:
         """The model behind the mind, if there is one."""
         return self.mind.model if isinstance(self.mind, ModelMind) else None
 
+    @property
+    def eyes(self) -> ChatModel | None:
+        """The model that may steer the robot by its camera, if the owner allows one."""
+        return eyes(self.model, self.settings)
+
     async def think(self, job: Job, terms: Terms) -> Thought:
         """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
         is ended."""
@@ -61,21 +67,37 @@ class Thinking:
         others = tuple(name for name in mentions(command.text) if name not in self.names)
         listener = Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
         history = await self.journal.history(command.topic_id)
-        if may(command.author, "command").decision is not Decision.ALLOW:  # whose words move nothing cost nothing
-            thought = await by_rules(command.text, listener, history)
-        else:
+        thought = await self._goal(command, listener, history)
+        if thought is None and may(command.author, "command").decision is not Decision.ALLOW:
+            thought = await by_rules(command.text, listener, history)  # whose words move nothing cost nothing
+        if thought is None:
             reading = extract(self.mind, command.text, listener, history)
             thought = await job.unless_ended(reading) or await by_rules(command.text, listener, history, OVER)
+        if self.eyes is not None:
+            thought = replace(thought, understanding=honest(thought.understanding))
         understood = thought.understanding
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
             chained = await insist(partial(chain_refusal, self.forum, command))
-            verdict = chained or judge(command, understood.plan, command.author, capabilities, terms)
+            plan = judged_plan(thought.goal) if thought.goal else understood.plan
+            verdict = chained or judge(command, plan, command.author, capabilities, terms)
             thought = replace(thought, verdict=verdict)
             thought = await self._looked_at(job, thought, listener, capabilities, history)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             thought = replace(thought, verdict=harm_of(command.text, understood.language))
         return _THOUGHT.dump_json(thought).decode()
+
+    async def _goal(self, command: Command, listener: Listener, history: Sequence[Plan]) -> Thought | None:
+        """The thought when the post is a goal for eyes that this robot has."""
+        if self.eyes is None:
+            return None
+        thought = await by_rules(command.text, listener, history)
+        understood = thought.understanding
+        if (goal := goal_for(command.text, listener, understood)) is None:
+            return None
+        return replace(
+            thought, goal=goal, understanding=Understanding(Intent.COMMAND, understood.language, Plan(goal.steps))
+        )
 
     async def _looked_at(
         self, job: Job, thought: Thought, listener: Listener, capabilities: Capabilities, history: Sequence[Plan]
@@ -90,8 +112,9 @@ class Thinking:
             screened = Screened(self.mind.name, failed=thought.fallback)
         elif self.model is not None:
             part = part_for(job.command.text, listener.names, listener.others)
+            told = in_words(thought.goal, "en") if thought.goal else ""
             looking = screen_by_model(
-                self.model, part, plan, capabilities, language, history, settings.scene, spent=thought.usage
+                self.model, part, plan, capabilities, language, history, settings.scene, spent=thought.usage, goal=told
             )
             screened = await job.unless_ended(looking)
         usage = (*thought.usage, *(screened.usage if screened else ()))

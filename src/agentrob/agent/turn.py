@@ -40,6 +40,7 @@ from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
+from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
 from agentrob.model import Account, Command, Decision, Post, StopResult
 from agentrob.robots.client import DriverClient
@@ -47,7 +48,7 @@ from agentrob.robots.client import DriverClient
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
 LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
-LAST_WORDS_S = 1.5
+LAST_WORDS_S = 2.5
 DRIVER_WAIT_S = 5.0
 _log = structlog.get_logger()
 
@@ -68,6 +69,7 @@ class RobotAgent:
         data: Path,
         store: ImageStore | None = None,
     ) -> None:
+        prepare_screen()  # not while it serves: stops would wait
         self.name = name
         self.settings = settings
         self.forum = forum

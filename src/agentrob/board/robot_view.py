@@ -13,7 +13,7 @@ from agentrob.board.services import Services
 from agentrob.board.stage import LIVE_FOR
 from agentrob.model import Account
 
-_KNOWN = {"model", "ops", "limits", "state", "battery_percent", "board", "simulated", "can_reset"}
+_KNOWN = {"model", "ops", "limits", "state", "battery_percent", "board", "simulated", "can_reset", "camera"}
 _LIMITS = {
     "speed_mps": ("Speed", "m/s"),
     "turn_dps": ("Turning", "°/s"),
@@ -29,6 +29,7 @@ _OPS = {"get_front_image": "take a photo", "hello": "wave"}
 @dataclass(frozen=True, slots=True)
 class RobotView:
     """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
+    `camera`: there may be live pictures, unless its card says that there are none.
 
     `limits` and `facts` are (name, value) in words for people; `facts` are what else the card says.
     """
@@ -42,6 +43,7 @@ class RobotView:
     battery: int | None = None
     board: str = ""
     can_reset: bool = False
+    camera: bool = True
     ops: tuple[str, ...] = ()
     limits: tuple[tuple[str, str], ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
@@ -63,6 +65,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         battery=_percent(card.get("battery_percent")),
         board=_words(card.get("board")),
         can_reset=card.get("can_reset") is True,
+        camera=card.get("camera") is not False,
         ops=tuple(_op(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
         limits=_limits(limits) if isinstance(limits, Mapping) else (),
         facts=tuple((name, value) for name, value in facts[:20] if value),

@@ -11,8 +11,8 @@ import re
 from functools import cache
 
 from agentrob.judge import words_en, words_zh
-from agentrob.judge.harm import plain_words
-from agentrob.judge.patterns import compiled
+from agentrob.judge.harm import CHINESE, ENGLISH, plain_words
+from agentrob.judge.patterns import Phrases, Vocabulary
 from agentrob.judge.sentences import say
 from agentrob.judge.way import clauses, commanded, placed, without_safe_edges
 from agentrob.language.phrases import quote
@@ -55,7 +55,10 @@ _KIND = re.compile(
     r"(?:dog|doggy|puppy|pup|boy|girl|pet|friends?|guys?|people|team|man|dude|class|robot|manners)\b"
 )
 #: Who somebody is among people ("I'm your neighbour"), not what they may do.
-_MYSELF = r"\b(?:i am|i'm|we are|we're|it's|it is) <det>(?:<person>)|(?:我们?就?是|是我[，,])[^，,。]{0,8}?(?:<who>)"
+_MYSELF = (
+    r"\b(?:i am|i'm|we are|we're|it's|it is) <det>(?:<person>)",
+    r"(?:我们?就?是|是我[，,])[^，,。]{0,8}?(?:<who>)",
+)
 #: Pictures, greetings and other deeds: whom they name is for the other rules.
 _DEED = re.compile(
     r"^(?:please|now|first|just|finally|also|ok|okay|can you|could you|would you|will you|@[\w-]+|\W| )*"
@@ -82,9 +85,9 @@ def said_beside(text: str, plan: Plan, language: Language) -> Verdict | None:
     for clause in clauses(without_safe_edges(plain_words(text))):
         if commanded(clause.said) or _DEED.search(clause.said) or _CARE.search(clause.said):
             continue
-        kind, myself, topics = _patterns()
-        said = myself.sub(" ", kind.sub(" ", clause.said))
-        if topics.search(said) and not placed(clause.said):
+        myself, *topics = _phrases()
+        said = myself.sub(" ", _KIND.sub(" ", clause.said))
+        if any(topic.search(said) for topic in topics) and not placed(clause.said):
             return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, quote(clause.said)))
     return None
 
@@ -94,11 +97,13 @@ _HARMLESS = frozenset([Op.HELLO, Op.HEART, Op.CLAP])
 
 
 @cache
-def _patterns() -> tuple[re.Pattern[str], re.Pattern[str], re.Pattern[str]]:
-    """Kind words, who the author is, and the topics."""
-    topics = compiled(words_en.GROUPS, _EN, words=True).pattern, compiled(words_zh.GROUPS, _ZH, words=False).pattern
-    myself = compiled({**words_zh.GROUPS, **words_en.GROUPS}, [_MYSELF], words=False)
-    return _KIND, myself, re.compile("|".join(topics))
+def _phrases() -> tuple[Phrases, ...]:
+    """Who the author is, and the topics."""
+    both = Vocabulary({**words_zh.GROUPS, **words_en.GROUPS}, words=False)
+    return Phrases(both, _MYSELF), Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
 
 
-_patterns()  # compiled when a process begins
+def prepare() -> None:
+    """Compile everything, so that nothing is compiled while a process serves."""
+    for phrases in _phrases():
+        phrases.prepare()

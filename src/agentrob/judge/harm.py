@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
 
 from agentrob.judge import words_en, words_zh
-from agentrob.judge.patterns import compiled
+from agentrob.judge.patterns import Phrases, Vocabulary
 from agentrob.judge.sentences import say
 from agentrob.language.phrases import quote
 from agentrob.model import Decision, Language, Verdict
@@ -36,6 +37,8 @@ RULES = {
     "way.unaware": False,
     "people.picture": True,
 }
+ENGLISH = Vocabulary(words_en.GROUPS, words=True)
+CHINESE = Vocabulary(words_zh.GROUPS, words=False, letters="[\u3400-\u9fff]")
 #: A handle, with the word before it where something is done to whom it names.
 _MENTION = re.compile(
     r"(?:\b(at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against"
@@ -77,22 +80,27 @@ def plain_words(text: str) -> str:
     return re.sub(r"[^\S\n]+", " ", unnamed)
 
 
+def prepare() -> None:
+    """Compile everything (about 0.4 s), so that nothing is compiled while a process serves: stops would wait for it."""
+    for rule in RULES:
+        for doubts in (False, True):
+            for phrases, _ in _phrases(rule, doubts):
+                phrases.prepare()
+
+
 def _found(rule: str, plain: str, doubts: bool) -> Iterator[tuple[str, bool]]:
     """The words that break a rule, and whether a "not" stands before them."""
-    for pattern, denial in _PATTERNS[rule, doubts]:
-        for match in pattern.finditer(plain):
+    for phrases, denial in _phrases(rule, doubts):
+        for match in phrases.finditer(plain):
             before = plain[max(0, match.start() - 60) : match.start()]
             yield match[0], denial.search(before) is not None
 
 
-def _compiled(rule: str, doubts: bool) -> tuple[tuple[re.Pattern[str], re.Pattern[str]], ...]:
+@cache
+def _phrases(rule: str, doubts: bool) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
     made = []
-    for tongue, words in ((words_en, True), (words_zh, False)):
+    for vocabulary, tongue in ((ENGLISH, words_en), (CHINESE, words_zh)):
         phrases = [phrase.removeprefix(DOUBT) for phrase in tongue.RULES[rule] if phrase.startswith(DOUBT) is doubts]
         if phrases:
-            made.append((compiled(tongue.GROUPS, phrases, words=words), re.compile(tongue.DENIED)))
+            made.append((Phrases(vocabulary, phrases), re.compile(tongue.DENIED)))
     return tuple(made)
-
-
-#: Compiled when a process begins (about 0.4 s): not while it serves, since stops must not wait for it.
-_PATTERNS = {(rule, doubts): _compiled(rule, doubts) for rule in RULES for doubts in (False, True)}

@@ -2,13 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 
-from agentrob.model import ActionResult, Capabilities, Mandate, Outcome, Plan, Primitive
+from agentrob.model import (
+    ActionResult,
+    Aim,
+    Capabilities,
+    Direction,
+    Goal,
+    Mandate,
+    Op,
+    Outcome,
+    Plan,
+    Primitive,
+)
 
 #: Sums of decimal fractions are not exact; a tenth of a millimetre or degree is not an excess.
 ROUNDING = 1e-4
+#: What the parts of a goal imply: nothing walks that only has to look.
+_IMPLIED = {
+    Aim.APPROACH: (Op.MOVE, Op.TURN),
+    Aim.FACE: (Op.TURN,),
+    Aim.FIND: (Op.TURN,),
+    Aim.LOOK: (),
+    Aim.STEP: (),
+}
 
 
 def mandate_of(plan: Plan, capabilities: Capabilities) -> Mandate:
@@ -22,25 +42,78 @@ def mandate_of(plan: Plan, capabilities: Capabilities) -> Mandate:
     )
 
 
+def goal_mandate(goal: Goal, most: Mandate, capabilities: Capabilities) -> Mandate:
+    """The mandate of a screened goal: the operations that it implies, within `most` and the limits of a command.
+
+    `most` is what the robot's owner allows for looking: metres, degrees, seconds, steps, speed, pictures in `calls`.
+    The steps that the goal names come on top, as often as they are named, within the same limits.
+    """
+    limits, named = capabilities.limits, Plan(goal.steps)
+    searching = {op for task in goal.tasks for op in _implied(task.aim, task.where)} & capabilities.ops
+    motions = min(most.steps, limits.command_steps)
+    calls = Counter(step.op for step in goal.steps)
+    calls.update(dict.fromkeys(searching, motions))
+    calls[Op.GET_FRONT_IMAGE] += most.calls.get(Op.GET_FRONT_IMAGE, 0)
+    looking_m = most.distance_m if Op.MOVE in searching else 0.0
+    looking_deg = most.degrees if Op.TURN in searching else 0.0
+    return Mandate(
+        calls={op: min(count, most.steps) for op, count in calls.items() if count},
+        distance_m=min(looking_m + named.distance_m, limits.command_m),
+        degrees=looking_deg + sum(step.degrees or 0.0 for step in goal.steps),
+        seconds=min(most.seconds, limits.command_s),
+        steps=most.steps,
+        speed_mps=min(most.speed_mps or limits.speed_mps, limits.speed_mps),
+        motions=motions,
+    )
+
+
+def _implied(aim: Aim, where: str) -> tuple[Op, ...]:
+    return (Op.TURN,) if aim is Aim.LOOK and where else _IMPLIED[aim]
+
+
 def within(mandate: Mandate, used: Sequence[ActionResult], step: Primitive) -> str | None:
     """Why `step` would exceed the mandate after `used`, in English, or None when it is within.
+
+    A step that is no step, by an amount below zero or none where one belongs, is never within.
 
     Steps count by what was asked of them, whatever came of it: an attempt is used up. Only skipped ones do not count.
     """
     tried = [result for result in used if result.outcome is not Outcome.SKIPPED]
     steps = [*(result.primitive for result in tried), step]
     calls = sum(s.op is step.op for s in steps)
+    motions = sum(s.moves for s in steps)
     distance_m = sum(s.distance_m or 0.0 for s in steps)
     degrees = sum(s.degrees or 0.0 for s in steps)
     seconds = sum(result.duration_s for result in tried)
+    if not _plain(step):
+        return f"{step.op} {step.asked()} is no step that can be done."
     if len(steps) > mandate.steps:
         return f"The command allows {mandate.steps} steps; this would be step {len(steps)}."
+    if step.moves and mandate.motions is not None and motions > mandate.motions:
+        return f"The command allows {mandate.motions} motions; this would be motion {motions}."
     if calls > mandate.calls.get(step.op, 0):
         return f"The command allows {step.op} {mandate.calls.get(step.op, 0)} times; this would be time {calls}."
     if not distance_m <= mandate.distance_m + ROUNDING:
         return f"The command allows {mandate.distance_m:.2f} m in all; this would make {distance_m:.2f} m."
     if not degrees <= mandate.degrees + ROUNDING:
         return f"The command allows {mandate.degrees:.0f}° in all; this would make {degrees:.0f}°."
+    if step.op is Op.MOVE and mandate.speed_mps is not None and not (step.speed_mps or math.inf) <= mandate.speed_mps:
+        return f"The command allows {mandate.speed_mps:g} m/s at most."
     if seconds >= mandate.seconds:
         return f"The command's time of {mandate.seconds:.0f} s is used up."
     return None
+
+
+def _plain(step: Primitive) -> bool:
+    """Amounts are numbers above zero and stand only where they belong: a walk back would be room for a longer one."""
+    if step.op is Op.MOVE:
+        speed = (step.speed_mps,) if step.speed_mps is not None else ()
+        return step.direction is not None and step.degrees is None and all(map(_positive, (step.distance_m, *speed)))
+    if step.op is Op.TURN:
+        sides = (Direction.LEFT, Direction.RIGHT)
+        return step.direction in sides and step.distance_m is None and _positive(step.degrees)
+    return step == Primitive(step.op)
+
+
+def _positive(amount: float | None) -> bool:
+    return amount is not None and math.isfinite(amount) and amount > 0

@@ -165,4 +165,6 @@ def _patterns() -> tuple[tuple[str, str, re.Pattern[str], tuple[re.Pattern[str],
     )
 
 
-_patterns()  # compiled when a process begins
+def prepare() -> None:
+    """Compile everything, so that nothing is compiled while a process serves."""
+    _patterns()

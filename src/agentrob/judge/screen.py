@@ -16,6 +16,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from agentrob.judge import beside, harm, way
+from agentrob.judge import scene as places
 from agentrob.judge.beside import said_beside
 from agentrob.judge.estimate import seconds_of, step_seconds
 from agentrob.judge.harm import doubt_of, harm_of
@@ -23,8 +25,17 @@ from agentrob.judge.rights import may
 from agentrob.judge.scene import harm_in_scene
 from agentrob.judge.way import in_the_way
 from agentrob.language.phrases import say
-from agentrob.language.render import sentence, step_sentence
+from agentrob.language.render import deeds, sentence, step_sentence
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, Verdict
+
+
+def prepare() -> None:
+    """Compile all words that are looked for (about half a second): to be done before a process serves.
+
+    A screen that was not prepared finds the same, and compiles for each text what it may hold.
+    """
+    for room in (harm, way, beside, places):
+        room.prepare()
 
 
 def screen(
@@ -81,14 +92,8 @@ def _objections(
 def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:
     missing = [step for step in dict.fromkeys(plan.steps) if step.op not in capabilities.ops]
     if missing:
-        # Walks and turns by their names alone: their amounts have nothing to do with what a robot can do.
-        can = [step_sentence(Primitive(op), language) for op in Op if op in capabilities.ops and not _has_amount(op)]
-        names = [say(f"verb.{op}", language) for op in (Op.MOVE, Op.TURN) if op in capabilities.ops]
-        joint = say("list.joint", language)
-        yield (
-            "ops.unknown",
-            say("refuse.ops", language, steps=sentence(missing, language), can=joint.join([*names, *can])),
-        )
+        known = deeds(capabilities.ops, language)
+        yield "ops.unknown", say("refuse.ops", language, steps=sentence(missing, language), can=known)
     for step in plan.steps:
         if step.op is Op.MOVE and step.direction not in capabilities.move_directions:
             can = [say(f"direction.{d}", language) for d in sorted(capabilities.move_directions)]
@@ -101,10 +106,6 @@ def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> I
                     can=say("list.joint", language).join(can),
                 ),
             )
-
-
-def _has_amount(op: Op) -> bool:
-    return op in (Op.MOVE, Op.TURN)
 
 
 def _well_formed(step: Primitive) -> bool:

@@ -12,9 +12,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
-from agentrob.judge import words_en, words_zh
-from agentrob.judge.harm import plain_words
-from agentrob.judge.patterns import compiled
+from agentrob.judge.harm import CHINESE, ENGLISH, plain_words
+from agentrob.judge.patterns import Phrases
 from agentrob.judge.sentences import say
 from agentrob.language.amounts import with_amounts
 from agentrob.language.languages import tongue
@@ -299,13 +298,26 @@ _ZH = {
 }
 
 
+class _Said:
+    """What is looked for in both languages."""
+
+    def __init__(self, name: str) -> None:
+        self._phrases = Phrases(ENGLISH, _EN[name]), Phrases(CHINESE, _ZH[name])
+
+    def search(self, said: str) -> bool:
+        return any(phrases.search(said) for phrases in self._phrases)
+
+    def prepare(self) -> None:
+        for phrases in self._phrases:
+            phrases.prepare()
+
+
 @cache
-def _patterns() -> Mapping[str, re.Pattern[str]]:
-    made = {}
-    for name, phrases in _EN.items():
-        english = compiled(words_en.GROUPS, phrases, words=True).pattern
-        made[name] = re.compile(f"{english}|{compiled(words_zh.GROUPS, _ZH[name], words=False).pattern}")
-    return made
+def _patterns() -> Mapping[str, _Said]:
+    return {name: _Said(name) for name in _EN}
 
 
-_patterns()  # compiled when a process begins
+def prepare() -> None:
+    """Compile everything, so that nothing is compiled while a process serves."""
+    for said in _patterns().values():
+        said.prepare()

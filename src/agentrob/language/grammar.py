@@ -23,6 +23,7 @@ from agentrob.language.languages import language_of, tongue
 from agentrob.language.lexicon import Lexicon, tokens_of
 from agentrob.language.phrases import quote, say
 from agentrob.language.render import outline, sentence
+from agentrob.language.stated import without_statements
 from agentrob.language.steps import Reading, read
 from agentrob.language.stop import stop_intent
 from agentrob.language.talk import Talk, talk_in
@@ -76,7 +77,7 @@ def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk |
 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
     words = tongue(language).words
-    called = _without_names(part, names, words)
+    called = _without_names(without_statements(part, tongue(language).stated), names, words)
     tokens, mistyped = tokens_of(called, words)
     return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
 

@@ -91,6 +91,7 @@ PHRASES = {
         "`help` shows what I can do, and `status` how I am; what I see I cannot tell without a vision model, "
         "but where I have a camera `take a photo` shows it."
     ),
+    "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
     "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
     "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",
     # ---------------------------------------------------------------- rights

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -71,5 +73,11 @@ def _objects(text: str) -> Iterator[dict[str, Any]]:
 
 
 def schema_of(kind: type[BaseModel]) -> dict[str, Any]:
-    """The JSON schema of an answer or of a tool's arguments."""
+    """The JSON schema of an answer or of a tool's arguments; a copy of its own for each caller."""
+    return deepcopy(_schema_of(kind))
+
+
+@lru_cache(maxsize=64)
+def _schema_of(kind: type[BaseModel]) -> dict[str, Any]:
+    """Made once: in a loop, the same tools are told in every turn."""
     return kind.model_json_schema()

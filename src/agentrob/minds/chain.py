@@ -41,6 +41,11 @@ class ChatChain:
     ) -> Answer[Replied]:
         return await self._first(lambda m, used: m.turn(system_prompt, conversation, tools, used), spent)
 
+    def seeing(self) -> ChatChain | None:
+        """Those of the models that take pictures; None when the first of them does not."""
+        seers = [m for m in self._models if not isinstance(m, ConfiguredModel) or m.config.images]
+        return ChatChain(seers) if seers[:1] == list(self._models[:1]) else None
+
     async def prepare(self) -> None:
         for model in self._models:
             await model.prepare()

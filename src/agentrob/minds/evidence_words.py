@@ -28,8 +28,11 @@ ACTIONS: dict[str, tuple[Op, ...]] = _table(
         "wave|waving|greet|say hello|say hi|greeting|hello|打招呼|打个招呼|招手|挥手|挥挥手|问好|问个好|你好": (
             Op.HELLO,
         ),
-        "shake hands|shake hand|shake my hand|握手|握个手|握握手": (Op.SHAKE, Op.HELLO),
-        "clap|clapping|clap hands|applaud|applause|鼓掌|鼓个掌|鼓鼓掌|拍手|拍拍手": (Op.CLAP,),
+        "shake hands|shake hand|shake my hand|shake a hand|handshake|shake paws|shake paw|"
+        "offer your hand|give me your hand|give me your paw|give paw|give me a paw|offer your paw|"
+        "握手|握个手|握握手|握一握手|握一下手|伸出手|伸爪子|给个爪子": (Op.SHAKE, Op.HELLO),
+        "clap|clapping|clap hands|applaud|applause|"
+        "鼓掌|鼓个掌|鼓鼓掌|拍手|拍拍手|拍个手|拍一拍手|拍一下手|拍掌|拍拍掌|拍巴掌": (Op.CLAP,),
         "heart|make a heart|show love|比心|比个心|爱心|画心|画个心": (Op.HEART,),
         "backflip|back flip|flip|somersault|后空翻|空翻|翻跟头|翻个跟头|跟斗": (Op.BACKFLIP,),
         "sit|sit down|have a seat|take a seat|坐|坐下": (Op.SIT,),

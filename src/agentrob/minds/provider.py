@@ -34,6 +34,7 @@ from pydantic_ai.settings import ModelSettings
 from pydantic_ai.tools import ToolDefinition
 
 from agentrob.config import MindConfig
+from agentrob.minds.calls import schema_of
 from agentrob.minds.chat import Message, Replied, Returned, Said, Tool, ToolCall
 from agentrob.minds.faults import Kind, MindFault, said
 from agentrob.minds.wire import TooBig, client
@@ -205,7 +206,7 @@ def _definition(tool: Tool, is_output: bool) -> ToolDefinition:
     return ToolDefinition(
         name=tool.name,
         description=tool.description,
-        parameters_json_schema=tool.arguments.model_json_schema(),
+        parameters_json_schema=schema_of(tool.arguments),
         kind="output" if is_output else "function",
     )
 

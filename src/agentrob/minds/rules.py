@@ -7,13 +7,14 @@ from dataclasses import replace
 
 from agentrob.language.again import Background
 from agentrob.language.grammar import parse, talk_of
+from agentrob.language.phrases import say
 from agentrob.language.talk import Talk
 from agentrob.minds.mind import Listener
 from agentrob.model import Intent, Plan, Understanding
 
 #: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.
 PACE_MPS = 0.3
-#: Who greets is answered as one who asks: with what can be said.
+#: Who greets is answered as one who asks, with a greeting.
 _TALK: dict[Talk | None, Intent] = {
     Talk.CANCEL: Intent.CANCEL,
     Talk.QUESTION: Intent.QUESTION,
@@ -36,4 +37,6 @@ class RulesMind:
         talk = talk_of(text, listener.names, listener.others)
         if understood.intent is Intent.COMMAND:
             return replace(understood, cancels=talk is Talk.CANCEL)
-        return replace(understood, intent=_TALK.get(talk, Intent.NOTHING), cancels=talk is Talk.CANCEL)
+        greeting = say("talk.greeting", understood.language) if talk is Talk.GREETING else ""
+        intent = _TALK.get(talk, Intent.NOTHING)
+        return replace(understood, intent=intent, question=greeting, cancels=talk is Talk.CANCEL)

@@ -70,13 +70,15 @@ async def screen_by_model(
     scene: str = "",
     spent: Sequence[Usage] = (),
     limit_s: float = LIMIT_S,
+    goal: str = "",
 ) -> Screened:
-    """Ask a model about a command. `text` is the part of the post for this robot, `scene` what is known to be around.
+    """Ask a model about a command. `text` is the part of the post for this robot, `scene` what is known to be around,
+    `goal` in our words what is to be looked for, with the plan's steps in it.
 
     Never raises for a model that fails.
     """
     part = clean(text)
-    message = _message(part, plan, capabilities, history, scene)
+    message = _message(part, goal or sentence(plan, "en"), capabilities, history, scene)
     try:
         async with asyncio.timeout(limit_s):
             answer = await model.answer(prompt_file("screen"), message, Judgement, spent=spent)
@@ -119,11 +121,11 @@ def harms() -> tuple[str, ...]:
     return get_args(Harm)
 
 
-def _message(part: str, plan: Plan, capabilities: Capabilities, history: Sequence[Plan], scene: str) -> str:
+def _message(part: str, understood: str, capabilities: Capabilities, history: Sequence[Plan], scene: str) -> str:
     limits = capabilities.limits
     facts: dict[str, Any] = {
         "robot": capabilities.model,
-        "it understood": sentence(plan, "en"),
+        "it understood": understood,
         "done before in this thread, oldest first": [sentence(p, "en") for p in history[-HISTORY_PLANS:]],
         "its speed is at most": f"{limits.speed_mps:g} m/s",
     }

@@ -17,14 +17,14 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
 from agentrob.config import RobotConfig, default_data_dir, runtime_dir
-from agentrob.errors import ConfigError, RobotBusy, RobotError
+from agentrob.errors import RobotBusy, RobotError
 from agentrob.hostlock import HostLock
 from agentrob.model import ActionResult, Primitive, RobotState, StopResult
+from agentrob.plugins import find
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
 from agentrob.robots.lease import Leases
@@ -143,10 +143,7 @@ def lock_name(name: str, settings: RobotConfig) -> str:
 
 def make_robot(settings: RobotConfig) -> Robot:
     """The robot of the entry point (`agentrob.robots`) that the settings name. Raises `ConfigError`."""
-    found = {e.name: e for e in entry_points(group="agentrob.robots")}
-    if settings.model not in found:
-        raise ConfigError(f"no robot model {settings.model!r} is installed; there are: {', '.join(sorted(found))}")
-    robot: Robot = found[settings.model].load()(settings)
+    robot: Robot = find("robots", settings.model)(settings)
     return robot
 
 

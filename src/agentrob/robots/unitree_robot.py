@@ -136,7 +136,10 @@ def read(message: Any) -> RobotState:
     """Pose, velocity and attitude of a `SportModeState_`, as a state of age 0 without ranges and mode."""
     w, x, y, z = (float(v) for v in message.imu_state.quaternion)
     attitude = w * w + x * x + y * y + z * z > 0.5
-    pose = Pose(float(message.position[0]), float(message.position[1]), float(message.imu_state.rpy[2]))
+    yaw = float(message.imu_state.rpy[2])
+    if attitude and math.isfinite(yaw):  # Unitree's C++ library fills the quaternion alone
+        yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    pose = Pose(float(message.position[0]), float(message.position[1]), yaw)
     vx, vy, turning = float(message.velocity[0]), float(message.velocity[1]), float(message.yaw_speed)
     return RobotState(
         age_s=0.0,

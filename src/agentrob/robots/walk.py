@@ -199,7 +199,8 @@ def judge(primitive: Primitive, measured: Mapping[str, float], how: str, *, stop
     turn = primitive.op is Op.TURN
     asked = (primitive.degrees if turn else primitive.distance_m) or 0.0
     got = measured["degrees" if turn else "distance_m"]
-    pair = f"Asked {asked:g}°, measured {got:.1f}°" if turn else f"Asked {asked:g} m, measured {got:.2f} m"
+    shown = (round(got, 1) if turn else round(got, 2)) + 0.0  # a negative zero becomes one without sign
+    pair = f"Asked {asked:g}°, measured {shown:.1f}°" if turn else f"Asked {asked:g} m, measured {shown:.2f} m"
     if stopped:
         return Outcome.STOPPED, how, f"{pair}: stopped ({how.replace('_', ' ')})."
     allowed = (TOLERANCE_DEG if turn else TOLERANCE_M) + TOLERANCE_SHARE * asked

@@ -18,6 +18,7 @@ from agentrob.sim.services import INTERNAL, NOT_IMPLEMENTED, OK, Call, Service  
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__SportModeState_, unitree_hg_msg_dds__LowState_
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 from unitree_sdk2py.idl.unitree_hg.msg.dds_ import LowState_
+from unitree_sdk2py.utils.crc import CRC
 
 from agentrob.sim import sensors
 from agentrob.sim.faults import Faults, Trouble
@@ -44,6 +45,7 @@ class G1Services:
         self._trouble = Trouble(body)
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = unitree_hg_msg_dds__LowState_()
+        self._checksum = CRC()  # without it Unitree's own C++ library takes the message for broken
         self._state_out = node.writer("rt/odommodestate", SportModeState_)
         self._low_out = node.writer("rt/lowstate", LowState_)
         self._services = (
@@ -132,3 +134,4 @@ class G1Services:
         imu.rpy, imu.quaternion = felt.rpy, felt.quaternion
         imu.gyroscope, imu.accelerometer = felt.gyroscope, felt.accelerometer
         low.tick = self._ticks * round(PERIOD_S * 1000)
+        low.crc = self._checksum.Crc(low)

@@ -14,6 +14,7 @@ from agentrob.sim.services import INTERNAL, NOT_IMPLEMENTED, OK, Call, Node, Ser
 # isort: split
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__LowState_, unitree_go_msg_dds__SportModeState_
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
+from unitree_sdk2py.utils.crc import CRC
 
 from agentrob.sim import sensors
 from agentrob.sim.cameras import Cameras
@@ -64,6 +65,7 @@ class Go2Services:
         self._ticks = 0
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = unitree_go_msg_dds__LowState_()
+        self._checksum = CRC()  # without it Unitree's own C++ library takes the message for broken
         self._state_out = node.writer("rt/sportmodestate", SportModeState_)
         self._low_out = node.writer("rt/lowstate", LowState_)
         self._services = (
@@ -181,6 +183,7 @@ class Go2Services:
         low.bms_state.current = -round(1000 * self._battery.power_w / self._battery.volts)
         low.power_v, low.power_a = self._battery.volts, self._battery.power_w / self._battery.volts
         low.tick = self._ticks * round(PERIOD_S * 1000)
+        low.crc = self._checksum.Crc(low)
 
 
 def spoil_picture(call: Call, faults: Faults) -> bool:

@@ -208,4 +208,19 @@ def _value(numeral: str) -> float | None:
 
 
 LEXICON = lexicon("zh", TABLE, number, numerals=_NUMERALS, twins=_TWINS, extends=en.LEXICON)
-TONGUE = Tongue(LEXICON, PHRASES, script="han", together="你们|你们俩|你们两|你们两个|两位|二位|你俩|你们两位|各位")
+#: Where, perhaps how far, and what is there; not what is asked, only supposed, or commanded in the same breath.
+_STATED = (
+    r"(?:不过|但是?|因为|注意|小心|现在)?(?:在?(?:你|机器人)的?)?[正向往朝]?"
+    r"(?:[前后後左右](?:面|方|边|邊|侧|側|头|頭|手边|手邊)?|[身面跟背][前后後])(?:大约|大約|大概|约|約|不到|再)?"
+    r"(?:[\d.]+|[零〇一二两兩三四五六七八九十百点點半]+)(?:个|個)?(?:厘米|公分|公尺|英尺|米|步|cm|m)(?:半|多|左右)?"
+    r"(?:处|處|外|远|遠|以外|的?地方)?(?:就|都|也)?[是有]"
+    r"(?![不没沒])(?!.*(?:[吗嗎么麼什谁誰哪呢时時就則则]|的话|的話))"
+    r"(?:(?![走跑转轉退停移拍照挥揮跳去到看别別请請向往朝再并並然]|不要|[站坐趴](?![着著在])).){1,12}(?=$|[请請向往朝再并並然])"
+)
+TONGUE = Tongue(
+    LEXICON,
+    PHRASES,
+    script="han",
+    together="你们|你们俩|你们两|你们两个|两位|二位|你俩|你们两位|各位",
+    stated=_STATED,
+)

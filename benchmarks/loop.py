@@ -1,0 +1,213 @@
+"""What one turn of the loop takes of our own, where a model steers a robot by its camera.
+
+    python benchmarks/loop.py [--turns 100] [--camera 640x480]
+
+The model is a server on loopback, in a process of its own, that answers at once; the robot is a fake one in its driver
+process, with a camera of 640 x 480 as the simulated Go2's (pictures beyond 1024 pixels are made smaller, which counts
+as ours). A turn is a question with two pictures, the call checked, post, rights, limits and mandate judged anew, a step
+and a picture through the driver, and the result told. The model's own time and that of the robot and its camera (all
+that the driver's process takes) are measured and left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from agentrob.agent.execute import Reins
+from agentrob.agent.look import look
+from agentrob.agent.look_goal import errand_of
+from agentrob.agent.permission import Terms, permission
+from agentrob.config import LookConfig, MindConfig
+from agentrob.forums.memory import MemoryForum
+from agentrob.minds.chain import ChatChain
+from agentrob.minds.chat import Answer, Message, Replied, Tool
+from agentrob.minds.configured import ConfiguredModel
+from agentrob.model import ActionResult, Aim, Command, Goal, Primitive, Role, Task
+from agentrob.robots.client import DriverClient
+
+SERVER = """
+import json, time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+spent, side = [], ["left", "right"]
+class Handler(BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True
+    def do_POST(self):
+        raw = self.rfile.read(int(self.headers["content-length"]))
+        began = time.perf_counter()
+        side.reverse()
+        arguments = {"direction": side[0], "degrees": 5, "look": True}
+        call = {"id": "c", "type": "function", "function": {"name": "act_turn", "arguments": json.dumps(arguments)}}
+        message = {"role": "assistant", "content": None, "tool_calls": [call]}
+        self.reply({"id": "x", "object": "chat.completion", "created": 1, "model": "m",
+            "choices": [{"index": 0, "finish_reason": "tool_calls", "message": message}],
+            "usage": {"prompt_tokens": 100, "completion_tokens": 20, "total_tokens": 120}}, began)
+    def do_GET(self):
+        self.reply(spent, None)
+    def reply(self, data, began):
+        body = json.dumps(data).encode()
+        if began is not None:
+            spent.append(time.perf_counter() - began)
+        head = f"HTTP/1.1 200 OK\\r\\ncontent-type: application/json\\r\\ncontent-length: {len(body)}\\r\\n\\r\\n"
+        self.wfile.write(head.encode() + body)
+    def log_message(self, *args):
+        pass
+server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+print(server.server_port, flush=True)
+server.serve_forever()
+"""
+DRIVER = """
+import io, json, sys
+from pathlib import Path
+from PIL import Image
+from agentrob.config import RobotConfig
+from agentrob.robots.driver import run_driver
+from agentrob.robots.fake import FakeRobot
+out = io.BytesIO()
+width, height = map(int, sys.argv.pop().split("x"))
+Image.effect_noise((width // 8, height // 8), 40).resize((width, height)).convert("RGB").save(out, "JPEG", quality=80)
+FakeRobot._picture = lambda self: out.getvalue()
+name, settings, socket, data = sys.argv[1:]
+run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
+"""
+ROBOT = "quadruped"
+SETTINGS = {
+    "model": "fake", "simulated": True, "home_on_start": True, "domain": 1 + os.getpid() % 230,
+    "options": {"time_scale": "inf"}, "fence": {"x_min_m": -90, "x_max_m": 90, "y_min_m": -90, "y_max_m": 90},
+}  # fmt: skip
+
+
+class TimedDriver(DriverClient):
+    """Counts the seconds in which the robot and its camera were at work."""
+
+    spent_s = 0.0
+
+    async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
+        began = time.perf_counter()
+        try:
+            return await super().step(lease, primitive, deadline_s)
+        finally:
+            self.spent_s += time.perf_counter() - began
+
+
+class Began(NamedTuple):
+    """When a question was begun, and what the robot and this process had taken until then."""
+
+    at_s: float
+    robot_s: float
+    cpu_s: float
+
+
+class TimedEyes(ChatChain):
+    """Notes when each question to the model begins: from one to the next is a turn."""
+
+    def __init__(self, model: ConfiguredModel, driver: TimedDriver) -> None:
+        super().__init__([model])
+        self.began: list[Began] = []
+        self._driver = driver
+
+    async def turn(
+        self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Any = ()
+    ) -> Answer[Replied]:
+        self.began.append(Began(time.perf_counter(), self._driver.spent_s, time.process_time()))
+        return await super().turn(system_prompt, conversation, tools, spent)
+
+
+async def _measure(port: int, turns: int, socket: Path, folder: Path) -> tuple[list[float], list[float]]:
+    """Seconds of our own in each turn, in which the server's time still is, and of the processor in this process."""
+    world = MemoryForum.world()
+    author = world.sign_in("alice", role=Role.OPERATOR)
+    post = (await author.create_topic("robots", "A topic", f"@{ROBOT} turn towards the door", key="k")).post
+    command = Command(
+        post.id, post.topic_id, post.content_hash, post.author, ROBOT, post.raw, "en", datetime.now(UTC), "trace"
+    )
+    config = MindConfig(provider="compatible", model="m", base_url=f"http://127.0.0.1:{port}/v1")
+    most = config.limits.model_copy(update={"day_tokens": 0, "command_tokens": 0})
+    model = ConfiguredModel("bench", config.model_copy(update={"limits": most}), folder / "minds.sqlite")
+    await model.prepare()
+    found: list[float] = []
+    cpu: list[float] = []
+    async with TimedDriver(ROBOT, socket) as driver:
+        capabilities = await driver.capabilities()
+        while len(found) < turns:
+            eyes = TimedEyes(model, driver)
+            errand = errand_of(Goal((Task(Aim.FACE, "door"),)), eyes, capabilities, LookConfig(pictures=20), "en")
+            reins = _reins(driver, partial(permission, author, driver, command, Terms()))
+            await look(driver, command, errand, reins)
+            pairs = zip(eyes.began[1:-1], eyes.began[2:-1], strict=False)  # the first turns open connections
+            for a, b in pairs:
+                found.append((b.at_s - a.at_s) - (b.robot_s - a.robot_s))
+                cpu.append(b.cpu_s - a.cpu_s)
+    await model.close()
+    return found, cpu
+
+
+def _reins(driver: DriverClient, permit: Any) -> Reins:
+    async def since() -> float:
+        return time.monotonic()
+
+    async def alive() -> bool:
+        return True
+
+    return Reins(
+        since=since, permit=permit, ended=lambda: None, alive=alive, silent=lambda: False, stop=driver.stop,
+        on_step=lambda *_: None,
+    )  # fmt: skip
+
+
+def _server_s(port: int) -> float:
+    import httpx2
+
+    times: list[float] = httpx2.get(f"http://127.0.0.1:{port}/", trust_env=False).json()
+    return statistics.median(times)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--turns", type=int, default=100)
+    parser.add_argument("--camera", default="640x480")
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        socket = folder / "robot.sock"
+        started = [sys.executable, "-c", DRIVER, ROBOT, json.dumps(SETTINGS), str(socket), name, given.camera]
+        server = subprocess.Popen([sys.executable, "-c", SERVER], stdout=subprocess.PIPE, text=True)
+        driver = subprocess.Popen(started, stdout=subprocess.PIPE, text=True)
+        try:
+            assert server.stdout is not None
+            assert driver.stdout is not None
+            port = int(server.stdout.readline())
+            assert driver.stdout.readline()
+            seconds, cpu = asyncio.run(_measure(port, given.turns, socket, folder))
+            served_s = _server_s(port)
+        finally:
+            for process in (driver, server):
+                process.terminate()
+                process.wait()
+    print("| what | times | p50 | p95 | worst |\n|---|---|---|---|---|")
+    print(_row("our own part of a turn of the loop", [s - served_s for s in seconds]))
+    print(_row("of this on the processor", cpu))
+
+
+def _row(name: str, seconds: list[float]) -> str:
+    ordered = sorted(seconds)
+    p95 = ordered[int(0.95 * (len(ordered) - 1))]
+    median = statistics.median(ordered)
+    return f"| {name} | {len(ordered)} | {median * 1e3:.1f} ms | {p95 * 1e3:.1f} ms | {ordered[-1] * 1e3:.1f} ms |"
+
+
+if __name__ == "__main__":
+    main()
