@@ -7,16 +7,19 @@ import sys
 
 
 def main() -> None:
-    from agentrob.mcp.quick import quick_imports
+    from agentrob.quick import quick_imports
 
-    with quick_imports():
+    with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
         from agentrob.app import log_to_stderr
         from agentrob.forums.memory import MemoryForum
         from agentrob.mcp.identity import Accounts, Identity, Rights
         from agentrob.mcp.stdio import run
+
+        if "--http" in sys.argv:
+            import agentrob.mcp.streamable  # noqa: F401
+        log_to_stderr()
         from agentrob.model import Role
 
-    log_to_stderr()
     world = MemoryForum.world()
     forum = world.sign_in("admin", role=Role.ADMIN)
 

@@ -407,9 +407,13 @@ def describe_plan(facts: dict[str, Any]) -> str:
 # ---------------------------------------------------------------------- MCP
 def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
     """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
-    from agentrob.mcp import wiring
+    from agentrob.quick import quick_imports
 
-    log_to_stderr()
+    with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
+        from agentrob.mcp import wiring
+
+        log_to_stderr()
+        wiring.prepare(http)
 
     def open_forum(token: str) -> Forum:
         return make_forum(config, token)

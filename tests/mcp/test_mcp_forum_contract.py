@@ -14,6 +14,7 @@ from inside import ALL, server_of
 from mcp.client.client import Client
 from running_mcp import McpSetup
 
+from agentrob.board import admin
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumUnreachable
 from agentrob.forums.contract import ForumContract, World
@@ -69,15 +70,25 @@ class BoardMcpWorld(BoardWorld):
 
     def __init__(self, setup: McpSetup, http: bool) -> None:
         super().__init__(setup.board)
-        self.setup, self.http, self.open = setup, http, AsyncExitStack()
+        self.setup, self.http, self.open, self.url = setup, http, AsyncExitStack(), ""
+
+    def _serve(self) -> str:
+        """One server for everybody that the contract knows."""
+        served = McpSetup(self.board, self.setup.folder, {"listen": "127.0.0.1:0"})
+        for name in ("alice", "bob", "quadruped", "admin"):
+            if name not in self.board.tokens:
+                self.board.add(name)
+            served.user(name, write=True, toolsets=["core", "social", "admin"])
+        return self.open.enter_context(served.http())
 
     async def sign_in(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER) -> Any:
         await super().sign_in(name, kind=kind, role=role)
         if self.http:
-            served = McpSetup(self.board, self.setup.folder, {"listen": "127.0.0.1:0"})
-            served.user(name, write=True, toolsets=["core", "social", "admin"])
-            url = await asyncio.to_thread(self.open.enter_context, served.http())
-            forum = McpForum(ForumConfig(kind="mcp", url=url), f"mcp-token-for-user-{name}")
+            if not self.url:
+                self.url = await asyncio.to_thread(self._serve)
+            account = admin.find_account(self.board.settings, name)
+            await asyncio.to_thread(admin.change_account, self.board.settings, account, role=role)
+            forum = McpForum(ForumConfig(kind="mcp", url=self.url), f"mcp-token-for-user-{name}")
         else:
             command = " ".join(self.setup.command())
             forum = McpForum(ForumConfig(kind="mcp", url=f"stdio:{command}"), self.board.tokens[name])

@@ -36,8 +36,12 @@ class Picture:
 async def illustrate(
     report: Report, recorder: Recorder, store: ImageStore | None, *, hurry: bool = False
 ) -> tuple[Picture, ...]:
-    """All pictures of a report, stills first. Never raises: what cannot be made or kept is left out or attached."""
-    path, recording = await asyncio.gather(_path(report.results), recorder.animation(report, hurry=hurry))
+    """All pictures of a report, stills first. Never raises: what cannot be made or kept is left out or attached.
+
+    `hurry`: the agent is being ended, so nothing is drawn and nothing sent elsewhere.
+    """
+    drawn = () if hurry else report.results
+    path, recording = await asyncio.gather(_path(drawn), recorder.animation(report, hurry=hurry))
     pictures = [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
     pictures += [Picture("path", path)] if path else []
     pictures += [Picture("recording", recording)] if recording else []

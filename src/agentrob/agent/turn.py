@@ -48,7 +48,7 @@ from agentrob.robots.client import DriverClient
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
 LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
-LAST_WORDS_S = 1.5
+LAST_WORDS_S = 2.5
 DRIVER_WAIT_S = 5.0
 _log = structlog.get_logger()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Mapping
 
@@ -11,12 +12,14 @@ from agentrob.errors import ConfigError
 from agentrob.mcp.identity import Accounts, Identity, OpenForum, Rights
 
 
+def prepare(http: bool) -> None:
+    """Import what a server needs."""
+    importlib.import_module(f"agentrob.mcp.{'streamable' if http else 'stdio'}")
+
+
 def run_stdio(config: Config, open_forum: OpenForum, token: str, write: bool) -> None:
     """Serve one client until it closes its end. `token` signs in the account of `[forum]`."""
-    from agentrob.mcp.quick import quick_imports
-
-    with quick_imports():
-        from agentrob.mcp.stdio import run
+    from agentrob.mcp.stdio import run
 
     rights = Rights(write, frozenset(config.mcp.toolsets))
     tokens = {name: found for name, user in config.mcp.users.items() if (found := _secret(user.forum_token_env))}
