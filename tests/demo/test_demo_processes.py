@@ -52,7 +52,7 @@ def true_ways(data: Path, robot: str) -> list[tuple[float, float]]:
     return ways
 
 
-def test_ctrl_c_ends_everything_soon_and_leaves_no_process_lock_or_port(tmp_path: Path) -> None:
+def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(tmp_path: Path) -> None:
     before = set(hostlock.held())
     demo = start_demo(tmp_path / "data")
     children = descendants(demo.process.pid)
@@ -63,7 +63,7 @@ def test_ctrl_c_ends_everything_soon_and_leaves_no_process_lock_or_port(tmp_path
     began = time.monotonic()
     os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
     assert demo.process.wait(10) == 0
-    assert time.monotonic() - began < 6.0, "3 s on a quiet machine"
+    assert time.monotonic() - began < 3.0
     assert not [c for c in children if Path(f"/proc/{c}").exists()]
     assert not locks & set(hostlock.held())
     with socket.socket() as s:

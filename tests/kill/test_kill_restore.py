@@ -132,7 +132,12 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     early = board_of_yesterday(house, backup, last if more else 0)
     house.start("agent")
     wait_for("the agent notices that it is another forum", lambda: era(house) != before, 30.0)
-    assert not house.in_journal("SELECT 1 FROM claim WHERE final IS NULL AND post = ?", house.posted(open_one)["id"])
+    ended = house.in_journal("SELECT final FROM claim WHERE post = ?", era(house) + str(house.posted(open_one)["id"]))
+    assert ended == ("replaced",), "what was open on the other forum is closed with it"
+    # A claim of this id that is open now is of the early post, which the same number was given to again.
+    unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = ?"
+    assert early or not house.in_journal(unended, house.posted(open_one)["id"])
+    wait_for("the early post is answered", lambda: not house.in_journal(unended, house.posted(open_one)["id"]), 15.0)
     fresh = house.ask(WALK)
     assert check(house, fresh) == "done"
     assert house.motions(open_one.began) == moved + 1

@@ -47,6 +47,12 @@ def drive_theirs(network: Network, folder: Path, model: str, domain: int, text: 
     return said
 
 
+def told(out: str) -> dict[str, Any]:
+    """The last line that is an object: Unitree's library prints lines of its own in between and after it."""
+    (*_, last) = [line for line in out.splitlines() if line.startswith("{")]
+    return dict(json.loads(last))
+
+
 def calls(path: Path) -> list[tuple[str, int]]:
     return [(service, api_id) for service, api_id, _ in map(json.loads, path.read_text().splitlines())]
 
@@ -61,7 +67,7 @@ def test_unitrees_sdk_on_cyclonedds_0_10_drives_our_simulated_robot(
     network: Network, tmp_path: Path, robot: str, motors: int
 ) -> None:
     simulate(network, tmp_path, robot)
-    seen = json.loads(network.run(PEER, HERE / "python_client.py", robot, "0").splitlines()[-1])
+    seen = told(network.run(PEER, HERE / "python_client.py", robot, "0"))
     assert seen["walked_m"] > 0.3
     assert (seen["ready"], seen["stop"], seen["gesture"]) == (0, 0, 0)
     assert seen["unknown"] == 3203, "an API that is not there is answered so"
@@ -72,7 +78,7 @@ def test_unitrees_sdk_on_cyclonedds_0_10_drives_our_simulated_robot(
 
 def test_unitrees_cpp_library_reads_the_odometry_of_our_simulated_g1(network: Network, tmp_path: Path) -> None:
     simulate(network, tmp_path, "g1")
-    read = json.loads(network.run(PEER, HERE / "cpp_reader.py", "g1", "5").splitlines()[-1])
+    read = told(network.run(PEER, HERE / "cpp_reader.py", "g1", "5"))
     assert read["position"][2] == pytest.approx(0.76, abs=0.05)
     assert sum(q * q for q in read["quaternion"]) == pytest.approx(1.0, abs=0.01)
 
@@ -82,7 +88,7 @@ def test_unitrees_cpp_library_reads_the_joints_of_our_simulated_robot(
     network: Network, tmp_path: Path, robot: str
 ) -> None:
     simulate(network, tmp_path, robot)
-    read = json.loads(network.run(PEER, HERE / "cpp_reader.py", robot, "5").splitlines()[-1])
+    read = told(network.run(PEER, HERE / "cpp_reader.py", robot, "5"))
     assert sum(q * q for q in read["low_quaternion"]) == pytest.approx(1.0, abs=0.01)
     assert any(abs(angle) > 0.1 for angle in read["joints"])
 
@@ -94,7 +100,7 @@ def test_without_our_patch_of_cyclonedds_11_unitrees_cpp_library_hears_nothing(
     heard = {}
     for way in ("plain", "patched"):
         network.start(OURS, HERE / "our_talker.py", way, log=tmp_path / f"{way}.log")
-        heard[way] = json.loads(network.run(PEER, HERE / "cpp_reader.py", "g1", "3").splitlines()[-1])["position"]
+        heard[way] = told(network.run(PEER, HERE / "cpp_reader.py", "g1", "3"))["position"]
     assert heard == {"plain": [0, 0, 0], "patched": [1, 2, 3]}
 
 
