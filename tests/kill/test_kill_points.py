@@ -59,7 +59,8 @@ def board(name: str, target: str, when: str, ends: frozenset[str] = DONE, **more
     return Point(f"board, {name}", "board", "agentrob.board." + target, when, ends, **more)
 
 
-TURN, COURSE, JOURNAL, CLIENT = "agent.turn:", "agent.course:", "agent.journal:Journal.", "robots.client:DriverClient."
+TURN, THINKING, COURSE = "agent.turn:", "agent.thinking:", "agent.course:"
+JOURNAL, CLIENT = "agent.journal:Journal.", "robots.client:DriverClient."
 FORUM = "forums.board:BoardForum."
 #: Nothing has moved yet, so it is all done after the restart, once.
 BEFORE_MOTION = [
@@ -69,10 +70,10 @@ BEFORE_MOTION = [
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
     agent("taken, cursor saved", JOURNAL + "put", "after", DONE, 1, containing="cursor"),
-    agent("to be planned", COURSE + "extract", "before", DONE, 1),
-    agent("planned", COURSE + "extract", "after", DONE, 1),
-    agent("to be screened", COURSE + "judge", "before", DONE, 1),
-    agent("screened", COURSE + "judge", "after", DONE, 1),
+    agent("to be planned", THINKING + "extract", "before", DONE, 1),
+    agent("planned", THINKING + "extract", "after", DONE, 1),
+    agent("to be screened", THINKING + "judge", "before", DONE, 1),
+    agent("screened", THINKING + "judge", "after", DONE, 1),
     agent("thought kept", JOURNAL + "once", "after", DONE, 1),
     agent("not claimed on the forum yet", FORUM + "reply", "before", DONE, 1, containing="claim:"),
     agent("claimed on the forum", FORUM + "reply", "after", DONE, 1, containing="claim:"),

@@ -14,9 +14,9 @@ from kill_house import LONG_WALK, WALK, Asked, House, check
 from kill_process import wait_for
 
 pytestmark = pytest.mark.timeout(120)
-COURSE, JOURNAL = "agentrob.agent.course:", "agentrob.agent.journal:Journal."
+THINKING, JOURNAL = "agentrob.agent.thinking:", "agentrob.agent.journal:Journal."
 #: Where an agent is killed with a command that waits, and with one that walks.
-SCREENED = {"target": COURSE + "judge", "when": "after"}
+SCREENED = {"target": THINKING + "judge", "when": "after"}
 CLAIMED = {"target": JOURNAL + "posted", "when": "after"}
 WALKING = {"target": "agentrob.agent.execute:Run._must_end", "when": "before", "nth": 5}
 
