@@ -13,12 +13,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.machinery import PathFinder
 from types import ModuleType
+from typing import Any
 
 
 @contextmanager
 def quick_imports(folders: Sequence[str] = (), without: Sequence[str] = ()) -> Iterator[None]:
     """Import within this. `folders` are packages whose `__init__` is left out, each after the one it is in; `without`
-    are libraries that are not found meanwhile, for others that go without. Afterwards all are themselves again."""
+    are libraries that are not found meanwhile, for others that go without. Afterwards all is there for who asks."""
     left_out = [name for name in without if name not in sys.modules]
     made = [] if folders and folders[0] in sys.modules else _bare(folders)
     sys.modules.update(dict.fromkeys(left_out))  # type: ignore[arg-type]  # None: it cannot be imported
@@ -33,8 +34,21 @@ def quick_imports(folders: Sequence[str] = (), without: Sequence[str] = ()) -> I
         for name in left_out:
             sys.modules.pop(name, None)
         for package in made:
-            if sys.modules.get(package.__name__) is package:
-                del sys.modules[package.__name__]
+            _complete_when_asked(package)
+
+
+def _complete_when_asked(package: ModuleType) -> None:
+    """Let a bare package run its own `__init__` when something is asked of it that is not there."""
+
+    def ask(name: str) -> Any:
+        spec = package.__spec__
+        if name.startswith("__") or spec is None or spec.loader is None:
+            raise AttributeError(f"module {package.__name__!r} has no attribute {name!r}")
+        del package.__dict__["__getattr__"]
+        spec.loader.exec_module(package)
+        return getattr(package, name)
+
+    package.__dict__["__getattr__"] = ask
 
 
 def _bare(names: Sequence[str]) -> list[ModuleType]:
@@ -49,5 +63,7 @@ def _bare(names: Sequence[str]) -> list[ModuleType]:
         package.__path__ = path = list(spec.submodule_search_locations)
         package.__spec__ = spec
         sys.modules[name] = package
+        if made:
+            setattr(made[-1], name.rpartition(".")[2], package)
         made.append(package)
     return made

@@ -66,6 +66,7 @@ async def test_the_logs_of_server_and_board_have_the_trace_id_of_the_answer(setu
     assert any("mcp.call" in x and said.value.trace_id in x for x in note.read_text().splitlines())
 
 
+@pytest.mark.slow
 async def test_a_server_that_was_killed_is_started_again_by_the_next_call(setup: McpSetup, tmp_path: Path) -> None:
     command, *args = setup.command()
     note = tmp_path / "pid"
@@ -207,6 +208,7 @@ async def _next(updates: AsyncIterator[Any]) -> Any:
 
 
 # ---------------------------------------------------------------------- configuration
+@pytest.mark.slow
 def test_a_server_that_nobody_may_use_or_whose_tokens_are_missing_says_so(setup: McpSetup) -> None:
     def said(**mcp: Any) -> str:
         setup.mcp = mcp

@@ -19,6 +19,8 @@ import mcp_types as types
 from mcp.shared._context_streams import create_context_streams
 from mcp.shared.message import SessionMessage
 
+#: For answers that are not written yet when the client closes its end.
+LAST_WORDS_S = 2.0
 #: A picture of 8 MiB as base64 in JSON fits; a longer line is passed over.
 MAX_LINE = 16 * 1024 * 1024
 
@@ -42,16 +44,22 @@ async def stdio_pipes() -> AsyncIterator[tuple[Any, Any]]:
                     continue
                 await incoming.send(SessionMessage(message))
 
+    written = anyio.Event()
+
     async def write() -> None:
         async with outgoing:
             async for message in outgoing:
                 writer.write(message.message.model_dump_json(by_alias=True, exclude_unset=True).encode() + b"\n")
                 await writer.drain()
+        written.set()
 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(_until_gone, read)
         tasks.start_soon(_until_gone, write)
         yield read_stream, write_stream
+        await write_stream.aclose()
+        with anyio.move_on_after(LAST_WORDS_S):  # what is answered already still goes out, to a client that reads
+            await written.wait()
         tasks.cancel_scope.cancel()
 
 
@@ -90,4 +98,5 @@ async def _open() -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
     reader = asyncio.StreamReader(limit=MAX_LINE)
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), incoming)
     transport, protocol = await loop.connect_write_pipe(asyncio.streams.FlowControlMixin, outgoing)
+    transport.set_write_buffer_limits(high=0)  # `drain` waits until all is on the wire
     return reader, asyncio.StreamWriter(transport, protocol, None, loop)
