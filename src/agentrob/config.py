@@ -32,7 +32,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from agentrob.config_images import ImagesConfig, plain_address
 from agentrob.config_mcp import McpConfig
-from agentrob.config_service import McpRobotConfig, ServiceConfig
+from agentrob.config_service import HookOutConfig, McpRobotConfig, ServiceConfig
 from agentrob.errors import ConfigError
 
 DEFAULT_LISTEN = "127.0.0.1:8088"
@@ -47,12 +47,14 @@ class BoardConfig(_Section):
     """The embedded forum. `base_url` is what browsers see; https there makes cookies Secure.
 
     Behind a reverse proxy it must be set: whoever comes through the proxy seems to come from this machine.
+    `hooks` are told by webhook when something happens, so that nobody need poll.
     """
 
     listen: str = DEFAULT_LISTEN
     base_url: str = ""
     database: str = ""
     title: str = "AgentRob"
+    hooks: dict[Name, HookOutConfig] = {}
     sign_up: bool | None = None
 
 

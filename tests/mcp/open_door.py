@@ -14,8 +14,13 @@ import uvicorn
 from inside import ALL, a_world
 
 from agentrob.config_mcp import McpConfig
+from agentrob.config_service import McpRobotConfig
 from agentrob.mcp.identity import Identity, Rights
 from agentrob.mcp.streamable import make_app, trimmed
+from agentrob.mcp_robot import over_http
+from agentrob.mcp_robot.robots import Robots, Service
+from agentrob.mcp_robot.server import RobotServer
+from agentrob.mcp_robot.tools import allowed
 
 TOKEN = "mcp-token-for-conformance"
 
@@ -50,7 +55,7 @@ def fixture_server() -> Iterator[str]:
 
 
 @contextmanager
-def product_server() -> Iterator[str]:
+def forum_server() -> Iterator[str]:
     """The forum server, as it is served, with everything allowed; its address."""
     listener = socket.create_server(("127.0.0.1", 0))
     port = listener.getsockname()[1]
@@ -58,11 +63,28 @@ def product_server() -> Iterator[str]:
     users = {"admin": (Identity("admin", world.sign_in("admin"), Rights(True, ALL)), TOKEN, "")}
     app, _ = make_app(McpConfig(listen=f"127.0.0.1:{port}"), users, port)
 
+    with serving(_door(app), listener):
+        yield f"http://localhost:{port}/mcp"
+
+
+@contextmanager
+def robot_server() -> Iterator[str]:
+    """The robots' server, as it is served, with everything allowed, before a service that is not there."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    port = listener.getsockname()[1]
+    robots = Robots({"quadruped": Service("quadruped", "http://127.0.0.1:9", "token-of-nobody")}, 20)
+    server = RobotServer(robots, allowed(McpRobotConfig(preview=True, submit=True)))
+    with serving(_door(over_http.make_app(server, TOKEN, "127.0.0.1", port)), listener):
+        yield f"http://localhost:{port}/mcp"
+
+
+def _door(app: Any) -> Any:
+    """Signs every request in."""
+
     async def door(scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] == "http":
             kept = [h for h in scope["headers"] if h[0] != b"authorization"]
             scope = {**scope, "headers": [*kept, (b"authorization", f"Bearer {TOKEN}".encode())]}
         await app(scope, receive, send)
 
-    with serving(door, listener):
-        yield f"http://localhost:{port}/mcp"
+    return door

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from open_door import fixture_server, product_server
+from open_door import fixture_server, forum_server, robot_server
 from running_mcp import McpSetup
 
 HOME = Path(__file__).parent / "node"
@@ -95,7 +95,7 @@ def test_the_inspector_lists_and_calls_over_http(setup: McpSetup) -> None:
 
 
 # ---------------------------------------------------------------------- the conformance suite
-#: What needs no fixture tools, against the product's own server. In `server-stateless` two checks want a fixture tool.
+#: What needs no fixture tools, against the product's own servers. In `server-stateless` two checks want a fixture tool.
 FIXTURE_FREE = {
     "tools-list": set(),
     "caching": set(),
@@ -112,9 +112,10 @@ def failures(output: str) -> set[str]:
     return set(re.findall(r"^ {2}- (\w+):", output.partition("=== Failed Checks ===")[2], re.MULTILINE))
 
 
+@pytest.mark.parametrize("served", [forum_server, robot_server])
 @pytest.mark.parametrize("scenario", FIXTURE_FREE)
-def test_the_forum_server_passes_the_scenarios_that_need_no_fixtures(scenario: str) -> None:
-    with product_server() as url:
+def test_both_servers_pass_the_scenarios_that_need_no_fixtures(scenario: str, served: Any) -> None:
+    with served() as url:
         ended = node(str(SUITE), "server", "--url", url, "--scenario", scenario, "--spec-version", "2026-07-28")
     assert "Passed:" in ended.stdout, ended.stdout + ended.stderr
     assert failures(ended.stdout) == FIXTURE_FREE[scenario], ended.stdout[-3000:]

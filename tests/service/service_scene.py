@@ -20,9 +20,9 @@ from agentrob.model import AccountKind, Report, Role
 from agentrob.service.callers import Caller, Callers
 from agentrob.service.desk import Desk
 from agentrob.service.figures import Figures
-from agentrob.service.hooks import Outbox, Receiver
 from agentrob.service.parts import Parts
 from agentrob.service.server import serving
+from agentrob.webhook import Outbox, Receiver
 
 ALL: frozenset[Scope] = frozenset(("look", "preview", "command", "stop"))
 #: Who may call: the account of the forum, its role and kind, and the scopes of its token.
@@ -104,7 +104,7 @@ async def make_service(
         callers[token(name)] = Caller(name, scopes, scene.person(name, role, kind))
     callers[token("button")] = Caller("button", frozenset(("stop",)))
     figures = Figures(ROBOT)
-    outbox = Outbox(receivers, figures, pauses_s)
+    outbox = Outbox(receivers, figures.hook_out, pauses_s)
     desks: list[Desk] = []
 
     def ended(report: Report) -> None:

@@ -18,7 +18,8 @@ from service_scene import Service, make_service
 
 from agentrob.errors import ServiceError
 from agentrob.service.figures import Figures
-from agentrob.service.hooks import MOST_WAITING, Outbox, Receiver, signature, verify
+from agentrob.service.hooks import verify
+from agentrob.webhook import MOST_WAITING, Outbox, Receiver, signature
 
 TIME_SCALE = 3
 SECRET = "a-secret-of-the-two"
@@ -95,7 +96,7 @@ async def test_a_receiver_is_told_so_often_and_no_more_and_others_do_not_wait_fo
     async with listener(500) as broken, listener(200) as good, listener(400) as unwilling:
         receivers = [Receiver(name, at.url, SECRET) for name, at in (("a", broken), ("b", good), ("c", unwilling))]
         figures = Figures("r")
-        outbox = Outbox(receivers, figures, pauses_s=(0.01, 0.01))
+        outbox = Outbox(receivers, figures.hook_out, pauses_s=(0.01, 0.01))
         running = asyncio.create_task(outbox.run())
         outbox.tell("command.ended", {"id": "1"})
         async with asyncio.timeout(10):
@@ -109,7 +110,7 @@ async def test_a_receiver_is_told_so_often_and_no_more_and_others_do_not_wait_fo
 
 def test_what_waits_for_a_receiver_is_bounded() -> None:
     receiver, figures = Receiver("a", "http://127.0.0.1:1/", SECRET), Figures("r")
-    outbox = Outbox([receiver], figures)
+    outbox = Outbox([receiver], figures.hook_out)
     for n in range(MOST_WAITING + 3):
         outbox.tell("command.ended", {"id": str(n)})
     assert receiver.waiting.qsize() == MOST_WAITING

@@ -36,15 +36,23 @@ class Channel:
     def __init__(self, forum: Forum, cursor: str, poll_s: float, listens: bool = True) -> None:
         self.cursor = cursor
         self._forum = forum
+        self._listens = listens
         self._poll_s = poll_s if listens else math.inf
-        self._live = forum.live and listens
         self._pokes = self._answered = 0
         self._hurrying = 0
         self._hurry = asyncio.Event()
         self._heard = asyncio.Event()
         self._heard_s = -float("inf")
-        self._fastest_s = 0.0 if self._live else forum.fastest_poll_s
         self._compared = datetime.now(UTC), -float("inf")  # the forum's time, and when by `elapsed_s` it was that
+
+    # Both are asked anew each time: a forum behind another server knows them only once it was reached.
+    @property
+    def _live(self) -> bool:
+        return self._forum.live and self._listens
+
+    @property
+    def _fastest_s(self) -> float:
+        return 0.0 if self._live else self._forum.fastest_poll_s
 
     # ---------------------------------------------------------------- the forum's clock
     def now(self) -> datetime:

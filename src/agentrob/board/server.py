@@ -21,7 +21,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_robots
+from agentrob.board import api, api_robots, hooks
 from agentrob.board.admin import bootstrap
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
@@ -39,6 +39,7 @@ log = structlog.get_logger(__name__)
 
 def create_app(settings: BoardSettings) -> FastAPI:
     """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
+    told = hooks.receivers(settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -46,10 +47,12 @@ def create_app(settings: BoardSettings) -> FastAPI:
         hub, stage = Hub(settings.base_url), Stage()
         store = Store(settings, hub.published)
         hub.start(store.reader)
+        telling = asyncio.create_task(hooks.run(hub, told))
         app.state.services = Services(settings, store, hub, stage)
         try:
             yield
         finally:
+            telling.cancel()
             end_streams(app)
             await asyncio.to_thread(store.close)
 

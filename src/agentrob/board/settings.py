@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ipaddress
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
 from agentrob.config import BoardConfig
+from agentrob.config_service import HookOutConfig
 from agentrob.errors import ConfigError
 
 PROPOSED_PORT = 8088
@@ -29,6 +31,7 @@ class BoardSettings:
     sign_up: bool = False
     public_read: bool = False
     busy_timeout_s: float = 2.0
+    hooks: Mapping[str, HookOutConfig] = field(default_factory=dict)
 
     @classmethod
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
@@ -44,7 +47,7 @@ class BoardSettings:
         database = board.database or f"sqlite:///{data_dir / 'board' / 'board.sqlite3'}"
         if "://" not in database:
             database = f"sqlite:///{Path(database).expanduser()}"
-        return cls(database, host, port, base_url, data_dir / "board" / "images", board.title, sign_up)
+        return cls(database, host, port, base_url, data_dir / "board" / "images", board.title, sign_up, hooks=board.hooks)
 
     @property
     def secure(self) -> bool:

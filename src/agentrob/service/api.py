@@ -12,6 +12,7 @@ from agentrob.errors import RobotBusy, RobotError, RobotUnreachable, ServiceErro
 from agentrob.service import hooks, models
 from agentrob.service.callers import Caller
 from agentrob.service.desk import Desk
+from agentrob.service.gate import Place
 from agentrob.service.parts import Parts
 from agentrob.service.problem import documented
 
@@ -28,6 +29,12 @@ Key = Annotated[
 
 def parts(request: Request) -> Parts:
     found: Parts = request.app.state.parts
+    return found
+
+
+def place(request: Request) -> Place:
+    """The request's place among those that are worked on."""
+    found: Place = request.scope["state"]["place"]
     return found
 
 
@@ -99,13 +106,14 @@ async def list_queue(who: Looker, desk: TheDesk) -> models.Queue:
 
 @router.get("/robots/{robot}/commands/{id}", responses=documented(503))
 async def get_command(
+    request: Request,
     who: Looker,
     desk: TheDesk,
     post_id: Annotated[PostId, Path(alias="id")],
     wait_s: Annotated[float, Query(ge=0, le=30, description="wait so long for its end")] = 0.0,
 ) -> models.Command:
     """One command as it is now, or as it ended: asked beside measured."""
-    return await desk.command(post_id, wait_s)
+    return await desk.command(post_id, wait_s, place(request).aside)
 
 
 # ---------------------------------------------------------------------- ask
@@ -136,9 +144,10 @@ async def cancel_command(who: Commander, desk: TheDesk, post_id: Annotated[PostI
 
 
 @router.post("/robots/{robot}/scan", responses=documented(503))
-async def scan(who: Commander, desk: TheDesk) -> models.Scanned:
+async def scan(request: Request, who: Commander, desk: TheDesk) -> models.Scanned:
     """Ask the forum now what is new; answers when that has been heard."""
-    return await desk.scan()
+    async with place(request).aside():
+        return await desk.scan()
 
 
 @router.post("/robots/{robot}/stop", responses=documented())
@@ -174,7 +183,8 @@ async def health() -> models.Health:
 @public.get("/readyz", responses={503: {"model": models.Readiness, "description": "not ready"}})
 async def readiness(request: Request) -> Response:
     """Whether a command could move the robot now: agent, forum and driver."""
-    found = await parts(request).desk.readiness()
+    async with place(request).aside():
+        found = await parts(request).desk.readiness()
     return JSONResponse(found.model_dump(), 200 if found.ready else 503)
 
 

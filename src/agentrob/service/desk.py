@@ -13,9 +13,11 @@ import math
 import time
 import traceback
 from collections import OrderedDict
+from collections.abc import Callable, Coroutine
+from contextlib import AbstractAsyncContextManager
 from dataclasses import asdict
 from datetime import datetime
-from typing import Any
+from typing import Any, Generic, TypeVar
 from uuid import uuid4
 
 import structlog
@@ -31,14 +33,15 @@ from agentrob.model import Account, Command, Intent, Plan, Post, Report, Underst
 from agentrob.service import models
 from agentrob.service.callers import Caller
 from agentrob.service.figures import Figures
-from agentrob.service.hooks import Outbox
+from agentrob.webhook import Outbox
 
 #: What was submitted is remembered so long that its author can ask for it before the agent has heard of it.
 REMEMBERED = 1000
 SCAN_S = 10.0
-#: So many questions to driver and forum at a time: those who look never use up the connections that a stop needs.
-MOST_READS = 8
 _log = structlog.get_logger()
+#: Within this somebody waits without holding up others.
+Aside = Callable[[], AbstractAsyncContextManager[None]]
+T = TypeVar("T")
 CALLS = {Call.STOP: "stop", Call.HALT: "stop", Call.NOTHING: "nothing"}
 
 
@@ -52,8 +55,8 @@ class Desk:
         self._submitted: OrderedDict[str, tuple[Post, str]] = OrderedDict()
         self._newest_at: datetime | None = None
         self._news = asyncio.Event()
-        self._reads = asyncio.Semaphore(MOST_READS)
         self._scans: set[asyncio.Task[None]] = set()
+        self._robot, self._readiness = _Shared(self._ask_robot), _Shared(self._ask_readiness)
         line = agent.line
         figures.watch(lambda: len(line), lambda: float(line.moving is not None), lambda: agent.channel.silent_s)
 
@@ -69,6 +72,9 @@ class Desk:
 
     # ------------------------------------------------------------------ look
     async def robot(self) -> models.Robot:
+        return await self._robot.get()
+
+    async def _ask_robot(self) -> models.Robot:
         agent, silent_s = self.agent, self.agent.channel.silent_s
         moving = agent.line.moving
         facts: dict[str, Any] = {
@@ -78,8 +84,7 @@ class Desk:
             "forum_silent_s": round(silent_s, 3) if math.isfinite(silent_s) else None,
         }  # fmt: skip
         with contextlib.suppress(RobotError):
-            async with self._reads:
-                capabilities, state = await asyncio.gather(agent.driver.capabilities(), agent.driver.state())
+            capabilities, state = await asyncio.gather(agent.driver.capabilities(), agent.driver.state())
             facts |= {
                 "model": capabilities.model, "ops": sorted(str(op) for op in capabilities.ops),
                 "limits": asdict(capabilities.limits), "state": "halted" if state.halted else state.mode,
@@ -90,13 +95,12 @@ class Desk:
 
     async def picture(self) -> bytes:
         """A JPEG of the robot's own camera. Raises `RobotError`."""
-        async with self._reads:
-            return await self.agent.driver.look()
+        return await self.agent.driver.look()
 
     def queue(self) -> models.Queue:
         return models.Queue(items=[self._of_job(job) for job in self.agent.line])
 
-    async def command(self, post_id: str, wait_s: float = 0.0) -> models.Command:
+    async def command(self, post_id: str, wait_s: float, aside: Aside) -> models.Command:
         """A command as it is now; waits at most `wait_s` for its end. 404 when this agent never heard of it."""
         until_s = time.monotonic() + wait_s
         while True:
@@ -105,7 +109,7 @@ class Desk:
             if found.ended or left_s <= 0:
                 return found
             with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(left_s):
+                async with aside(), asyncio.timeout(left_s):
                     await news.wait()
 
     async def _find(self, post_id: str) -> models.Command:
@@ -235,6 +239,9 @@ class Desk:
         self._begin_scan()
 
     async def readiness(self) -> models.Readiness:
+        return await self._readiness.get()
+
+    async def _ask_readiness(self) -> models.Readiness:
         agent, ready = self.agent, self.agent.ready.is_set()
 
         async def forum() -> bool:
@@ -255,8 +262,7 @@ class Desk:
                 return False
             return True
 
-        async with self._reads:
-            heard, drives = await asyncio.gather(forum(), driver())
+        heard, drives = await asyncio.gather(forum(), driver())
         return models.Readiness(ready=ready and heard and drives, agent=ready, forum=heard, driver=drives)
 
     # ------------------------------------------------------------------ how
@@ -288,6 +294,19 @@ class Desk:
             id=post.id, robot=self.agent.name, state=state, ended=state != "posted", topic=post.topic_id, url=post.url,
             author=post.author.name, text=visible_text(post.raw), posted_at=post.created_at,
         )  # fmt: skip
+
+
+class _Shared(Generic[T]):
+    """An answer that is made once for all who ask while it is being made: a flood of them is one question."""
+
+    def __init__(self, make: Callable[[], Coroutine[Any, Any, T]]) -> None:
+        self._make = make
+        self._making: asyncio.Task[T] | None = None
+
+    async def get(self) -> T:
+        if self._making is None or self._making.done():
+            self._making = asyncio.create_task(self._make())
+        return await asyncio.shield(self._making)
 
 
 def _finite(value: Any) -> Any:

@@ -52,6 +52,10 @@ class Figures:
     def count(self, counter: Counter, *labels: str) -> None:
         counter.labels(self._robot, *labels).inc()
 
+    def hook_out(self, outcome: str) -> None:
+        """What became of a webhook of ours: told, failed or dropped."""
+        self.count(self.hooks_out, outcome)
+
     def text(self) -> bytes:
         return generate_latest(self.registry)
 

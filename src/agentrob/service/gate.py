@@ -1,14 +1,15 @@
-"""The service's front door, around every request: whose address, how large, counted, and headers."""
+"""The service's front door, around every request: whose address, how large, how many at a time, counted, and headers."""
 
 from __future__ import annotations
 
+import asyncio
 import time
-from collections.abc import Collection
+from collections.abc import AsyncIterator, Collection
+from contextlib import asynccontextmanager
 from typing import Final
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from agentrob.errors import ServiceError
@@ -17,6 +18,10 @@ from agentrob.service.problem import problem
 
 MAX_BODY: Final = 64 * 1024
 MAX_HOOK: Final = 1024 * 1024
+#: So many requests that look, and that ask for something, are worked on at a time, the others wait at the door: the agent
+#: shares the event loop with them, and must renew its lease and hear of stops whatever comes. A stop never waits.
+MOST_LOOKS: Final = 4
+MOST_ASKS: Final = 16
 _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
 _METHODS: Final = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _HEADERS: Final = {
@@ -35,6 +40,7 @@ class Gate:
         self.app = app
         self.hosts = {host.lower() for host in hosts} | _LOOPBACK
         self.figures = figures
+        self._looks, self._asks = asyncio.Semaphore(MOST_LOOKS), asyncio.Semaphore(MOST_ASKS)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -43,8 +49,11 @@ class Gate:
         scope.setdefault("state", {})["received_s"] = time.monotonic()
         method = scope["method"] if scope["method"] in _METHODS else "other"
 
+        place = scope["state"]["place"] = self._place(scope)
+
         async def counted(message: Message) -> None:
             if message["type"] == "http.response.start":
+                place.leave()  # what is left is its reader's to wait for
                 self.figures.count(self.figures.requests, method, str(message["status"]))
                 headers = MutableHeaders(scope=message)
                 for name, value in _HEADERS.items():
@@ -54,10 +63,20 @@ class Gate:
         most = MAX_HOOK if scope["path"].startswith("/api/v1/hooks/") else MAX_BODY
         try:
             self._check(Headers(scope=scope), most)
+            whole = await _whole(receive, most)
         except ServiceError as e:
             await problem(e)(scope, receive, counted)
             return
-        await self.app(scope, _limited(receive, most), counted)
+        try:
+            await place.take()
+            await self.app(scope, whole, counted)
+        finally:
+            place.leave()
+
+    def _place(self, scope: Scope) -> Place:
+        if scope["path"].endswith("/stop"):
+            return Place(None)
+        return Place(self._looks if scope["method"] in ("GET", "HEAD") else self._asks)
 
     def _check(self, headers: Headers, most: int) -> None:
         try:
@@ -71,15 +90,47 @@ class Gate:
             raise ServiceError(413, "too_large", "the body is too large", f"at most {most} bytes")
 
 
-def _limited(receive: Receive, limit: int) -> Receive:
-    got = 0
+class Place:
+    """A request's place among those that are worked on; None: it needs none."""
 
-    async def limited() -> Message:
-        nonlocal got
+    def __init__(self, places: asyncio.Semaphore | None) -> None:
+        self._places = places
+        self._taken = False
+
+    async def take(self) -> None:
+        if self._places is not None and not self._taken:
+            await self._places.acquire()
+            self._taken = True
+
+    def leave(self) -> None:
+        if self._places is not None and self._taken:
+            self._taken = False
+            self._places.release()
+
+    @asynccontextmanager
+    async def aside(self) -> AsyncIterator[None]:
+        """Whoever waits for something within this holds up nobody else."""
+        self.leave()
+        try:
+            yield
+        finally:
+            await self.take()
+
+
+async def _whole(receive: Receive, limit: int) -> Receive:
+    """The body when all of it is there: who sends slowly has no place meanwhile."""
+    messages: list[Message] = []
+    got, more = 0, True
+    while more:
         message = await receive()
+        messages.append(message)
         got += len(message.get("body", b""))
         if got > limit:
-            raise HTTPException(413, f"the body is larger than {limit} bytes")
-        return message
+            raise ServiceError(413, "too_large", "the body is too large", f"at most {limit} bytes")
+        more = message["type"] == "http.request" and message.get("more_body", False)
+    messages.reverse()
 
-    return limited
+    async def replayed() -> Message:
+        return messages.pop() if messages else await receive()
+
+    return replayed

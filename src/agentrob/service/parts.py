@@ -9,7 +9,7 @@ from typing import Literal
 from agentrob.service.callers import Callers
 from agentrob.service.desk import Desk
 from agentrob.service.figures import Figures
-from agentrob.service.hooks import Outbox
+from agentrob.webhook import Outbox
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 import signal
 import socket
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -25,10 +24,10 @@ from agentrob.service import api, callers
 from agentrob.service.desk import Desk
 from agentrob.service.figures import Figures
 from agentrob.service.gate import Gate
-from agentrob.service.hooks import Outbox, Receiver, signature
 from agentrob.service.models import Problem
 from agentrob.service.parts import Parts
 from agentrob.service.problem import add_errors
+from agentrob.webhook import Outbox, Receiver, read_secret
 
 if TYPE_CHECKING:
     from agentrob.agent.turn import RobotAgent
@@ -69,27 +68,15 @@ def create_app(parts: Parts) -> FastAPI:
     return app
 
 
-def secret(variable: str) -> str:
-    """A secret from the environment; it is never in the configuration."""
-    found = os.environ.get(variable, "")
-    if not found:
-        raise ConfigError(f"the environment variable {variable} must hold a secret of [service]")
-    try:
-        signature("", "", b"", found)
-    except ValueError:
-        raise ConfigError(f"the secret in {variable} begins with whsec_, so the rest must be base64") from None
-    return found
-
-
 def assemble(config: ServiceConfig, name: str, make_agent: MakeAgent, open_forum: Callable[[str], Forum]) -> Parts:
     """The parts of the service of one robot. Raises `ConfigError` for secrets that are not there."""
     if not config.tokens:
         raise ConfigError("nobody may use the service: add a table [service.tokens.NAME] with token_env and scopes")
-    receivers = [Receiver(hook, h.url, secret(h.secret_env)) for hook, h in config.hooks_out.items()]
-    hooks_in = {hook: (h.kind, secret(h.secret_env)) for hook, h in config.hooks_in.items()}
-    who = callers.configured(config, secret, open_forum)
+    receivers = [Receiver(hook, h.url, read_secret(h.secret_env)) for hook, h in config.hooks_out.items()]
+    hooks_in = {hook: (h.kind, read_secret(h.secret_env)) for hook, h in config.hooks_in.items()}
+    who = callers.configured(config, read_secret, open_forum)
     figures = Figures(name)
-    outbox = Outbox(receivers, figures)
+    outbox = Outbox(receivers, figures.hook_out)
     desks: list[Desk] = []
 
     def ended(report: Report) -> None:
