@@ -17,15 +17,17 @@ demo: setup
 test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
-	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -m "not slow and (sim or browser)" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not alone and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not alone and (sim or browser)" $(ARGS)
+	$(BIN)/pytest -q -m "not slow and alone" $(ARGS)
 
 test-slow: setup-dev
 	@scripts/system-packages render browser peers
 	@scripts/model-double
 	@scripts/peers
 	@scripts/mcp-peers
-	$(BIN)/pytest -m slow $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not alone and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -m "slow and (alone or sim or browser)" $(ARGS)
 
 test-all: test test-slow
 
@@ -37,7 +39,7 @@ lint: setup-dev
 
 check: lint
 	@scripts/model-double
-	$(BIN)/pytest -q -n 2 -m "not slow and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q -n 2 -m "not slow and not alone and not sim and not browser" $(ARGS)
 
 format: setup-dev
 	$(BIN)/ruff format .

@@ -1,4 +1,4 @@
-"""A DDS domain for the fake robots of this test process that no other test process on this host has."""
+"""DDS domains for this test process that no other test process on this host has."""
 
 from __future__ import annotations
 
@@ -7,19 +7,23 @@ import os
 from agentrob.errors import RobotBusy
 from agentrob.hostlock import HostLock
 
-#: Those above are for the tests that speak real DDS.
+#: Of the fake robots. Those above are for the tests that speak real DDS: a file has ten of its own, and takes that of
+#: its process's number.
 FAKE_DOMAINS = range(1, 150)
+NUMBERS = range(10)
 
 
-def _take_domain() -> tuple[int, HostLock]:
-    for domain in FAKE_DOMAINS:
+def _take(what: str, among: range) -> tuple[int, HostLock]:
+    for number in among:
         try:
-            return domain, HostLock(f"test-domain/{domain}", "the domain")
+            return number, HostLock(f"test-{what}/{number}", what)
         except RobotBusy:
             continue
-    raise RuntimeError(f"every domain of {FAKE_DOMAINS} is taken by other test processes")
+    raise RuntimeError(f"every {what} of {among} is taken by other test processes")
 
 
 # In the environment, since a test's own processes drive the same robot.
-domain, _held_to_the_end = _take_domain()
-os.environ["AGENTROB_TEST_DOMAIN"] = str(domain)
+_domain, _held_to_the_end = _take("domain", FAKE_DOMAINS)
+os.environ["AGENTROB_TEST_DOMAIN"] = str(_domain)
+_number, _held_to_the_end_too = _take("number", NUMBERS)
+os.environ["AGENTROB_TEST_NUMBER"] = str(_number)

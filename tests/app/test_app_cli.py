@@ -113,7 +113,7 @@ def test_an_agent_without_its_token_says_which_variable_it_needs(lab: Lab) -> No
     assert "AGENTROB_TOKEN must hold the agent's forum token" in done.stderr
 
 
-@pytest.mark.sim  # it stops every robot of this machine, also those of tests beside it: not for the quick check
+@pytest.mark.alone
 def test_stop_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: Path) -> None:
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken/agentrob.toml").write_text("[robots.rex\n")

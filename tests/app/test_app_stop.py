@@ -159,7 +159,7 @@ def ours(out: str, *starts: str) -> list[str]:
     return [line for line in out.splitlines() if line.startswith(starts)]
 
 
-@pytest.mark.parametrize("how", ["name", pytest.param("all", marks=pytest.mark.sim)])
+@pytest.mark.parametrize("how", ["name", pytest.param("all", marks=pytest.mark.alone)])
 def test_law_13_a_robot_that_drive_moves_is_stopped_with_board_and_agent_dead(field: Field, how: str) -> None:
     name = field.names[0]
     drive = field.command("drive", name, "walk forward 5 metres, then walk forward 5 metres")
@@ -177,7 +177,7 @@ def test_law_13_a_robot_that_drive_moves_is_stopped_with_board_and_agent_dead(fi
     assert at_rest(field.robot(name))
 
 
-@pytest.mark.sim
+@pytest.mark.alone
 def test_law_15_a_driver_that_hangs_is_said_so_and_the_other_robot_is_stopped_all_the_same(field: Field) -> None:
     hung, good = field.names
     drives = [field.command("drive", name, "walk forward 5 metres") for name in field.names]
@@ -229,7 +229,7 @@ def test_law_17_no_driver_at_all_is_said_so(monkeypatch: pytest.MonkeyPatch, tmp
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("how", ["name", "all"])
+@pytest.mark.parametrize("how", ["name", pytest.param("all", marks=pytest.mark.alone)])
 def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(tmp_path: Path, how: str) -> None:
     with Demo(DemoSettings(tmp_path / "demo", port=None)) as demo:
         demo.start()

@@ -9,7 +9,7 @@ from kill_house import DRIVER_DIED, PHOTO, WALK
 from kill_world import WorldHouse
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow, pytest.mark.timeout(180)]
-SPORT, SERVICES = "agentrob.sim.sport:Sport.", "agentrob.sim.go2_services:Go2Services."
+SPORT, SERVICES = "agentrob.sim.sport:Sport.", "agentrob.sim.robot_services:RobotServices."
 
 
 @pytest.fixture(scope="module")

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from driver_scene import Drivers
 from guard_scene import Make
+from sim_scene import Place
 
 from agentrob.config import RobotConfig
+from agentrob.robots.client import DriverClient
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
@@ -42,3 +44,20 @@ def make(tmp_path: Path) -> Iterator[Make]:
     yield make
     for guard in made:
         guard.close()
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
+    """A room with a Go2 in full physics, its driver and the room's truth; one for a module."""
+    made = Place(tmp_path_factory.mktemp("place"))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+async def robot(place: Place) -> AsyncIterator[DriverClient]:
+    """A driver with the ordinary settings; the robot at its start and at home."""
+    place.drive()
+    async with place.client() as client:
+        await place.begin(client)
+        yield client

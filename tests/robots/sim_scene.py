@@ -162,10 +162,12 @@ class Truth:
             assert time.monotonic() < end_s, "it does not come to rest"
             await asyncio.sleep(SAMPLE_S)
 
-    def gone_after(self, at_s: float, seconds: float) -> float:
-        """Metres from where it was, so many seconds (of the world's time) after a moment, to where it is now."""
+    async def gone_after(self, at_s: float, seconds: float) -> float:
+        """Metres that it went once so many seconds (of the world's time) had passed since then, in so long again."""
+        start_s = (self.since(at_s) or [await self.until(lambda now: True)])[0].time_s
+        await self.until(lambda now: now.time_s >= start_s + 2 * seconds)
         seen = self.since(at_s)
-        return apart_m(next(s for s in seen if s.time_s >= seen[0].time_s + seconds), seen[-1])
+        return apart_m(next(s for s in seen if s.time_s >= start_s + seconds), seen[-1])
 
 
 class Process:

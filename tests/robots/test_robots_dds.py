@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-DOMAIN = 211 + os.getpid() % 10
+DOMAIN = 211 + int(os.environ["AGENTROB_TEST_NUMBER"])
 
 SPEAK = """
 import gc, sys, time

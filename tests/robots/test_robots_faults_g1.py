@@ -8,21 +8,21 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import httpx2
 import pytest
+from sim_steps import METRE, NEAR, do, until
 
 from agentrob.config import Config, RobotConfig
-from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.model import ActionResult, Op, Outcome, Primitive
 from agentrob.robots.client import DriverClient
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
 DOMAINS = range(221, 230)
-METRE, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (1.0, 0.3))
 CLAP, PHOTO = Primitive(Op.CLAP), Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -71,18 +71,6 @@ async def robot(stand: Stand) -> AsyncIterator[DriverClient]:
             client, lambda s: time.monotonic() > reset_s + 1.0 and s.age_s < 0.2 and s.homed and s.mode == "idle"
         )
         yield client
-
-
-async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 20.0) -> None:
-    end_s = time.monotonic() + limit_s
-    while not true(await robot.state()):
-        assert time.monotonic() < end_s, f"it did not become true: {await robot.state()}"
-        await asyncio.sleep(0.03)
-
-
-async def do(robot: DriverClient, primitive: Primitive) -> ActionResult:
-    async with robot.lease("tester") as lease:
-        return await robot.step(lease, primitive, 30)
 
 
 async def walking(stand: Stand, robot: DriverClient, **faults: Any) -> ActionResult:

@@ -11,60 +11,23 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
 
 import pytest
 from sim_scene import Place, apart_m
-from test_robots_laws_sim import NEAR, REST_LIMIT_S, Walk, refused
+from sim_steps import METRE, NEAR, REST_LIMIT_S, Walk, do, is_well, refused, until
 
-from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.model import Op, Outcome, Primitive
 from agentrob.robots.client import DriverClient
 
 pytestmark = pytest.mark.sim
 
-METRE = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
 PHOTO, STAND, HELLO = Primitive(Op.GET_FRONT_IMAGE), Primitive(Op.STAND), Primitive(Op.HELLO)
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
-    made = Place(tmp_path_factory.mktemp("faults"))
-    yield made
-    made.close()
-
-
-@pytest.fixture
-async def robot(place: Place) -> AsyncIterator[DriverClient]:
-    """A driver with the ordinary settings; the robot well, at its start and at home."""
-    place.drive()
-    async with place.client() as client:
-        await place.begin(client)
-        yield client
-
-
-async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 10.0) -> None:
-    """Wait for a state that must come."""
-    end_s = time.monotonic() + limit_s
-    while not true(await robot.state()):
-        assert time.monotonic() < end_s, f"it did not become true: {await robot.state()}"
-        await asyncio.sleep(0.03)
-
-
-async def do(robot: DriverClient, primitive: Primitive) -> ActionResult:
-    async with robot.lease("tester") as lease:
-        return await robot.step(lease, primitive, 30)
 
 
 def world_on(domain: int) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", str(domain)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, env={**os.environ, "MUJOCO_GL": "off"})
-
-
-async def is_well(robot: DriverClient) -> None:
-    """It can be moved again."""
-    result = await do(robot, NEAR)
-    assert result.ok, (result.reason, result.message)
 
 
 # ------------------------------------------------------------------ commands

@@ -27,7 +27,7 @@ from agentrob.robots.motion import STOPPED_WINDOW_S, Rest, Velocity
 from agentrob.robots.robot import Robot
 
 #: The same as of the Go2's tests: the SDK joins one DDS domain per process, and their world has ended before.
-DOMAIN = 171 + os.getpid() % 10
+DOMAIN = 171 + int(os.environ["AGENTROB_TEST_NUMBER"])
 SETTINGS = RobotConfig(model="g1", domain=DOMAIN, simulated=True, home_on_start=True)
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 

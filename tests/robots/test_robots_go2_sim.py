@@ -24,7 +24,7 @@ from agentrob.robots.contract import RobotContract, fresh, go_on
 from agentrob.robots.go2 import Go2
 from agentrob.robots.robot import Robot
 
-DOMAIN = 171 + os.getpid() % 10
+DOMAIN = 171 + int(os.environ["AGENTROB_TEST_NUMBER"])
 SETTINGS = RobotConfig(model="go2", domain=DOMAIN, simulated=True, home_on_start=True)
 
 pytestmark = pytest.mark.sim
@@ -164,7 +164,7 @@ async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s
 
 
 async def test_a_driver_without_a_robot_serves_and_moves_nothing(tmp_path: Path) -> None:
-    driver = await asyncio.to_thread(start, "-c", DRIVER, str(tmp_path), str(DOMAIN + 19))
+    driver = await asyncio.to_thread(start, "-c", DRIVER, str(tmp_path), str(DOMAIN + 40))
     try:
         async with DriverClient("quadruped", tmp_path / "quadruped.sock") as robot:
             assert math.isinf((await robot.state()).age_s)

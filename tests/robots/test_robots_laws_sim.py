@@ -10,76 +10,15 @@ import json
 import signal
 import subprocess
 import time
-from collections.abc import AsyncIterator, Iterator
 
 import pytest
-from sim_scene import FENCE, Place, Sample, apart_m
+from sim_scene import FENCE, Place, apart_m
+from sim_steps import FAR, NEAR, REST_LIMIT_S, UNMOVED_M, Walk, refused
 
-from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
+from agentrob.model import Direction, Op, Outcome, Primitive
 from agentrob.robots.client import DriverClient
 
 pytestmark = pytest.mark.sim
-
-FAR, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (2.0, 0.3))
-#: From an order to stop to standing still: the body coasts for about 0.4 s; the rest is for busy machines.
-REST_LIMIT_S = 1.5
-#: Standing still it sways less than this.
-UNMOVED_M = 0.03
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
-    made = Place(tmp_path_factory.mktemp("laws"))
-    yield made
-    made.close()
-
-
-@pytest.fixture
-async def robot(place: Place) -> AsyncIterator[DriverClient]:
-    """A driver with the ordinary settings; the robot at its start and at home."""
-    place.drive()
-    async with place.client() as client:
-        await place.begin(client)
-        yield client
-
-
-class Walk:
-    """A step under way, with a lease that is renewed; what it came to, and where it really began."""
-
-    def __init__(self, place: Place, robot: DriverClient, primitive: Primitive = FAR, deadline_s: float = 30.0) -> None:
-        self.place, self.robot, self.primitive, self.deadline_s = place, robot, primitive, deadline_s
-        self.start = place.truth.now
-        self.step: asyncio.Task[ActionResult] | None = None
-
-    async def __aenter__(self) -> Walk:
-        self._context = self.robot.lease("walker")
-        lease = await self._context.__aenter__()
-        self.step = asyncio.create_task(self.robot.step(lease, self.primitive, self.deadline_s))
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        assert self.step is not None
-        await asyncio.gather(self.step, return_exceptions=True)
-        await self._context.__aexit__(None, None, None)
-
-    async def under_way(self, distance_m: float = 0.4) -> Sample:
-        """Until it has really gone so far."""
-        return await self.place.truth.until(lambda now: apart_m(now, self.start) > distance_m)
-
-    async def result(self) -> ActionResult:
-        assert self.step is not None
-        return await self.step
-
-
-async def refused(place: Place, robot: DriverClient, primitive: Primitive, reason: str) -> ActionResult:
-    """A step that is refused for this reason, and the robot really does not move."""
-    start = place.truth.now
-    async with robot.lease("walker") as lease:
-        result = await robot.step(lease, primitive, 30)
-    assert (result.outcome, result.reason) == (Outcome.REFUSED, reason), result.message
-    now = await place.truth.until(lambda sample: sample.time_s > start.time_s + 0.3)
-    assert apart_m(now, start) < UNMOVED_M
-    return result
 
 
 # ------------------------------------------------------------------ law 8
@@ -294,7 +233,7 @@ async def test_law_12_a_driver_killed_in_mid_walk_and_started_at_once_stops_the_
         ready = json.loads(await asyncio.to_thread(place.driver.ask, ""))
     assert ready["ready"] == "driver"
     await place.truth.rest(killed_s)
-    assert place.truth.gone_after(killed_s, 1.5) < 0.05, "it walked on"
+    assert await place.truth.gone_after(killed_s, 1.5) < 0.05, "it walked on"
     async with place.client() as again:
         assert not (await again.state()).halted
         await place.begin(again)

@@ -10,7 +10,7 @@ from cyclonedds.topic import Topic
 
 import agentrob.dds
 
-DOMAIN = 201 + os.getpid() % 10
+DOMAIN = 201 + int(os.environ["AGENTROB_TEST_NUMBER"])
 
 
 def test_topics_are_created_one_at_a_time_for_two_at_once_may_hang_the_process() -> None:

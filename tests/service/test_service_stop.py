@@ -130,5 +130,4 @@ async def test_law_15_those_who_look_do_not_use_up_what_a_stop_needs(service: Se
     assert stopped["confirmed"]
     assert stopped["latency_ms"] < 1000
     assert {answer.status_code for answer in await asyncio.gather(*looks)} <= {200, 429}
-    # Where asker and agent share a slow machine, the flood may cost the lease: then it stood before it was told to.
-    assert (await service.end(command))["state"] in ("stopped", "interrupted")
+    assert (await service.end(command))["state"] == "stopped"

@@ -1,49 +1,20 @@
 """Drives a Go2 with the vendor's own SDK and prints what it saw as one JSON object: `sdk_client.py DOMAIN`."""
 
 import json
-import math
 import os
 import sys
 import threading
 import time
 
-from agentrob import dds
+from sdk_seen import Seen, made, pose  # patches DDS: before IDL types
 
 # isort: split
 from unitree_sdk2py.comm.motion_switcher.motion_switcher_client import MotionSwitcherClient
-from unitree_sdk2py.core import channel
-from unitree_sdk2py.core.channel import ChannelFactoryInitialize, ChannelSubscriber
+from unitree_sdk2py.core.channel import ChannelFactoryInitialize
 from unitree_sdk2py.go2.sport.sport_client import SportClient
 from unitree_sdk2py.go2.video.video_client import VideoClient
-from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
+from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_
 from unitree_sdk2py.utils.crc import CRC
-
-channel.ChannelConfigHasInterface = dds.CONFIG.replace("{interface}", 'name="$__IF_NAME__$"')
-
-
-class Seen:
-    """The state topics, as they come."""
-
-    def __init__(self):
-        self.states, self.lows = [], []
-        self.changed = threading.Condition()
-        for topic, kind, there in (
-            ("sportmodestate", SportModeState_, self.states),
-            ("lowstate", LowState_, self.lows),
-        ):
-            subscriber = ChannelSubscriber(f"rt/{topic}", kind)
-            subscriber.Init(lambda sample, there=there: self.add(there, sample), 1)
-            setattr(self, topic, subscriber)
-
-    def add(self, there, sample):
-        with self.changed:
-            there.append((time.monotonic(), sample))
-            self.changed.notify_all()
-
-    def until(self, true, limit_s=15.0):
-        with self.changed:
-            assert self.changed.wait_for(true, limit_s), "state did not become what was awaited"
-        return self.states[-1][1]
 
 
 def timed(call, *arguments):
@@ -51,21 +22,11 @@ def timed(call, *arguments):
     return call(*arguments), time.monotonic() - began
 
 
-def made(client, limit_s):
-    client.SetTimeout(limit_s)
-    client.Init()
-    return client
-
-
-def pose(state):
-    return [state.position[0], state.position[1], math.degrees(state.imu_state.rpy[2])]
-
-
 def main():
     ChannelFactoryInitialize(int(sys.argv[1]), "lo")
     sport, other = made(SportClient(), 15.0), made(SportClient(), 5.0)
     video, switcher = made(VideoClient(), 5.0), made(MotionSwitcherClient(), 5.0)
-    seen = Seen()
+    seen = Seen("rt/sportmodestate", LowState_)
     seen.until(lambda: seen.states and seen.lows)
     out = {"balance": sport.BalanceStand(), "left_flip": sport.LeftFlip(), "mode": switcher.CheckMode()}
     out["select"] = switcher.SelectMode("ai")[0]

@@ -1,62 +1,20 @@
 """Drives a G1 with the vendor's own SDK and prints what it saw as one JSON object: `sdk_g1_client.py DOMAIN`."""
 
 import json
-import math
 import os
 import sys
 import threading
 import time
 
-from agentrob import dds
+from sdk_seen import Seen, made, pose  # patches DDS: before IDL types
 
 # isort: split
-from unitree_sdk2py.core import channel
-from unitree_sdk2py.core.channel import ChannelFactoryInitialize, ChannelSubscriber
+from unitree_sdk2py.core.channel import ChannelFactoryInitialize
 from unitree_sdk2py.g1.arm.g1_arm_action_client import G1ArmActionClient
 from unitree_sdk2py.g1.loco.g1_loco_client import LocoClient
 from unitree_sdk2py.go2.video.video_client import VideoClient
-from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 from unitree_sdk2py.idl.unitree_hg.msg.dds_ import LowState_
 from unitree_sdk2py.utils.crc import CRC
-
-channel.ChannelConfigHasInterface = dds.CONFIG.replace("{interface}", 'name="$__IF_NAME__$"')
-
-
-class Seen:
-    """The state topics, as they come."""
-
-    def __init__(self):
-        self.states, self.lows = [], []
-        self.changed = threading.Condition()
-        self.subscribers = [
-            self.subscribe("rt/odommodestate", SportModeState_, self.states),
-            self.subscribe("rt/lowstate", LowState_, self.lows),
-        ]
-
-    def subscribe(self, topic, kind, there):
-        subscriber = ChannelSubscriber(topic, kind)
-        subscriber.Init(lambda sample: self.add(there, sample), 1)
-        return subscriber
-
-    def add(self, there, sample):
-        with self.changed:
-            there.append((time.monotonic(), sample))
-            self.changed.notify_all()
-
-    def until(self, true, limit_s=20.0):
-        with self.changed:
-            assert self.changed.wait_for(true, limit_s), "state did not become what was awaited"
-        return self.states[-1][1]
-
-
-def made(client, limit_s):
-    client.SetTimeout(limit_s)
-    client.Init()
-    return client
-
-
-def pose(state):
-    return [state.position[0], state.position[1], math.degrees(state.imu_state.rpy[2])]
 
 
 def number(sport, api_id):
@@ -68,7 +26,7 @@ def main():
     ChannelFactoryInitialize(int(sys.argv[1]), "lo")
     sport, arm, video = made(LocoClient(), 5.0), made(G1ArmActionClient(), 20.0), made(VideoClient(), 5.0)
     other = made(G1ArmActionClient(), 10.0)
-    seen = Seen()
+    seen = Seen("rt/odommodestate", LowState_)
     seen.until(lambda: seen.states and seen.lows)
     out = {"fsm": number(sport, 7001), "height": number(sport, 7005), "old_start": sport.SetFsmId(200)}
     low = seen.lows[-1][1]

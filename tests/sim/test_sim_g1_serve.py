@@ -22,7 +22,7 @@ from agentrob.sim.serve import parse_domains
 
 pytestmark = pytest.mark.sim
 
-G1_DOMAIN = 211 + os.getpid() % 10
+G1_DOMAIN = 211 + int(os.environ["AGENTROB_TEST_NUMBER"])
 
 
 @pytest.fixture(scope="module")

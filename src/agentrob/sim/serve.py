@@ -18,15 +18,14 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from agentrob.errors import AgentRobError, SimError
 from agentrob.hostlock import HostLock
 
 if TYPE_CHECKING:
-    from agentrob.sim.faults import Faults
-    from agentrob.sim.go2_services import Station
     from agentrob.sim.legged import Legged
+    from agentrob.sim.robot_services import RobotServices, Station
     from agentrob.sim.scene import Scene
 
 ANSWER_LIMIT_S = 5.0
@@ -34,18 +33,6 @@ CAMERA_LIMIT_S = 20.0
 LAST_DOMAIN = 230
 #: Each robot that can be simulated, and its usual DDS domain.
 ROBOTS = {"go2": 1, "g1": 2}
-
-
-class Served(Protocol):
-    """The services of one robot; all of it is called in the world's thread."""
-
-    def before_tick(self) -> None: ...
-
-    def after_tick(self) -> None: ...
-
-    def reset(self) -> None: ...
-
-    def fail(self, faults: Faults) -> None: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +92,8 @@ class _Process:
 
         from agentrob.sim.cameras import Cameras, front_view, overview
         from agentrob.sim.clockwork import Clockwork
-        from agentrob.sim.go2_services import Station
         from agentrob.sim.ledger import Ledger
+        from agentrob.sim.robot_services import Station
         from agentrob.sim.services import Node
         from agentrob.sim.world import PERIOD_S, World
 
@@ -222,7 +209,7 @@ class _Process:
         return done.wait(ANSWER_LIMIT_S)
 
 
-def _robot(kind: str) -> tuple[Legged, Callable[[Station], Served]]:
+def _robot(kind: str) -> tuple[Legged, Callable[[Station], RobotServices]]:
     """A robot's body and what serves it."""
     if kind == "g1":
         from agentrob.sim.g1 import G1

@@ -1,0 +1,76 @@
+"""Steps that a test has a robot do, and what it asks about them."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+
+from sim_scene import Place, Sample, apart_m
+
+from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.robots.client import DriverClient
+
+FAR, METRE, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (2.0, 1.0, 0.3))
+#: From an order to stop to standing still: the body coasts for about 0.4 s; the rest is for busy machines.
+REST_LIMIT_S = 1.5
+#: Standing still it sways less than this.
+UNMOVED_M = 0.03
+
+
+async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 20.0) -> None:
+    """Wait for a state that must come."""
+    end_s = time.monotonic() + limit_s
+    while not true(await robot.state()):
+        assert time.monotonic() < end_s, f"it did not become true: {await robot.state()}"
+        await asyncio.sleep(0.03)
+
+
+async def do(robot: DriverClient, primitive: Primitive) -> ActionResult:
+    async with robot.lease("tester") as lease:
+        return await robot.step(lease, primitive, 30)
+
+
+async def is_well(robot: DriverClient) -> None:
+    """It can be moved again."""
+    result = await do(robot, NEAR)
+    assert result.ok, (result.reason, result.message)
+
+
+class Walk:
+    """A step under way, with a lease that is renewed; what it came to, and where it really began."""
+
+    def __init__(self, place: Place, robot: DriverClient, primitive: Primitive = FAR, deadline_s: float = 30.0) -> None:
+        self.place, self.robot, self.primitive, self.deadline_s = place, robot, primitive, deadline_s
+        self.start = place.truth.now
+        self.step: asyncio.Task[ActionResult] | None = None
+
+    async def __aenter__(self) -> Walk:
+        self._context = self.robot.lease("walker")
+        lease = await self._context.__aenter__()
+        self.step = asyncio.create_task(self.robot.step(lease, self.primitive, self.deadline_s))
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        assert self.step is not None
+        await asyncio.gather(self.step, return_exceptions=True)
+        await self._context.__aexit__(None, None, None)
+
+    async def under_way(self, distance_m: float = 0.4) -> Sample:
+        """Until it has really gone so far."""
+        return await self.place.truth.until(lambda now: apart_m(now, self.start) > distance_m)
+
+    async def result(self) -> ActionResult:
+        assert self.step is not None
+        return await self.step
+
+
+async def refused(place: Place, robot: DriverClient, primitive: Primitive, reason: str) -> ActionResult:
+    """A step that is refused for this reason, and the robot really does not move."""
+    start = place.truth.now
+    async with robot.lease("walker") as lease:
+        result = await robot.step(lease, primitive, 30)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, reason), result.message
+    now = await place.truth.until(lambda sample: sample.time_s > start.time_s + 0.3)
+    assert apart_m(now, start) < UNMOVED_M
+    return result
