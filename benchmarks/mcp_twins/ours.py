@@ -1,4 +1,4 @@
-"""Our forum server for benchmarks/mcp.py: thirteen tools before a memory forum with one topic of 6 kB."""
+"""Our forum server for benchmarks/mcp.py: twelve tools before a memory forum with one topic of 6 kB."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ def main() -> None:
     with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
         from agentrob.app import log_to_stderr
         from agentrob.forums.memory import MemoryForum
+        from agentrob.mcp import tools
         from agentrob.mcp.identity import Accounts, Identity, Rights
         from agentrob.mcp.stdio import run
 
@@ -29,7 +30,8 @@ def main() -> None:
             await forum.reply(topic, "word " * 60, key=f"{n + 1}")
 
     asyncio.run(fill())
-    # Thirteen tools: manage_permissions is left out.
+    # Twelve tools: manage_permissions and edit_post are left out.
+    tools.TOOLS = tuple(t for t in tools.TOOLS if t.name != "edit_post")
     identity = Identity("admin", forum, Rights(True, frozenset({"core", "social"})))
     if "--http" in sys.argv:
         from agentrob.config_mcp import McpConfig

@@ -65,12 +65,12 @@ class Outbox:
         self,
         receivers: Sequence[Receiver],
         count: Callable[[str], None] = lambda _: None,
-        pauses_s: Sequence[float] = PAUSES_S,
+        pauses_s: Sequence[float] | None = None,
     ) -> None:
         """`count` hears what became of each delivery: `told`, `failed` or `dropped`."""
         self._receivers = receivers
         self._count = count
-        self._pauses_s = pauses_s
+        self._pauses_s = PAUSES_S if pauses_s is None else pauses_s
 
     def tell(self, kind: str, data: dict[str, Any]) -> None:
         """Never waits. A receiver whose queue is full is not told."""

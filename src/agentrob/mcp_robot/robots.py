@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 from collections.abc import Awaitable, Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 from urllib.parse import quote
 
 import httpx2
 from limits import RateLimitItemPerMinute
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
+from pydantic_core import from_json
 
+from agentrob.forums.forum import TRACE_ID
 from agentrob.mcp.envelope import ToolError
 
 CALL_S = 15.0
@@ -20,6 +23,7 @@ CALL_S = 15.0
 LOOK_S = 0.5
 #: What the service says to the words of the MCP servers; other codes stay as they are.
 _CODES = {401: "denied", 403: "denied", 404: "not_found", 422: "invalid_arguments", 429: "rate_limited"}
+T = TypeVar("T")
 Told = Callable[[dict[str, Any]], Awaitable[None]]
 
 
@@ -34,13 +38,9 @@ class Service:
 
     async def ask(self, method: str, path: str = "", body: Any = None, **headers: str) -> dict[str, Any]:
         """The JSON of the answer; a `ToolError` for whatever is none."""
-        answer = await self._asked(method, path, body, headers)
-        try:
-            found = answer.json()
-        except ValueError:
-            found = None
+        found = _json(await self._asked(method, path, body, headers))
         if not isinstance(found, dict):
-            raise ToolError("unreachable", f"what answers for {self.robot} is no service of ours", "", True)
+            raise _stranger()
         return found
 
     async def picture(self) -> bytes:
@@ -48,10 +48,9 @@ class Service:
         return (await self._asked("GET", "/camera.jpg", None, {})).content
 
     async def _asked(self, method: str, path: str, body: Any, headers: Mapping[str, str]) -> httpx2.Response:
+        sent = {**self._headers, "X-Trace-Id": TRACE_ID.get() or "", **headers}
         try:
-            answer = await self._http.request(
-                method, self._base + path, json=body, headers={**self._headers, **headers}
-            )
+            answer = await self._http.request(method, self._base + path, json=body, headers=sent)
         except (httpx2.HTTPError, httpx2.InvalidURL, OSError) as e:
             hint = "nothing is known of the robot; to stop it use its own stop, or agentrob stop on its machine"
             said = f"the service of {self.robot} does not answer ({type(e).__name__})"
@@ -64,16 +63,38 @@ class Service:
         await self._http.aclose()
 
 
+def _json(answer: httpx2.Response) -> Any:
+    """What an answer carries; None when it is no JSON that can be handed on (lone surrogates, no numbers)."""
+    try:
+        return from_json(answer.content, allow_inf_nan=False)
+    except ValueError:
+        return None
+
+
+def _stranger() -> ToolError:
+    return ToolError("unreachable", "what answers at the service's address is no service of ours", "", True)
+
+
+def part(found: Mapping[str, Any], name: str, kind: type[T]) -> T:
+    """A part of an answer, of the kind that it must be."""
+    value = found.get(name)
+    if not isinstance(value, kind):
+        raise _stranger()
+    return value
+
+
 def _refusal(answer: httpx2.Response) -> ToolError:
     """A problem of the service in the words of the envelope."""
     try:
-        problem = answer.json()
+        problem = _json(answer)
         said, hint, code = str(problem["detail"]), str(problem.get("hint", "")), str(problem["code"])
     except (ValueError, KeyError, TypeError, AttributeError):
         said, hint, code = f"the service answered {answer.status_code}", "", "unreachable"
     after_s: float | None = None
     with contextlib.suppress(ValueError):
         after_s = float(answer.headers["retry-after"]) if "retry-after" in answer.headers else None
+    if after_s is not None and not math.isfinite(after_s):
+        after_s = None
     retryable = answer.status_code in (429, 503) or after_s is not None
     return ToolError(_CODES.get(answer.status_code, code), said, hint, retryable, after_s)
 
@@ -111,7 +132,7 @@ class Robots:
 
 async def followed(service: Service, command: dict[str, Any], wait_s: float, tell: Told) -> dict[str, Any]:
     """A command as it is after at most `wait_s`, or as it ended; `tell` hears of each change meanwhile."""
-    loop = asyncio.get_running_loop()
+    loop, command_id = asyncio.get_running_loop(), quote(part(command, "id", str), safe="")
     until_s, shown = loop.time() + wait_s, None
     while True:
         now = (command.get("state"), command.get("step"), command.get("place"))
@@ -122,4 +143,4 @@ async def followed(service: Service, command: dict[str, Any], wait_s: float, tel
         if command.get("ended") or left_s <= 0:
             return command
         pause_s = max(0.0, min(LOOK_S, left_s))
-        command = await service.ask("GET", f"/commands/{quote(str(command['id']), safe='')}?wait_s={pause_s:.2f}")
+        command = await service.ask("GET", f"/commands/{command_id}?wait_s={pause_s:.2f}")

@@ -23,6 +23,7 @@ from pydantic import ValidationError
 from agentrob import __version__
 from agentrob.config_service import McpRobotConfig
 from agentrob.errors import ConfigError
+from agentrob.forums.forum import TRACE_ID
 from agentrob.mcp.arguments import Arguments, input_schema
 from agentrob.mcp.envelope import SCHEMA, ToolError, failure, new_trace_id, success
 from agentrob.mcp.pipes import stdio_pipes
@@ -66,6 +67,7 @@ class RobotServer:
     async def call_tool(self, ctx: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
         trace_id, began_s, name = new_trace_id(), time.monotonic(), params.name
         picture: bytes | None = None
+        TRACE_ID.set(trace_id)
         try:
             answer = await self._run(ctx, name, params.arguments or {})
             said, picture, outcome = success(name, answer.data, trace_id), answer.picture, "ok"

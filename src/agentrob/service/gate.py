@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import time
 from collections.abc import AsyncIterator, Collection
 from contextlib import asynccontextmanager
 from typing import Final
 from urllib.parse import urlsplit
 
+import structlog
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from agentrob.errors import ServiceError
+from agentrob.forums.forum import TRACE_ID
 from agentrob.service.figures import Figures
 from agentrob.service.problem import problem
 
@@ -23,6 +26,7 @@ MAX_HOOK: Final = 1024 * 1024
 MOST_LOOKS: Final = 4
 MOST_ASKS: Final = 16
 _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
+_TRACE_ID: Final = re.compile(r"[A-Za-z0-9_-]{8,64}")
 _METHODS: Final = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _HEADERS: Final = {
     "Cache-Control": "no-store",
@@ -30,6 +34,9 @@ _HEADERS: Final = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "X-Content-Type-Options": "nosniff",
 }
+
+
+_log = structlog.get_logger()
 
 
 class Gate:
@@ -47,19 +54,8 @@ class Gate:
             await self.app(scope, receive, send)
             return
         scope.setdefault("state", {})["received_s"] = time.monotonic()
-        method = scope["method"] if scope["method"] in _METHODS else "other"
-
         place = scope["state"]["place"] = self._place(scope)
-
-        async def counted(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                place.leave()  # what is left is its reader's to wait for
-                self.figures.count(self.figures.requests, method, str(message["status"]))
-                headers = MutableHeaders(scope=message)
-                for name, value in _HEADERS.items():
-                    headers.setdefault(name, value)
-            await send(message)
-
+        counted = self._counted(scope, send, place)
         most = MAX_HOOK if scope["path"].startswith("/api/v1/hooks/") else MAX_BODY
         try:
             self._check(Headers(scope=scope), most)
@@ -72,6 +68,28 @@ class Gate:
             await self.app(scope, whole, counted)
         finally:
             place.leave()
+
+    def _counted(self, scope: Scope, send: Send, place: Place) -> Send:
+        """Sends the answer, counted and with its headers; from its beginning on it has no place."""
+        method = scope["method"] if scope["method"] in _METHODS else "other"
+        trace_id = Headers(scope=scope).get("x-trace-id", "")
+        traced = _TRACE_ID.fullmatch(trace_id) is not None
+        TRACE_ID.set(trace_id if traced else "")
+
+        async def counted(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                place.leave()
+                status = message["status"]
+                self.figures.count(self.figures.requests, method, str(status))
+                if traced and status != 401:  # whoever traces a request finds it in this log too, and in the forum's
+                    asked = {"method": method, "path": scope["path"], "status": status}
+                    _log.info("service.traced", **asked, trace_id=trace_id)
+                headers = MutableHeaders(scope=message)
+                for name, value in _HEADERS.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        return counted
 
     def _place(self, scope: Scope) -> Place:
         if scope["path"].endswith("/stop"):

@@ -1,4 +1,4 @@
-// The twin of our forum server on the official TypeScript SDK, for benchmarks/mcp.py: thirteen tools, one topic of 6 kB.
+// The twin of our forum server on the official TypeScript SDK, for benchmarks/mcp.py: twelve tools, one topic of 6 kB.
 import { createServer } from "node:http";
 import { randomUUID } from "node:crypto";
 import { McpServer } from "@modelcontextprotocol/sdk/server/mcp.js";
@@ -8,7 +8,7 @@ import { isInitializeRequest } from "@modelcontextprotocol/sdk/types.js";
 import { z } from "zod";
 
 const NAMES = ["get_manual", "list_boards", "list_posts", "create_topic", "reply_to_topic", "login_account", "register_account",
-  "search_posts", "subscribe_topic", "list_notifications", "upload_media", "edit_post"];
+  "search_posts", "subscribe_topic", "list_notifications", "upload_media"];
 const author = { id: "a1", name: "admin", role: "admin" };
 const posts = Array.from({ length: 10 }, (_, n) => ({
   id: String(n + 1), topic_id: "1", board_id: "robots", author, body: "word ".repeat(60),
