@@ -86,7 +86,7 @@ def say(tool: str, **arguments: Any) -> None:
 
 def tell(post: results.PostInfo) -> None:
     state = f" [{post.card['state']}]" if post.card else ""
-    tag = f" (status {post.agent.status}, trace {post.agent.trace_id})" if post.agent else ""
+    tag = f" ({post.agent.type}, status {post.agent.status}, trace {post.agent.trace_id})" if post.agent else ""
     print(f"  {post.author.name}, {post.author.kind}{state}{tag}: {' '.join(post.body.split())[:120]}")
 
 

@@ -26,6 +26,7 @@ from agentrob.forums.memory import MemoryForum
 from agentrob.mcp.client import ForumClient
 from agentrob.mcp.forum import McpForum
 from agentrob.mcp.identity import Rights
+from agentrob.model import AccountKind, Role
 
 
 EXAMPLE = Path(__file__).parents[2] / "examples/mcp_photo.py"
@@ -119,8 +120,8 @@ def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, t
             end_all(children)
     assert said[1]["author"]["name"] == "quadruped"
     assert said[1]["card"]["state"] == "done"
-    assert "quadruped, robot_agent [done] (status done" in shown
-    found = re.search(r"status asking, trace (\w+)", shown)
+    assert "quadruped, robot_agent [done] (robot, status done" in shown
+    found = re.search(r"planner, commanding_agent \(commanding, status asking, trace (\w+)", shown)
     assert found is not None
     assert f"asked_in={found[1]}" in (tmp_path / "agent.log").read_text()
     assert (tmp_path / "photo.jpg").read_bytes()[:2] == b"\xff\xd8"
@@ -130,9 +131,10 @@ def ask_for_a_photo(setup: McpSetup, picture: Path) -> str:
     """What the example prints: another agent, on a stdio server of its own."""
     config = setup.folder / "asker.toml"
     config.write_text(f'[forum]\nurl = "{setup.board.url}"\n')
+    setup.board.add("planner", kind=AccountKind.COMMANDING_AGENT, role=Role.OPERATOR)
     command = [sys.executable, str(EXAMPLE), str(config), str(picture)]
     ended = subprocess.run(
-        command, env=setup.environment("op"), capture_output=True, text=True, timeout=60, check=False
+        command, env=setup.environment("planner"), capture_output=True, text=True, timeout=60, check=False
     )
     assert ended.returncode == 0, ended.stdout + ended.stderr
     return ended.stdout

@@ -291,6 +291,33 @@ async def test_a_new_post_wakes_who_waits_for_it_without_polling(world: MemoryWo
         assert (await client.subscribe_topic(topic_id, woken.after, wait_s=0.1)).posts == ()
 
 
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+async def test_a_call_that_is_cancelled_ends_at_the_server_too_and_the_connection_goes_on(
+    world: MemoryWorld, mode: str
+) -> None:
+    server, accounts = server_of(world, "alice")
+    began, ended = asyncio.Event(), asyncio.Event()
+
+    async def wait(after: str, heartbeat_s: float) -> Any:
+        began.set()
+        try:
+            await asyncio.Event().wait()
+        finally:
+            ended.set()
+
+    accounts.current.feed.wait = wait  # type: ignore[method-assign]
+    async with ForumClient(lambda: Client(server.engine, mode=mode, cache=None)) as client:
+        topic_id = (await client.create_topic("robots", "A title", "hello")).post.topic_id
+        waiting = asyncio.create_task(client.subscribe_topic(topic_id, wait_s=60))
+        async with asyncio.timeout(10):
+            await began.wait()
+            waiting.cancel()
+            await ended.wait()
+        assert (await client.list_boards()).boards
+    await server.close()
+    await accounts.close()
+
+
 async def test_updates_are_pushed_to_clients_of_2026_on_their_stream(world: MemoryWorld) -> None:
     async with client_of(world) as client, client_of(world, "bob") as bob:
         topic_id = (await client.create_topic("robots", "A title", "hello")).post.topic_id
