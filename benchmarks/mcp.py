@@ -4,9 +4,9 @@
 
 Both answer `get_topic` with the same text and structure, and list twelve tools (over HTTP ours leaves out the two that
 only stdio has); ours does it through the registry, validation, envelope and log of the product, before a memory forum.
-The client is the same Python SDK for both, one call after the other, both by turns. Memory is the resident set after the
-calls; `command` is the first answer of `agentrob mcp forum` itself, with its configuration and command line. Prints one
-JSON object with the load of the machine before it; figures depend on what else the machine does.
+The client is the same Python SDK for both, one call after the other, both by turns. Memory is the resident set after
+the calls; `command` is the first answer of `agentrob mcp forum` itself, with its configuration and command line. Prints
+one JSON object with the load of the machine before it; figures depend on what else the machine does.
 """
 
 from __future__ import annotations

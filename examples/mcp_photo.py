@@ -38,7 +38,7 @@ async def main(config: Path, picture: Path | None) -> bool:
         jpeg = await forum.read_bytes(uri)
         print(f"  {len(jpeg)} bytes of {'JPEG' if jpeg[:2] == bytes((0xFF, 0xD8)) else 'a picture'}")
         if picture is not None:
-            picture.write_bytes(jpeg)  # noqa: ASYNC240
+            picture.write_bytes(jpeg)
         return True
 
 

@@ -59,7 +59,7 @@ class Receiver:
 
 
 class Outbox:
-    """Tells receivers what happened: each delivery again and again until it is taken, but not for ever. In memory only."""
+    """Tells receivers what happened: each delivery again until it is taken, but not for ever. In memory only."""
 
     def __init__(
         self,

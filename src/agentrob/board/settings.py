@@ -47,7 +47,9 @@ class BoardSettings:
         database = board.database or f"sqlite:///{data_dir / 'board' / 'board.sqlite3'}"
         if "://" not in database:
             database = f"sqlite:///{Path(database).expanduser()}"
-        return cls(database, host, port, base_url, data_dir / "board" / "images", board.title, sign_up, hooks=board.hooks)
+        return cls(
+            database, host, port, base_url, data_dir / "board" / "images", board.title, sign_up, hooks=board.hooks
+        )
 
     @property
     def secure(self) -> bool:

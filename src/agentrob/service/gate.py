@@ -1,4 +1,4 @@
-"""The service's front door, around every request: whose address, how large, how many at a time, counted, and headers."""
+"""The service's front door, around every request: whose address, how large, how many at a time, counted, headers."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from agentrob.service.problem import problem
 
 MAX_BODY: Final = 64 * 1024
 MAX_HOOK: Final = 1024 * 1024
-#: So many requests that look, and that ask for something, are worked on at a time, the others wait at the door: the agent
-#: shares the event loop with them, and must renew its lease and hear of stops whatever comes. A stop never waits.
+#: So many requests that look, and that ask for something, are worked on at a time, the others wait at the door: the
+#: agent shares the event loop with them, and must renew its lease and hear of stops whatever comes. No stop waits.
 MOST_LOOKS: Final = 4
 MOST_ASKS: Final = 16
 _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
