@@ -23,6 +23,8 @@ from agentrob.robots.motion import REST, Velocity
 from agentrob.robots.robot import Watch
 from agentrob.robots.service import Service
 
+TIME_SCALE = 10.0
+
 
 class Gate:
     """Holds whoever comes until it lets them; `held` are those who wait at it, by what they came with."""
@@ -104,7 +106,7 @@ class LedgerRobot(FakeRobot):
         self.on_motion: Callable[[Primitive], None] = lambda _: None
         self.stopped = 0
         self._at: Primitive | None = None
-        super().__init__(robot_settings(options={"time_scale": 10}))
+        super().__init__(robot_settings(options={"time_scale": TIME_SCALE}))
 
     def limit(self, step_deg: float) -> None:
         self.capabilities = replace(self.capabilities, limits=replace(self.capabilities.limits, step_deg=step_deg))

@@ -6,12 +6,12 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import itertools
+import math
 import sqlite3
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from machine_scene import GatedClient, GatedMind, Gates, Stand, robot_stand
+from machine_scene import TIME_SCALE, GatedClient, GatedMind, Gates, Stand, robot_stand
 
 from agentrob.agent.line import Job
 from agentrob.agent.turn import RobotAgent
@@ -86,7 +86,7 @@ class Laws(RuleBasedStateMachine):
         for name, (kind, role) in {**ACCOUNTS, ROBOT: (AccountKind.ROBOT_AGENT, Role.MEMBER)}.items():
             self.world.sign_in(name, kind=kind, role=role)
         self.gates = Gates()
-        stand.robot.gate = self.gates.body
+        stand.robot.gate, stand.robot.time_scale = self.gates.body, TIME_SCALE
         stand.robot.on_step, stand.robot.on_motion = self._passed_the_guard, self._moved
         self.limit_deg, self.halted, self.later = WIDE_DEG, False, 0
         stand.limit(WIDE_DEG)
@@ -296,16 +296,12 @@ class Laws(RuleBasedStateMachine):
         if self.halted:
             self.release()
         self.change_the_limit(WIDE_DEG)
-        told: list[str] = []
-        for degrees in (91.0, 92.0, 93.0):  # on a busy machine the fast robot may fail a turn, but not three
-            late = self._ask("carol", "1", (("left", degrees),))
-            self._run(self._until(partial(self._ends, late)))
-            assert self.moved["left", degrees] == 1
-            self.nothing_moved_that_must_not()
-            told += [post.raw for post in self._replies(late)]
-            if self._ends(late) == ["done"]:
-                return
-        raise AssertionError(told)
+        self.stand.robot.time_scale = math.inf  # so that a busy machine cannot spoil the turn
+        late = self._ask("carol", "1", (("left", 91.0),))
+        self._run(self._until(lambda: self._ends(late)))
+        assert self._ends(late) == ["done"], [post.raw for post in self._replies(late)]
+        assert self.moved["left", 91.0] == 1
+        self.nothing_moved_that_must_not()
 
     # ---------------------------------------------------------------- the ledger
     def _sent(self, primitive: Primitive) -> None:
@@ -550,4 +546,4 @@ def test_laws_4_5_6_13_14_hold_under_any_order_of_events(stand: Stand, tmp_path:
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 def test_laws_4_5_6_13_14_hold_under_many_orders_of_events(stand: Stand, tmp_path: Path) -> None:
-    prove(stand, tmp_path, max_examples=40, stateful_step_count=40, print_blob=True)
+    prove(stand, tmp_path, max_examples=150, stateful_step_count=40, print_blob=True)

@@ -62,7 +62,7 @@ class FakeRobot:
         options = _checked(settings.options)
         self.capabilities = self.describe(settings)
         self.faults = Faults(**options.get("faults", {}))
-        self.time_scale = float(options.get("time_scale", 1.0))
+        self._time_scale = float(options.get("time_scale", 1.0))
         self.room = tuple(float(v) for v in options.get("room", (-20, 20, -20, 20)))  # x_min, x_max, y_min, y_max
         self.obstacles = [tuple(float(v) for v in o) for o in options.get("obstacles", ())]  # x, y, radius
         self.commanded = REST
@@ -71,7 +71,7 @@ class FakeRobot:
             limits.speed_mps, math.radians(limits.turn_dps)
         )
         self._lock = threading.RLock()
-        self._epoch_s, self._virtual_s = time.monotonic(), 0.0
+        self._epoch_s, self._virtual_s = time.monotonic(), 0.0  # a moment, and what its own clock said then
         self._pose, self._velocity, self._goal = Pose(0, 0, 0), REST, (REST, -math.inf)
         self._walked_m, self._jumped, self._stops, self._mode = 0.0, False, 0, "idle"
         self._body_s = 0.0  # up to when the body's motion is computed
@@ -123,9 +123,9 @@ class FakeRobot:
 
     # ------------------------------------------------------------ the body (agentrob.robots.walk.Body)
     def now_s(self) -> float:
-        if math.isinf(self.time_scale):
+        if math.isinf(self._time_scale):
             return self._virtual_s
-        return (time.monotonic() - self._epoch_s) * self.time_scale
+        return self._virtual_s + (time.monotonic() - self._epoch_s) * self._time_scale
 
     def command(self, velocity: Velocity) -> None:
         with self._lock:
@@ -141,12 +141,12 @@ class FakeRobot:
             self._goal = REST, math.inf
 
     def wait_until(self, time_s: float) -> None:
-        if math.isinf(self.time_scale):
+        if math.isinf(self._time_scale):
             with self._lock:
                 self._virtual_s = max(self._virtual_s, time_s)
                 self._advance()
         else:
-            time.sleep(max(0.0, (time_s - self.now_s()) / self.time_scale))
+            time.sleep(max(0.0, (time_s - self.now_s()) / self._time_scale))
 
     # ------------------------------------------------------------ for tests and demonstrations
     @property
@@ -155,6 +155,17 @@ class FakeRobot:
         with self._lock:
             self._advance()
             return self._pose
+
+    @property
+    def time_scale(self) -> float:
+        """How much faster than life it goes; its own clock does not leap when this is changed."""
+        return self._time_scale
+
+    @time_scale.setter
+    def time_scale(self, scale: float) -> None:
+        with self._lock:
+            self._epoch_s, self._virtual_s = time.monotonic(), self.now_s()
+            self._time_scale = scale
 
     def carry(self, pose: Pose) -> None:
         """Put it somewhere else at once: its odometry jumps."""
