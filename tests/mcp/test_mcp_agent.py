@@ -28,7 +28,6 @@ from agentrob.mcp.forum import McpForum
 from agentrob.mcp.identity import Rights
 from agentrob.model import AccountKind, Role
 
-
 EXAMPLE = Path(__file__).parents[2] / "examples/mcp_photo.py"
 
 
@@ -99,7 +98,9 @@ def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, t
     setup.user("quadruped", write=True)
     facts = {
         "data": str(tmp_path / "data"),
-        "robots": {"quadruped": robot_settings(options={"time_scale": 2}).model_dump(mode="json", exclude_defaults=True)},
+        "robots": {
+            "quadruped": robot_settings(options={"time_scale": 2}).model_dump(mode="json", exclude_defaults=True)
+        },
     }
     children: list[Child] = []
     with setup.http() as url:

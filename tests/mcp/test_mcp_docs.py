@@ -26,7 +26,9 @@ def commands() -> list[list[str]]:
     """Every command line by which a client is told to start the forum's server."""
     found = [block["mcpServers"].values() for block in map(json.loads, blocks("json")) if "mcpServers" in block]
     codex = [t["mcp_servers"].values() for t in map(tomllib.loads, blocks("toml")) if "mcp_servers" in t]
-    spoken = [shlex.split(line.partition(" -- ")[2]) for line in re.findall(r"^    claude mcp add .* -- .*$", DOCS, re.M)]
+    spoken = [
+        shlex.split(line.partition(" -- ")[2]) for line in re.findall(r"^    claude mcp add .* -- .*$", DOCS, re.M)
+    ]
     written = [[s["command"], *s["args"]] for servers in found + codex for s in servers]
     return [c for c in written + spoken if c[1:3] == ["mcp", "forum"]]
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hostile import deep, of_schema
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from hostile import deep, of_schema
 from inside import a_world, server_of
 from running_mcp import McpSetup
 
@@ -24,6 +24,8 @@ from agentrob.mcp.tools import BY_NAME, TOOLS
 SECRET = "the-secret-token-of-nobody"
 CODES = {"invalid_arguments", "not_found", "denied", "rate_limited", "unreachable", "refused", "not_offered",
          "not_allowed", "unknown_tool"}  # fmt: skip
+
+
 @cache
 def _strategy(name: str) -> st.SearchStrategy[Any]:
     return of_schema(input_schema(BY_NAME[name].arguments))
