@@ -41,7 +41,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 @asynccontextmanager
 async def agent_on_mcp(driver: Driver, folder: Path, **world: Any) -> AsyncIterator[Scene]:
     """An agent that runs; what its forum can do it learns, as in the field, only when it first asks."""
-    scene = make_scene(driver, folder, MemoryForum.world(**world))
+    scene = make_scene(driver, folder, MemoryForum.world(**world), poll_s=0.5)
     server, accounts = server_of(scene.world, ROBOT, Rights(True, ALL))
     forum = McpForum.over(ForumClient(lambda: Client(server.engine, cache=None)))
     try:

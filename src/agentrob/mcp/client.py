@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import asyncio
 import base64
-import contextlib
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeVar
@@ -28,6 +27,8 @@ if TYPE_CHECKING:
 R = TypeVar("R", bound=BaseModel)
 #: Of one call, in seconds.
 TIMEOUT_S = 30.0
+#: So long a call or a connection that we leave may take to end.
+LEAVE_S = 5.0
 
 
 class ToolFailed(McpError):
@@ -191,11 +192,10 @@ class ForumClient:
                 raise
             raise _gone(e, link) from None
         finally:
-            for task in (asking, ended):
-                if task is not None and not task.done():
-                    task.cancel()
-            with contextlib.suppress(asyncio.CancelledError, Exception):
-                await asking
+            if ended is not None:
+                ended.cancel()
+            if not await _left(asking, LEAVE_S) and link is not None:
+                link.broken = True  # not even a cancellation gets through
 
     # ---------------------------------------------------------------- the tools
     async def get_manual(self, tool: str | None = None) -> r.Manual:
@@ -329,11 +329,17 @@ class _Link:
     async def close(self) -> None:
         self._leave.set()
         if self._task is not None:
-            _, left = await asyncio.wait({self._task}, timeout=10)
-            for task in left:
-                task.cancel()
-            with contextlib.suppress(asyncio.CancelledError, Exception):
-                await self._task
+            await asyncio.wait({self._task}, timeout=LEAVE_S)
+            await _left(self._task, LEAVE_S)
+
+
+async def _left(task: asyncio.Future[Any], limit_s: float) -> bool:
+    """Cancel a task and wait until it has ended, but not for ever: whether it did. What it raises is not ours."""
+    task.add_done_callback(lambda t: t.cancelled() or t.exception())
+    if not task.done():
+        task.cancel()
+        await asyncio.wait({task}, timeout=limit_s)
+    return task.done()
 
 
 def _failed(said: dict[str, Any]) -> ToolFailed:
