@@ -50,10 +50,18 @@ class RobotServer:
             version=__version__,
             title="Robots",
             instructions=INSTRUCTIONS,
-            cache_hints={"tools/list": CacheHint(60_000, "private")},
+            cache_hints={
+                "tools/list": CacheHint(60_000, "private"),
+                "prompts/list": CacheHint(60_000, "public"),
+                "resources/list": CacheHint(60_000, "public"),
+                "resources/templates/list": CacheHint(60_000, "public"),
+            },
             get_tool_input_schema=_schema_of,
             on_list_tools=self.list_tools,
             on_call_tool=self.call_tool,
+            on_list_prompts=self.list_prompts,
+            on_list_resources=self.list_resources,
+            on_list_resource_templates=self.list_templates,
         )
         self.engine.middleware.clear()  # it traces for OpenTelemetry, which nobody reads here
 
@@ -63,6 +71,16 @@ class RobotServer:
 
     async def list_tools(self, ctx: Context, params: Any) -> types.ListToolsResult:
         return types.ListToolsResult(tools=[_described(tool) for tool in self._tools])
+
+    # Clients ask for these too. There are none: everything here is a tool.
+    async def list_prompts(self, ctx: Context, params: Any) -> types.ListPromptsResult:
+        return types.ListPromptsResult(prompts=[])
+
+    async def list_resources(self, ctx: Context, params: Any) -> types.ListResourcesResult:
+        return types.ListResourcesResult(resources=[])
+
+    async def list_templates(self, ctx: Context, params: Any) -> types.ListResourceTemplatesResult:
+        return types.ListResourceTemplatesResult(resource_templates=[])
 
     async def call_tool(self, ctx: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
         trace_id, began_s, name = new_trace_id(), time.monotonic(), params.name
