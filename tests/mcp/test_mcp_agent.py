@@ -117,6 +117,7 @@ def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, t
             topic = asker.post("/topics", json=asked).raise_for_status().json()["topic"]["id"]
             said = asyncio.run(_ended(asker, topic))
             shown = ask_for_a_photo(setup, tmp_path / "photo.jpg")
+            (tmp_path / "transcript.txt").write_text(shown)
         finally:
             end_all(children)
     assert said[1]["author"]["name"] == "quadruped"
