@@ -13,7 +13,7 @@ import socket
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -22,7 +22,7 @@ from typing import IO, Any
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
 from agentrob.config import BoardConfig, Config, ForumConfig, RatesConfig
-from agentrob.errors import AgentRobError
+from agentrob.errors import AgentRobError, RobotBusy
 from agentrob.model import AccountKind, Role
 
 PORT = 8088
@@ -34,7 +34,7 @@ SENTENCES = (
     "@humanoid walk forward 1 metre, turn left, wave",
     "@quadruped wave. @humanoid make a heart.",
 )
-#: Domains that the demo may use; real robots are on 0.
+#: Domains for worlds that nobody gave one; real robots are on 0.
 DOMAINS = range(40, 100)
 
 
@@ -62,13 +62,24 @@ class DemoSettings:
         return ROBOTS | {kind: kind for kind in self.more if kind not in ROBOTS.values()}
 
 
-def free_domains(count: int) -> list[int]:
-    """DDS domains that no driver or world of this host uses."""
-    taken = set(hostlock.held())
-    free = [d for d in DOMAINS if not {f"world/lo/{d}", f"driver/lo/{d}"} & taken]
-    if len(free) < count:
-        raise DemoError(f"too few DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are free on this host")
-    return free[:count]
+class OwnDomain:
+    """A DDS domain that nobody on this host uses, and that nobody else chooses until this is closed.
+
+    Raises `DemoError` when all are taken.
+    """
+
+    def __init__(self) -> None:
+        taken = set(hostlock.held())
+        for number in DOMAINS:
+            if not {f"world/lo/{number}", f"driver/lo/{number}"} & taken:
+                with contextlib.suppress(RobotBusy):
+                    self._lock = hostlock.HostLock(f"domain/lo/{number}", f"DDS domain {number}")
+                    self.number = number
+                    return
+        raise DemoError(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are taken on this host")
+
+    def close(self) -> None:
+        self._lock.close()
 
 
 def free_port() -> int:
@@ -94,6 +105,7 @@ class Demo:
         self.data = settings.data
         self.robots = settings.robots
         self.children: list[Child] = []
+        self._domains: dict[str, OwnDomain] = {}
         self._lock: IO[str] | None = None
         self.url = ""
         self.tokens: dict[str, str] = {}
@@ -108,6 +120,8 @@ class Demo:
     ) -> None:
         with _undisturbed():
             end_all(self.children)
+            for domain in self._domains.values():
+                domain.close()
             if self.runtime:
                 shutil.rmtree(self.runtime, ignore_errors=True)
             if self._lock:
@@ -130,17 +144,12 @@ class Demo:
         port = self.settings.port or free_port()
         check_port(port)
         self.url = f"http://127.0.0.1:{port}"
-        domains, world = self._start_world()
-        config = self._write_config(port, domains, room_url="")
+        world = self._start_world()
+        config = self._write_config(port, room_url="")
         self._bootstrap(config)
         board = self._child("board", "board", "serve", "--config", str(config))
-        try:
-            self.room_url = world.wait_ready()["http"]
-        except ChildError:  # another demo may have taken a domain at the same moment
-            self.children.remove(world)
-            domains, world = self._start_world()
-            self.room_url = world.wait_ready()["http"]
-        config = self._write_config(port, domains, self.room_url)
+        self.room_url = world.wait_ready()["http"]
+        config = self._write_config(port, self.room_url)
         drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in self.robots]
         board.wait_ready()
         agents = [self._agent(name, config) for name in self.robots]
@@ -155,13 +164,14 @@ class Demo:
         for kind in self.robots.values():
             app.capabilities_of(kind)
 
-    def _start_world(self) -> tuple[dict[str, int], Child]:
-        """The world, and the number of each robot: its DDS domain, and for any robot what its driver's lock has."""
-        domains = dict(zip(self.robots, free_domains(len(self.robots)), strict=True))
+    def _start_world(self) -> Child:
+        """The world; each robot has a domain, one that is not in the world for its driver's lock."""
+        for name in self.robots:
+            self._domains[name] = OwnDomain()
         args = ["sim", "--ledger", str(self.data / "world.jsonl"), "--world", self.settings.world]
         for name, model in ROBOTS.items():
-            args += ["--domain", f"{model}={domains[name]}"]
-        return domains, self._child("world", *args)
+            args += ["--domain", f"{model}={self._domains[name].number}"]
+        return self._child("world", *args)
 
     def _agent(self, name: str, config: Path) -> Child:
         env = {"AGENTROB_TOKEN": self.tokens[name]}
@@ -190,14 +200,14 @@ class Demo:
                 "end it, or give another --data"
             ) from None
 
-    def _write_config(self, port: int, domains: Mapping[str, int], room_url: str) -> Path:
+    def _write_config(self, port: int, room_url: str) -> Path:
         from agentrob import app
 
         # one visitor, who may play as long as they like
         own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0)}
         room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
         robots = {
-            name: app.simulated_robot(model, domains[name], self.settings.world).model_copy(
+            name: app.simulated_robot(model, self._domains[name].number, self.settings.world).model_copy(
                 update=own | room if app.in_world(model) else own  # the room's camera sees who stands in the room
             )
             for name, model in self.robots.items()

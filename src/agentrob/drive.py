@@ -59,12 +59,23 @@ def robot_command_driver(
     red ball"), within the budgets of the robot's `look` settings: who names it here consents.
     Raises `ConfigError` for a robot that is not known, `RobotError` or `ChildError` when it cannot be reached or held.
     """
+    config = config or Config()
+    with _robot(robot, config, network_interface) as (name, settings):
+        return _drive(command, name, settings, config, mind, on_step)
+
+
+def _drive(
+    command: str,
+    name: str,
+    settings: RobotConfig,
+    config: Config,
+    mind: str | None,
+    on_step: Callable[[ActionResult], None],
+) -> Driven:
     from agentrob.judge.screen import screen
     from agentrob.language.visible import visible_text
     from agentrob.robots.client import run_plan
 
-    config = config or Config()
-    name, settings = _settings(robot, config, network_interface)
     capabilities: Capabilities = app.capabilities_of(settings.model, settings)
     if mind is not None:
         settings = settings.model_copy(
@@ -165,7 +176,18 @@ def _outside_loop(work: Callable[[], T]) -> T:
         return pool.submit(work).result()
 
 
-def _settings(robot: str, config: Config, interface: str | None) -> tuple[str, RobotConfig]:
+@contextlib.contextmanager
+def _robot(robot: str, config: Config, interface: str | None) -> Iterator[tuple[str, RobotConfig]]:
+    """Its name and settings; a simulated one that no configuration names has a DDS domain of its own meanwhile."""
+    if (found := _configured(robot, config, interface)) is not None:
+        yield found
+        return
+    with contextlib.closing(demo.OwnDomain()) as domain:
+        yield robot, app.simulated_robot(robot, domain.number)
+
+
+def _configured(robot: str, config: Config, interface: str | None) -> tuple[str, RobotConfig] | None:
+    """A robot of the configuration, by its name or kind, or a real one on an interface; None: one of that kind."""
     named = [robot] if robot in config.robots else [n for n, r in config.robots.items() if r.model == robot]
     if len(named) == 1:
         settings = config.robots[named[0]]
@@ -178,7 +200,7 @@ def _settings(robot: str, config: Config, interface: str | None) -> tuple[str, R
     find("robots", robot)
     if interface:
         return robot, RobotConfig(model=robot, interface=interface)
-    return robot, app.simulated_robot(robot, demo.free_domains(1)[0])
+    return None
 
 
 @contextlib.contextmanager

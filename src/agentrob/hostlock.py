@@ -7,6 +7,7 @@ every driver without a file, a forum or an agent.
 
 from __future__ import annotations
 
+import contextlib
 import socket
 from pathlib import Path
 
@@ -29,6 +30,9 @@ class HostLock:
         self.socket.listen(16)
 
     def close(self) -> None:
+        """Give the name back; a thread that waits for a caller gets an `OSError`, and the name is free once it has."""
+        with contextlib.suppress(OSError):
+            self.socket.shutdown(socket.SHUT_RDWR)  # or a thread that accepts would keep the name
         self.socket.close()
 
     def __enter__(self) -> HostLock:

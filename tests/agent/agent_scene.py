@@ -107,7 +107,9 @@ class Scene:
 
     async def final(self, post: Post, limit_s: float = 15.0) -> Post:
         """The robot's final answer to a post."""
-        return await self.until(lambda: next((p for p in self.replies(post) if p.card and p.card.state in FINAL), None))
+        return await self.until(
+            lambda: next((p for p in self.replies(post) if p.card and p.card.state in FINAL), None), limit_s
+        )
 
     async def state(self, post: Post, state: str) -> Post:
         """The robot's answer when it shows a state."""

@@ -10,6 +10,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,7 +28,7 @@ from agentrob.robots.client import DriverClient
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
-LIMIT_S = 30.0
+LIMIT_S, REST_LIMIT_S = 30.0, 2.0
 STOPPED = r"zero velocity commanded after \d+ ms; stands still"
 CONFIG = """
 data = "{data}"
@@ -141,10 +142,15 @@ def until_it_walks(robot: DriverClient) -> None:
 
 
 def at_rest(robot: DriverClient) -> bool:
-    """Also: nobody holds it any more."""
+    """It is, or a stopped body comes to it at once; and nobody holds it any more."""
 
     async def look() -> bool:
-        return speed(await robot.state()) < 0.05 and await robot.holder() is None
+        end_s = time.monotonic() + REST_LIMIT_S
+        while not (resting := speed(await robot.state()) < 0.05 and await robot.holder() is None):
+            if time.monotonic() > end_s:
+                break
+            await asyncio.sleep(0.02)
+        return resting
 
     return bool(asyncio.run(_with(robot, look())))
 

@@ -17,6 +17,7 @@ COMMANDS = [
 MAKE = [c for c in COMMANDS if c.startswith("make ")]
 SHELL = [c for c in COMMANDS if not c.startswith("make ")]
 PYTHON = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+MARKS = {"drive g1|demo": pytest.mark.slow, "stop": pytest.mark.alone}
 LIMIT_S = 110
 
 
@@ -34,7 +35,7 @@ def test_the_readme_has_the_two_commands_and_they_are_targets() -> None:
 @pytest.mark.timeout(LIMIT_S + 10)
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(c, marks=pytest.mark.slow) if re.search("drive g1|demo", c) else c for c in SHELL],
+    [pytest.param(c, marks=[mark for words, mark in MARKS.items() if re.search(words, c)]) for c in SHELL],
 )
 def test_a_shell_command_of_the_readme_runs(command: str, tmp_path: Path) -> None:
     program, *args = shlex.split(command)

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -46,6 +47,33 @@ def test_a_host_lock_is_held_once_seen_and_given_back() -> None:
             hostlock.HostLock(name, "the test")
     assert name not in hostlock.held("test/")
     hostlock.HostLock(name, "the test").close()
+
+
+def test_a_host_lock_is_given_back_while_a_thread_waits_for_callers_on_it() -> None:
+    name = f"test/waits-{os.getpid()}"
+    lock = hostlock.HostLock(name, "x")
+    ended: list[OSError] = []
+
+    def wait() -> None:
+        try:
+            lock.socket.accept()
+        except OSError as e:
+            ended.append(e)
+
+    def waits() -> bool:
+        """The kernel holds the thread in a call on this socket."""
+        called = Path(f"/proc/self/task/{waiting.native_id}/syscall").read_text().split()
+        return len(called) > 1 and called[1] == hex(lock.socket.fileno())
+
+    waiting = threading.Thread(target=wait, daemon=True)
+    waiting.start()
+    end_s = time.monotonic() + LIMIT_S
+    while not waits():
+        assert time.monotonic() < end_s
+    lock.close()
+    waiting.join(LIMIT_S)
+    assert ended, "it waits for callers of a lock that is closed"
+    hostlock.HostLock(name, "x").close()
 
 
 def test_a_host_lock_dies_with_its_process() -> None:
