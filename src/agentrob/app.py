@@ -232,26 +232,6 @@ def run_agent(config: Config, name: str, once: bool) -> None:
     asyncio.run(serve())
 
 
-def serve_agent(config: Config, name: str) -> None:
-    """Run an agent and its HTTP service until SIGTERM or Ctrl-C."""
-    from agentrob.service import server
-
-    log_to_stderr()
-    listens = config.service.loop
-
-    async def serve() -> None:
-        parts = server.assemble(
-            config.service,
-            name,
-            lambda on_end: make_agent(config, name, on_end=on_end, listens=listens),
-            lambda token: make_forum(config, token),
-        )
-        with server.listen(config.service) as listener:
-            await server.serve(parts, listener, lambda url: say_ready(robot=name, url=url))
-
-    asyncio.run(serve())
-
-
 def run_driver(config: Config, name: str) -> None:
     """Hold one robot until SIGTERM or Ctrl-C."""
     from agentrob.robots.driver import run_driver as run
@@ -402,36 +382,6 @@ def describe_plan(facts: dict[str, Any]) -> str:
     if verdict := facts.get("verdict"):
         lines.append(f"  verdict: {verdict['decision']} ({verdict['rule']}) {verdict['reason']}".rstrip())
     return "\n".join(lines)
-
-
-# ---------------------------------------------------------------------- MCP
-def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
-    """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
-    from agentrob.quick import quick_imports
-
-    with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
-        from agentrob.mcp import wiring
-
-        log_to_stderr()
-        wiring.prepare(http)
-
-    def open_forum(token: str) -> Forum:
-        return make_forum(config, token)
-
-    if http:
-        wiring.run_http(config, open_forum)
-    else:
-        wiring.run_stdio(config, open_forum, secret(config), write or config.mcp.write)
-
-
-def serve_mcp_robot(config: Config, http: bool) -> None:
-    """The robots as tools for one MCP client over stdio, or over HTTP, through their HTTP services."""
-    log_to_stderr()
-    if http:
-        from agentrob.mcp_robot import over_http as server
-    else:
-        from agentrob.mcp_robot import server  # type: ignore[no-redef]
-    server.run(config.mcp_robot)
 
 
 # ---------------------------------------------------------------------- world

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from agentrob import __version__, app
+from agentrob import __version__, app, serving
 from agentrob import config as configuration
 from agentrob.child import follow_parent
 from agentrob.errors import AgentRobError
@@ -242,7 +242,7 @@ def agent_once(robot: RobotName = None, config: ConfigFile = None) -> None:
 def agent_serve(robot: RobotName = None, config: ConfigFile = None) -> None:
     """Serve the robot's mentions, and an HTTP API beside, until ended. `service.loop = false`: only when asked."""
     settings = app.load(config)
-    app.serve_agent(settings, app.only_robot(settings, robot))
+    serving.serve_agent(settings, app.only_robot(settings, robot))
 
 
 # ---------------------------------------------------------------------- minds
@@ -280,7 +280,7 @@ def mcp_forum(
     config: ConfigFile = None,
 ) -> None:
     """Serve the forum to one MCP client over standard input and output, or to several over HTTP."""
-    app.serve_mcp_forum(app.load(config), http, write)
+    serving.serve_mcp_forum(app.load(config), http, write)
 
 
 @mcp_cli.command("robot")
@@ -289,7 +289,7 @@ def mcp_robot(
     config: ConfigFile = None,
 ) -> None:
     """Serve the robots of [mcp_robot] to one MCP client over standard input and output, or over HTTP."""
-    app.serve_mcp_robot(app.load(config), http)
+    serving.serve_mcp_robot(app.load(config), http)
 
 
 # ---------------------------------------------------------------------- board
