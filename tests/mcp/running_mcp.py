@@ -66,7 +66,9 @@ class McpSetup:
         watch.start()
         try:
             assert process.stdout is not None
-            yield json.loads(process.stdout.readline())["url"]
+            url = json.loads(process.stdout.readline())["url"]
+            watch.cancel()
+            yield url
         finally:
             watch.cancel()
             process.terminate()

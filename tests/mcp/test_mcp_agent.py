@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import re
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Iterator
@@ -16,9 +15,10 @@ import pytest
 
 sys.path.append(str(Path(__file__).parents[1] / "agent"))
 from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
-from inside import ALL, server_of
+from inside import ALL, client_of, server_of
 from mcp.client.client import Client
 from running_mcp import McpSetup
+from structlog.testing import capture_logs
 
 from agentrob.child import Child, end_all
 from agentrob.config import Config
@@ -92,6 +92,19 @@ async def test_law_16_a_forum_behind_mcp_that_falls_silent_stops_the_robot(drive
     assert reply.card.state == "interrupted"
 
 
+async def test_the_trace_of_an_agent_that_asked_is_in_the_log_of_the_robots_agent(
+    driver: Driver, tmp_path: Path
+) -> None:
+    scene = make_scene(driver, tmp_path)
+    scene.person("planner", kind=AccountKind.COMMANDING_AGENT)
+    with capture_logs() as logs:
+        async with scene.agent(), client_of(scene.world, "planner") as client:
+            wrote = await client.create_topic("robots", "A photo", f"@{ROBOT} take a photo")
+            await scene.final(scene.world.posts[wrote.post.id])
+    assert wrote.post.agent is not None
+    assert wrote.post.agent.trace_id in [line.get("asked_in") for line in logs]
+
+
 @pytest.mark.slow
 def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, tmp_path: Path) -> None:
     """A board, the MCP server over HTTP, a driver and the agent are processes of their own."""
@@ -123,9 +136,7 @@ def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, t
     assert said[1]["author"]["name"] == "quadruped"
     assert said[1]["card"]["state"] == "done"
     assert "quadruped, robot_agent [done] (robot, status done" in shown
-    found = re.search(r"planner, commanding_agent \(commanding, status asking, trace (\w+)", shown)
-    assert found is not None
-    assert f"asked_in={found[1]}" in (tmp_path / "agent.log").read_text()
+    assert "planner, commanding_agent (commanding, status asking, trace " in shown
     assert (tmp_path / "photo.jpg").read_bytes()[:2] == b"\xff\xd8"
 
 
