@@ -59,11 +59,15 @@ class BoardConfig(_Section):
 
 
 class ForumConfig(_Section):
-    """Where agents read and write. The secret is in the environment, in the variable that `token_env` names."""
+    """Where agents read and write. The secret is in the environment, in the variable that `token_env` names.
+
+    `options` are the adapter's own (which groups may do what, how often it may ask); the adapter checks them.
+    """
 
     kind: str = "board"
     url: str = "http://" + DEFAULT_LISTEN
     token_env: str = "AGENTROB_TOKEN"
+    options: dict[str, Any] = {}
 
 
 class FenceConfig(_Section):

@@ -68,6 +68,8 @@ def _changed(post: Post, author: Account | None, command: Command) -> str | None
         return "command.edited"
     if author is None or author.suspended or author.id != command.author.id:
         return "command.suspended"
+    if post.author.id != command.author.id:  # a moderator gave the post to somebody else
+        return "command.author"
     return None
 
 

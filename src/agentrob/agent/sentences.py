@@ -80,6 +80,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "The post was edited, and an edit never starts a motion. Post it anew.",
         "帖子被修改过，修改不会引发动作。请重新发帖。",
     ),
+    "because.author": (
+        "The post is another account's now, and a command is its author's. Post it anew.",
+        "帖子已转到另一个账号名下，而命令只属于它原来的作者。请重新发帖。",
+    ),
     "because.removed": ("The post is no longer there.", "帖子已被删除或隐藏。"),
     "because.taken_back": ("Its author took it back.", "作者撤回了这个命令。"),
     "because.suspended": ("Its author may not command me now.", "作者现在不能指挥我。"),

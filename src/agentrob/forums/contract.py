@@ -25,6 +25,11 @@ PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b550000000a49444154789c636800000082008177cd72b6"
     "0000000049454e44ae426082"
 )
+#: Two grey pixels side by side.
+SPOT = bytes.fromhex(
+    "89504e470d0a1a0a0000000d4948445200000002000000010800000000d14920560000000b4944415478da6368680000018301018b9155"
+    "f20000000049454e44ae426082"
+)
 
 
 class World(Protocol):
@@ -45,6 +50,13 @@ class World(Protocol):
 
 async def _topic(forum: Forum, body: str = "hello", key: str = "k") -> Post:
     return (await forum.create_topic("robots", "A topic", body, key=key)).post
+
+
+async def _size(forum: Forum, url: str) -> tuple[int, int]:
+    """Width and height of a picture, as its PNG says."""
+    png = await forum.download(url)
+    assert png.startswith(b"\x89PNG")
+    return int.from_bytes(png[16:20]), int.from_bytes(png[20:24])
 
 
 async def _collect(forum: Forum, after: str, until: int) -> list[Event]:
@@ -90,6 +102,53 @@ class ForumContract:
             page = await alice.posts(first.topic_id, page.next, limit=2)
             seen += [p.raw.strip() for p in page.items]
         assert seen == ["hello", "reply 0", "reply 1", "reply 2", "reply 3"]
+
+    async def test_a_reply_says_what_it_replies_to(self, world: World) -> None:
+        alice, bob = await world.sign_in("alice"), await world.sign_in("bob")
+        first = await _topic(alice)
+        reply = (await bob.reply(first.topic_id, "to the first", key="1", reply_to=first.id)).post
+        answer = (await alice.reply(first.topic_id, "to the reply", key="2", reply_to=reply.id)).post
+        plain = (await alice.reply(first.topic_id, "to nobody", key="3")).post
+        assert (reply.reply_to, answer.reply_to) == (first.id, reply.id)
+        read = [await bob.post(p.id) for p in (first, reply, answer, plain)]
+        assert [p.reply_to for p in read] == [None, first.id, reply.id, None]
+        assert [p.reply_to for p in (await bob.posts(first.topic_id)).items] == [None, first.id, reply.id, None]
+
+    async def test_long_threads_and_boards_are_read_whole_whatever_the_page(self, world: World) -> None:
+        alice = await world.sign_in("alice")
+        topics = [(await alice.create_topic("robots", f"Title {n}", "hello", key=f"t{n}")).post for n in range(3)]
+        long = topics[0].topic_id
+        for n in range(22):
+            await alice.reply(long, f"reply {n}", key=f"r{n}")
+        wanted = ["hello", *(f"reply {n}" for n in range(22))]
+        for limit in (9, 20, 50):
+            pages = [await alice.posts(long, limit=limit)]
+            while pages[-1].next:
+                pages.append(await alice.posts(long, pages[-1].next, limit=limit))
+            assert [p.raw.strip() for page in pages for p in page.items] == wanted
+            assert all(len(page.items) == limit for page in pages[:-1])
+        listed = await alice.topics("robots", limit=2)
+        ids = [t.id for t in (*listed.items, *(await alice.topics("robots", listed.next, limit=2)).items)]
+        assert ids[:3] == [long, topics[2].topic_id, topics[1].topic_id]
+
+    async def test_pictures_stand_below_the_text_in_their_order_and_stay(self, world: World) -> None:
+        robot = await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
+        alice = await world.sign_in("alice")
+        first = await _topic(alice)
+        reply = (await robot.reply(first.topic_id, "look at *this*", key="1", images=(PIXEL, SPOT))).post
+        assert reply.raw.strip() == "look at *this*"
+        seen = await alice.post(reply.id)
+        assert seen.images == reply.images
+        assert [await _size(alice, url) for url in seen.images] == [(1, 1), (2, 1)]
+        again = await robot.reply(first.topic_id, "look at *this*", key="1", images=(PIXEL, SPOT))
+        assert (again.created, again.post.images) == (False, reply.images)
+        if robot.max_edits == 0:
+            return
+        edited = await robot.edit(reply.id, "look again")
+        assert (edited.raw.strip(), edited.images) == ("look again", reply.images)
+        if robot.max_edits != 1:
+            more = await robot.edit(reply.id, "and again", images=(PIXEL,))
+            assert (more.images[:2], len(more.images)) == (reply.images, 3)
 
     async def test_the_same_key_twice_is_one_post_and_other_accounts_keys_are_their_own(self, world: World) -> None:
         alice, bob = await world.sign_in("alice"), await world.sign_in("bob")

@@ -1,0 +1,40 @@
+"""Forums for a test: what a real NodeBB answered, played back, or a real one, recorded (see the contract's test); and a
+double of Discourse."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from discourse_world import Worlds, double_world
+from nodebb_tape import Player, Recorder, Tape, serving
+from nodebb_world import NodeBBWorld, prepared
+
+TAPES = Path(__file__).parent / "nodebb_tapes"
+RECORD = os.environ.get("AGENTROB_TEST_NODEBB_RECORD", "")
+URL = os.environ.get("AGENTROB_TEST_NODEBB_URL", "")
+ADMIN = os.environ.get("AGENTROB_TEST_NODEBB_ADMIN", "") or "login:admin:on the tape"
+
+
+@pytest.fixture
+async def nodebb(request: pytest.FixtureRequest) -> AsyncIterator[NodeBBWorld]:
+    path = TAPES / f"{request.node.name}.jsonl"
+    server = Recorder(URL) if RECORD else Player(Tape.load(path))
+    if RECORD:
+        await prepared(URL, ADMIN)
+    async with serving(server) as url:
+        world = NodeBBWorld(url, ADMIN, server=server)
+        yield world
+        await world.close()
+    if isinstance(server, Recorder):
+        server.tape.save(path)
+    else:
+        assert server.unknown == [], "the adapter asks what was not recorded: record the tapes anew"
+
+
+@pytest.fixture
+async def discourse() -> AsyncIterator[Worlds]:
+    async with double_world() as found:
+        yield found

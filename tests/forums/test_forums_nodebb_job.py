@@ -1,0 +1,97 @@
+"""The whole job on NodeBB, against what a real one answered: a post comes in, the robot moves, a reply goes out.
+
+The agent runs here as it does in the field; of the forum there is what it said when this was recorded. So asserted is
+what the robot did and what the agent sent. `test_forums_nodebb_job_live.py` is the same with a NodeBB that is there.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from nodebb_world import NodeBBWorld
+
+from agentrob.agent.turn import RobotAgent
+from agentrob.forums.nodebb_marks import Marked, unmark
+from agentrob.minds.rules import RulesMind
+from agentrob.model import AccountKind, Role
+
+sys.path.append(str(Path(__file__).parents[1] / "agent"))
+from agent_scene import FINAL, ROBOT, Driver, robot_settings
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
+    # Slower than other tests' robot: on a busy machine a step of that one looks like a jump of the odometry.
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 2}))
+    yield made
+    made.end()
+
+
+@asynccontextmanager
+async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path) -> AsyncIterator[None]:
+    forum = await nodebb.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
+    agent = RobotAgent(ROBOT, robot_settings(), forum, driver.client(), RulesMind(), folder)
+    running = asyncio.create_task(agent.run())
+    try:
+        await asyncio.wait_for(agent.ready.wait(), 20)
+        yield
+    finally:
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+        await agent.close()
+
+
+async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:
+    """What the robot's account wrote when it told one of those states."""
+    async with asyncio.timeout(40):
+        while True:
+            for who, what, body in nodebb.server.sent:
+                if (
+                    who == ROBOT
+                    and b"content" in body
+                    and what.startswith(("PUT /api/v3/posts/", "POST /api/v3/topics/"))
+                ):
+                    told = unmark(json.loads(body)["content"])
+                    if told.card is not None and told.card.state in states:
+                        return told
+            await asyncio.sleep(0.05)
+
+
+async def _final(nodebb: NodeBBWorld) -> Marked:
+    return await _told(nodebb, *FINAL)
+
+
+async def test_a_post_moves_the_robot_and_the_report_is_sent(
+    nodebb: NodeBBWorld, driver: Driver, tmp_path: Path
+) -> None:
+    alice = await nodebb.sign_in("alice", role=Role.OPERATOR)
+    async with serving_robot(nodebb, driver, tmp_path), driver.client() as body:
+        before = (await body.state()).pose
+        post = (await alice.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")).post
+        claim = await _told(nodebb, "seen")
+        done = await _final(nodebb)
+        after = (await body.state()).pose
+    assert (done.card and done.card.state) == "done", done.text
+    assert claim.key == f"claim:{post.id}"
+    assert "| walk forward 1 m |" in done.text
+    assert done.key == claim.key, "the status post is edited in place"
+    assert done.pictures, "the path is shown"
+    assert before is not None
+    assert after is not None
+    assert 0.8 < abs(after.x_m - before.x_m) + abs(after.y_m - before.y_m) < 1.3
+
+
+async def test_law_2_on_nodebb_a_member_moves_nothing(nodebb: NodeBBWorld, driver: Driver, tmp_path: Path) -> None:
+    bob = await nodebb.sign_in("bob")
+    async with serving_robot(nodebb, driver, tmp_path), driver.client() as body:
+        before = (await body.state()).pose
+        await bob.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")
+        told = await _final(nodebb)
+        assert (await body.state()).pose == before
+    assert "rights.operator" in told.text
