@@ -27,6 +27,7 @@ test-slow: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	@scripts/peers
+	@scripts/mcp-peers
 	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not alone and not sim and not browser" $(ARGS)
 	$(BIN)/pytest -m "slow and (alone or sim or browser)" $(ARGS)
 

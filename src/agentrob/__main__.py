@@ -1,6 +1,15 @@
-"""`python -m agentrob`: the same as the command `agentrob`."""
+"""`python -m agentrob` and the command `agentrob`: the same words, started quickly."""
 
-from agentrob.cli import main
+from agentrob.quick import quick_imports
+
+
+def main() -> None:
+    """The entry point of the command."""
+    with quick_imports():
+        from agentrob import cli
+
+    cli.main()
+
 
 if __name__ == "__main__":
     main()

@@ -184,8 +184,8 @@ def board_link(config: Config, name: str) -> str:
 
 
 # ---------------------------------------------------------------------- agents
-def make_agent(config: Config, name: str) -> RobotAgent:
-    """The agent of one robot, wired to the configured forum, mind and driver."""
+def make_agent(config: Config, name: str, **more: Any) -> RobotAgent:
+    """The agent of one robot, wired to the configured forum, mind and driver; `more` are arguments of its own."""
     from agentrob.agent.turn import RobotAgent
     from agentrob.images.store import make_store
     from agentrob.robots.client import DriverClient
@@ -199,6 +199,7 @@ def make_agent(config: Config, name: str) -> RobotAgent:
         mind=make_mind(settings.mind, config),
         data=config.data_dir,
         store=make_store(config.images),
+        **more,
     )
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from agentrob import __version__, app, cli_admin, cli_board
+from agentrob import __version__, app, cli_admin, cli_board, serving
 from agentrob import config as configuration
 from agentrob.child import follow_parent
 from agentrob.errors import AgentRobError
@@ -22,12 +22,14 @@ account_cli = typer.Typer(no_args_is_help=True)
 agent_cli = typer.Typer(no_args_is_help=True)
 eval_cli = typer.Typer(no_args_is_help=True)
 mind_cli = typer.Typer(no_args_is_help=True)
+mcp_cli = typer.Typer(no_args_is_help=True)
 cli.add_typer(demo_cli, name="demo", help="Forum, simulated world and robot on this machine.")
 cli.add_typer(board_cli, name="board", help="The embedded forum.")
 board_cli.add_typer(account_cli, name="account", help="Accounts of the embedded forum.")
 cli.add_typer(eval_cli, name="eval", help="Measure a mind on sentences of your own.")
 cli.add_typer(agent_cli, name="agent", help="The agent of one robot.")
 cli.add_typer(mind_cli, name="mind", help="The models that read posts.")
+cli.add_typer(mcp_cli, name="mcp", help="The forum, and robots, as tools for MCP clients.")
 
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", "-c", help="The configuration file; ./agentrob.toml when it is there.")
@@ -245,6 +247,13 @@ def agent_once(robot: RobotName = None, config: ConfigFile = None) -> None:
     app.run_agent(settings, app.only_robot(settings, robot), once=True)
 
 
+@agent_cli.command("serve")
+def agent_serve(robot: RobotName = None, config: ConfigFile = None) -> None:
+    """Serve the robot's mentions, and an HTTP API beside, until ended. `service.loop = false`: only when asked."""
+    settings = app.load(config)
+    serving.serve_agent(settings, app.only_robot(settings, robot))
+
+
 # ---------------------------------------------------------------------- minds
 @mind_cli.command("check")
 def mind_check(
@@ -270,6 +279,26 @@ def mind_try(
 ) -> None:
     """Say what a mind makes of a text, and what that took. Nothing moves."""
     typer.echo("\n".join(app.try_mind(app.load(config), mind, text, model)))
+
+
+# ---------------------------------------------------------------------- MCP
+@mcp_cli.command("forum")
+def mcp_forum(
+    http: Annotated[bool, typer.Option("--http", help="Serve the users of [mcp.users] over HTTP.")] = False,
+    write: Annotated[bool, typer.Option("--write", help="Allow writes over stdio, as mcp.write does.")] = False,
+    config: ConfigFile = None,
+) -> None:
+    """Serve the forum to one MCP client over standard input and output, or to several over HTTP."""
+    serving.serve_mcp_forum(app.load(config), http, write)
+
+
+@mcp_cli.command("robot")
+def mcp_robot(
+    http: Annotated[bool, typer.Option("--http", help="Serve over HTTP, by mcp_robot.token_env.")] = False,
+    config: ConfigFile = None,
+) -> None:
+    """Serve the robots of [mcp_robot] to one MCP client over standard input and output, or over HTTP."""
+    serving.serve_mcp_robot(app.load(config), http)
 
 
 # ---------------------------------------------------------------------- board

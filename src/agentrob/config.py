@@ -12,6 +12,10 @@ model = "go2"
 interface = "lo"
 domain = 1
 
+[service.tokens.planner]      # the agent's HTTP service: who may use it, for what
+token_env = "PLANNER_TOKEN"
+scopes = ["look"]
+
 [minds.clever]                # one table per model; its key is in the environment
 provider = "openai"
 model = "gpt-5-mini"
@@ -28,6 +32,8 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from agentrob.config_images import ImagesConfig, plain_address
+from agentrob.config_mcp import McpConfig
+from agentrob.config_service import HookOutConfig, McpRobotConfig, ServiceConfig
 from agentrob.errors import ConfigError
 
 DEFAULT_LISTEN = "127.0.0.1:8088"
@@ -57,12 +63,14 @@ class BoardConfig(_Section):
     `X-Forwarded-For` is believed stands in `trusted_proxies`, as addresses or networks; without a list, that of this
     machine when `base_url` is https. `limits` hold unless the forum is for this machine only and none are given.
     `public_read`: guests read the boards that are open to them.
+    `hooks` are told by webhook when something happens, so that nobody need poll.
     """
 
     listen: str = DEFAULT_LISTEN
     base_url: str = ""
     database: str = ""
     title: str = "AgentRob"
+    hooks: dict[Name, HookOutConfig] = {}
     sign_up: bool | None = None
     public_read: bool = False
     trusted_proxies: tuple[str, ...] | None = None
@@ -294,6 +302,9 @@ class Config(_Section):
     board: BoardConfig = BoardConfig()
     forum: ForumConfig = ForumConfig()
     images: ImagesConfig = ImagesConfig()
+    mcp: McpConfig = McpConfig()
+    mcp_robot: McpRobotConfig = McpRobotConfig()
+    service: ServiceConfig = ServiceConfig()
     robots: dict[Name, RobotConfig] = {}
     minds: dict[Name, MindConfig] = {}
 

@@ -6,7 +6,9 @@
     │   ├── ForumUnreachable     no answer, try again later
     │   ├── ForumDenied          signed out, or not allowed
     │   ├── ForumLimited         too fast; `retry_after_s` says when again
-    │   └── ForumNotFound        no such board, topic or post
+    │   ├── ForumNotFound        no such board, topic or post
+    │   └── ForumUnoffered       this forum does not have that at all
+    ├── McpError             an MCP server could not be used
     ├── MindError            a mind could not answer
     ├── RobotError           a robot or its driver could not be used
     │   ├── RobotUnreachable     no driver, no state, no answer
@@ -15,6 +17,7 @@
     ├── ImageStoreError      a picture could not be kept where the configuration says
     ├── SimError             the simulated world cannot be built or run
     ├── BoardError           the embedded forum cannot do this; carries an HTTP status
+    ├── ServiceError         the agent's HTTP service cannot do this; carries an HTTP status
     └── JournalError         the journal cannot be opened or trusted
 
 A refusal, a failed step, a post that is not understood are results (see `model`), not errors.
@@ -53,6 +56,14 @@ class ForumLimited(ForumError):
 
 class ForumNotFound(ForumError):
     """No such board, topic or post."""
+
+
+class ForumUnoffered(ForumError):
+    """Not offered by this forum: asking again does not help."""
+
+
+class McpError(AgentRobError):
+    """An MCP server could not be started, reached or understood."""
 
 
 class MindError(AgentRobError):
@@ -97,6 +108,19 @@ class BoardError(AgentRobError):
 
     `status` is the HTTP status, `code` a stable word for programs, `hint` what would be valid.
     """
+
+    def __init__(
+        self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None
+    ) -> None:
+        super().__init__(message)
+        self.status = status
+        self.code = code
+        self.hint = hint
+        self.retry_after_s = retry_after_s
+
+
+class ServiceError(AgentRobError):
+    """The agent's HTTP service cannot do this; fields as those of `BoardError`."""
 
     def __init__(
         self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None

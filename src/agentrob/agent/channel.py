@@ -29,19 +29,30 @@ def elapsed_s() -> float:
 class Channel:
     """Events after `cursor`, which moves on with each. Survives a forum that goes away.
 
-    `poll_s` is the interval where the forum has no stream; `hurry()` makes it `BEAT_S` while a robot moves.
+    `poll_s` is the interval where the forum has no stream, `BEAT_S` while a robot moves. One that does not `listen`
+    has no stream and asks only when `poke` says so, and while a robot moves.
     """
 
-    def __init__(self, forum: Forum, cursor: str, poll_s: float) -> None:
+    def __init__(self, forum: Forum, cursor: str, poll_s: float, listens: bool = True) -> None:
         self.cursor = cursor
         self._forum = forum
-        self._poll_s = poll_s
+        self._listens = listens
+        self._poll_s = poll_s if listens else math.inf
+        self._pokes = self._answered = 0
         self._hurrying = 0
         self._hurry = asyncio.Event()
         self._heard = asyncio.Event()
         self._heard_s = -float("inf")
-        self._fastest_s = 0.0 if forum.live else forum.fastest_poll_s
         self._compared = datetime.now(UTC), -float("inf")  # the forum's time, and when by `elapsed_s` it was that
+
+    # Both are asked anew each time: a forum behind another server knows them only once it was reached.
+    @property
+    def _live(self) -> bool:
+        return self._forum.live and self._listens
+
+    @property
+    def _fastest_s(self) -> float:
+        return 0.0 if self._live else self._forum.fastest_poll_s
 
     # ---------------------------------------------------------------- the forum's clock
     def now(self) -> datetime:
@@ -98,8 +109,19 @@ class Channel:
         self._hurrying -= 1
         self._calm()
 
+    async def poke(self) -> None:
+        """Ask the forum now, where it has no stream; returns when what was new has been heard."""
+        if self._live:
+            return
+        self._pokes += 1
+        mine = self._pokes
+        self._hurry.set()
+        while self._answered < mine:
+            self._heard.clear()
+            await self._heard.wait()
+
     def _calm(self) -> None:
-        if self._hurrying == 0:
+        if self._hurrying == 0 and self._answered == self._pokes:
             self._hurry.clear()
 
     # ---------------------------------------------------------------- events
@@ -110,7 +132,7 @@ class Channel:
             try:
                 if elapsed_s() - self._compared[1] > 300.0:
                     await self.set_clock()
-                async for event in self._forum.stream(self.cursor, BEAT_S) if self._forum.live else self._poll():
+                async for event in self._forum.stream(self.cursor, BEAT_S) if self._live else self._poll():
                     wait_s = _BACKOFF_S[0]
                     self._alive()
                     if event.kind is not EventKind.HEARTBEAT:
@@ -127,20 +149,28 @@ class Channel:
     async def _poll(self) -> AsyncIterator[Event]:
         """Polling that ends (and is begun anew by `events`) only with an error."""
         while True:
+            pokes = self._pokes
             events = await self._forum.changes(self.cursor)
             self._alive()
             for event in events:
                 yield event
+            if not events:
+                self._answered = pokes
+                self._alive()
+                self._calm()
             if not events or self._fastest_s:
                 await self._pause()
 
     async def _pause(self) -> None:
         await asyncio.sleep(self._fastest_s)
+        if self._answered < self._pokes:
+            return
         if self._hurry.is_set():
             await asyncio.sleep(max(0.0, BEAT_S - self._fastest_s))
             return
         try:
-            async with asyncio.timeout(max(0.0, self._poll_s - self._fastest_s)):
+            wait_s = None if math.isinf(self._poll_s) else max(0.0, self._poll_s - self._fastest_s)
+            async with asyncio.timeout(wait_s):
                 await self._hurry.wait()
         except TimeoutError:
             return

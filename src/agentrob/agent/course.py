@@ -58,7 +58,7 @@ _log = structlog.get_logger()
 @dataclass(frozen=True)
 class Course:
     """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins;
-    when `ending` says that the agent is being ended, no step begins."""
+    when `ending` says that the agent is being ended, no step begins. `on_end` hears each final report that was told."""
 
     name: str
     settings: RobotConfig
@@ -76,6 +76,7 @@ class Course:
     surroundings: Surroundings
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
+    on_end: Callable[[Report], None] = lambda _: None
 
     @property
     def terms(self) -> Terms:
@@ -110,6 +111,7 @@ class Course:
         report = self._report(job, "failed", message=self._because(job, "journal"))
         card = StatusCard(self.name, "failed", trace_id=command.trace_id)
         await StatusLine(self.forum, command).claim(Shown(words.final(report), card))
+        self.on_end(report)
 
     async def _decide(self, job: Job) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
@@ -364,6 +366,7 @@ class Course:
             _log.error("telling without the journal", post=command.post_id, error=str(e))
             await deed()
         await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+        self.on_end(report)
         if recording := await late_recording(command.post_id, self.recorder, self.store):
             late = Shown(text((*pictures, recording)), card)
             await job.status.add(late, [recording.data] if recording.attached else [])

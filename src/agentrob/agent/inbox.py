@@ -16,6 +16,7 @@ from agentrob.agent.line import Job, Line
 from agentrob.agent.perceive import Call, Heard
 from agentrob.errors import JournalError
 from agentrob.forums.forum import Event, EventKind
+from agentrob.mcp.metadata import untagged
 from agentrob.model import Command, Post
 
 _TO_TAKE = frozenset({Call.READ, Call.STALE})
@@ -106,6 +107,8 @@ class Inbox:
         claim = await self._journal().claim(self._command(post, heard), ended)
         if not claim.new:
             return
+        if (tag := untagged(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
+            _log.info("asked by an agent", post=post.id, trace_id=claim.command.trace_id, asked_in=tag.trace_id)
         job = Job(claim.command, ended=ended)
         stopped = ended is None and post.created_at <= self._stopped_at()  # it came while the claim was written
         if stopped:

@@ -39,6 +39,14 @@ class Records:
         pictures = (Path(p).read_bytes() if p and Path(p).exists() else None for p in paths)
         return tuple(replace(r, image=image) for r, image in zip(results, pictures, strict=True))
 
+    def read(self, post_id: str) -> dict[str, Any] | None:
+        """The record of a finished command; None when there is none."""
+        try:
+            facts: dict[str, Any] = json.loads((self._records / f"{_safe(post_id)}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        return facts if facts.get("post") == post_id else None
+
     def write(self, report: Report, thought: Thought | None = None, **more: Any) -> dict[str, Any]:
         """The record of a finished command, readable by people and programs, and given back. `mind` is who read it in
         the end."""

@@ -52,6 +52,12 @@ class StatusLine:
         """The status post, once it is there."""
         return self._post_id
 
+    @property
+    def shown(self) -> StatusCard | None:
+        """The newest state, which the forum may not show yet."""
+        newest = self._next or self._last
+        return newest.card if newest else None
+
     async def claim(self, shown: Shown) -> Written:
         """Put the first status there, trying until the forum answers. `created` False: somebody claimed it before."""
         key = f"claim:{self._command.post_id}"

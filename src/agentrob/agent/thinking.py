@@ -63,6 +63,10 @@ class Thinking:
         return thought
 
     async def _think(self, job: Job, terms: Terms) -> str:
+        return _THOUGHT.dump_json(await self.consider(job, terms)).decode()
+
+    async def consider(self, job: Job, terms: Terms) -> Thought:
+        """Understand and judge now, and keep nothing of it."""
         command, capabilities = job.command, await self.driver.capabilities()
         others = tuple(name for name in mentions(command.text) if name not in self.names)
         listener = Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
@@ -87,7 +91,7 @@ class Thinking:
             thought = await self._looked_at(job, thought, listener, capabilities, history, terms.scene)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             thought = replace(thought, verdict=harm_in_words(command.text, terms.scene, understood.language))
-        return _THOUGHT.dump_json(thought).decode()
+        return thought
 
     async def _goal(self, command: Command, listener: Listener, history: Sequence[Plan]) -> Thought | None:
         """The thought when the post is a goal for eyes that this robot has."""

@@ -9,7 +9,7 @@ import asyncio
 import contextlib
 import traceback
 from collections.abc import Callable, Coroutine
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,7 @@ from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
 from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
-from agentrob.model import Account, Command, Decision, Post, StopResult
+from agentrob.model import Account, Command, Decision, Language, Post, Report, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -69,6 +69,8 @@ class RobotAgent:
         mind: Mind,
         data: Path,
         store: ImageStore | None = None,
+        on_end: Callable[[Report], None] = lambda _: None,
+        listens: bool = True,
     ) -> None:
         prepare_screen()  # not while it serves: stops would wait
         self.name = name
@@ -79,7 +81,8 @@ class RobotAgent:
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
-        self.channel = Channel(forum, "", settings.poll_s)
+        self.channel = Channel(forum, "", settings.poll_s, listens)
+        self._on_end = on_end
         self.records = Records(self.folder)
         self.line = Line(self._line_changed)
         self.inbox = Inbox(
@@ -103,7 +106,7 @@ class RobotAgent:
         self._journal: Journal | None = None
         self._course: Course | None = None
         self._me: Account | None = None
-        self._watermark_at = self._stopped_at = datetime.min
+        self._watermark_at = self._stopped_at = datetime.min.replace(tzinfo=UTC)
         self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
         self._saving: asyncio.Task[None] | None = None
@@ -159,7 +162,10 @@ class RobotAgent:
             await self.journal.put("cursor", newest)
             await self.journal.put("watermark", (begun := self.channel.now()).isoformat())
         self._watermark_at = begun
-        self._stopped_at = await self.journal.get_time("stopped") or begun
+        stopped_at = await self.journal.get_time("stopped") or begun
+        if self._stopped_at > stopped_at:  # somebody stopped before we could write it down
+            self._saving = self._spawn(self._save_stopped())
+        self._stopped_at = max(self._stopped_at, stopped_at)
         self.channel.cursor = await self.journal.get("cursor") or newest
         self._spawn(asyncio.to_thread(plot.warm_up))
         self._spawn(extract.prepare(self.mind))
@@ -199,7 +205,7 @@ class RobotAgent:
                 if is_open(post, self._me) and post.reply_to not in self.inbox.coming:
                     statuses.append(post)
                 elif post.created_at <= self._watermark_at:
-                    heard = self._perceive(post)
+                    heard = self.perceive(post)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
             await close_unknown(self.forum, self.journal, statuses)
 
@@ -213,6 +219,11 @@ class RobotAgent:
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    @property
+    def me(self) -> Account | None:
+        """Our own account; None before the forum was first reached."""
+        return self._me
 
     @property
     def journal(self) -> Journal:
@@ -232,7 +243,7 @@ class RobotAgent:
         return Course(
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
             self.channel, self.line, self.stops, self.records, self.recorder, self._store, Pace(self.settings.rates),
-            Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
+            Surroundings(self.settings.scene), self._line_changed, lambda: self._ending, self._on_end,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
@@ -285,7 +296,7 @@ class RobotAgent:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
         heard = Heard(Call.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
-            heard = self._perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
+            heard = self.perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
             if heard.call in (Call.STOP, Call.HALT):
                 self._stop(event, event.post.author, heard)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
@@ -297,8 +308,8 @@ class RobotAgent:
         if self._accepting:
             self.inbox.put(event, heard)
 
-    def _perceive(self, post: Post, edited: bool = False) -> Heard:
-        """Whatever one post does to the reading of it, the next posts are heard."""
+    def perceive(self, post: Post, edited: bool = False) -> Heard:
+        """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
         try:
             return perceive(post, self._ears(), edited)
         except Exception:
@@ -322,22 +333,40 @@ class RobotAgent:
         post, halt = event.post, heard.call is Call.HALT
         edited = event.kind is EventKind.POST_EDITED
         at = post.created_at if post is not None and not edited else event.at
-        self._stopped_at = max(self._stopped_at, at)
-        ended = self.line.end_before(at, STOP)
-        stopping: asyncio.Task[StopResult | None] = self._spawn(self.stops.stop(author.name, at, halt))
-        for job in ended:
-            job.stop, job.stopped_by = stopping, author.name
-        # On disk only now that the stop is on its way: nothing delays it.
-        if self._saving is None or self._saving.done():
-            self._saving = self._spawn(self._save_stopped())
-        if ended:
-            self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
+        ended, stopping = self._end_all(author.name, at, halt)
         if post is not None:
             count = len(ended) + sum(coming.created_at <= at for coming in self.inbox.coming.values())
             self._spawn(self.stops.answer(post, heard.language, stopping, count, halt))
-        if self.alarm.rings(event.at):
-            topic = post.topic_id if post is not None else next((job.command.topic_id for job in ended), None)
-            self._spawn(self.alarm.tell(topic, heard.language))
+        self._ring(event.at, post.topic_id if post is not None else None, ended, heard.language)
+
+    def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
+        """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were.
+
+        What is known to be posted (in line, on its way, at `posted_at`) was posted before, whatever the clocks say.
+        """
+        known = [job.command.posted_at for job in self.line] + [p.created_at for p in self.inbox.coming.values()]
+        at = max([self.channel.now(), *known, *([posted_at] if posted_at else [])])
+        ended, stopping = self._end_all(by, at)
+        self._ring(self.channel.now(), None, ended, "en")
+        return len(ended), stopping
+
+    def _end_all(self, by: str, at: datetime, halt: bool = False) -> tuple[list[Job], asyncio.Task[StopResult | None]]:
+        self._stopped_at = max(self._stopped_at, at)
+        ended = self.line.end_before(at, STOP)
+        stopping: asyncio.Task[StopResult | None] = self._spawn(self.stops.stop(by, at, halt))
+        for job in ended:
+            job.stop, job.stopped_by = stopping, by
+        # On disk only now that the stop is on its way: nothing delays it.
+        if self._journal is not None and (self._saving is None or self._saving.done()):
+            self._saving = self._spawn(self._save_stopped())
+        if ended:
+            self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
+        return ended, stopping
+
+    def _ring(self, at: datetime, topic: str | None, ended: list[Job], language: Language) -> None:
+        if self.alarm.rings(at):
+            topic = topic or next((job.command.topic_id for job in ended), None)
+            self._spawn(self.alarm.tell(topic, language))
 
     async def _save_stopped(self) -> None:
         """Many stops at once are one or two writes, so that nobody's command waits behind them."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 from urllib.parse import urlsplit
 
+import structlog
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -21,6 +23,7 @@ _MULTIPART_ROOM: Final = 64 * 1024
 _WITH_PICTURES: Final = ("/images", "/reply", "/new", "/edit")
 _SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
 _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
+_TRACE_ID: Final = re.compile(r"[A-Za-z0-9_-]{8,64}")
 _HEADERS: Final = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "font-src 'self'; connect-src 'self'; manifest-src 'self'; form-action 'self'; base-uri 'none'; "
@@ -32,6 +35,9 @@ _HEADERS: Final = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Permissions-Policy": "camera=(), microphone=(), geolocation=()",
 }
+
+
+log = structlog.get_logger(__name__)
 
 
 class Gate:
@@ -52,8 +58,13 @@ class Gate:
             await self.app(scope, receive, send)
             return
 
+        trace_id = Headers(scope=scope).get("x-trace-id", "")
+
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
+                if _TRACE_ID.fullmatch(trace_id):  # whoever traces a request finds it in this log too
+                    asked = {"method": scope["method"], "path": scope["path"], "status": message["status"]}
+                    log.info("board.traced", **asked, trace_id=trace_id)
                 headers = MutableHeaders(scope=message)
                 for name, value in self.headers.items():
                     headers.setdefault(name, value)

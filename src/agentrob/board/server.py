@@ -21,7 +21,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots
+from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots, hooks
 from agentrob.board.admin import bootstrap
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
@@ -42,6 +42,7 @@ EXPIRE_S = 3600.0
 
 def create_app(settings: BoardSettings) -> FastAPI:
     """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
+    told = hooks.receivers(settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -50,7 +51,10 @@ def create_app(settings: BoardSettings) -> FastAPI:
         store = Store(settings, hub.published)
         hub.start(store.everything)
         app.state.services = parts = Services(settings, store, hub, stage)
-        beside = [asyncio.create_task(hub.follow()), asyncio.create_task(api_admin.expire_pictures(parts, EXPIRE_S))]
+        beside = [
+            asyncio.create_task(work)
+            for work in (hub.follow(), api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(hub, told))
+        ]
         try:
             yield
         finally:

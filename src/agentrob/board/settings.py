@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ipaddress
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
 from agentrob.config import BoardConfig, BoardLimitsConfig
+from agentrob.config_service import HookOutConfig
 from agentrob.errors import ConfigError
 
 PROPOSED_PORT = 8088
@@ -33,6 +35,7 @@ class BoardSettings:
     limits: BoardLimitsConfig = NO_LIMITS
     trusted_proxies: tuple[str, ...] = ()
     busy_timeout_s: float = 2.0
+    hooks: Mapping[str, HookOutConfig] = field(default_factory=dict)
 
     @classmethod
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
@@ -54,7 +57,8 @@ class BoardSettings:
             proxies = ("127.0.0.1", "::1") if base_url.startswith("https://") else ()
         images = data_dir / "board" / "images"
         return cls(
-            database, host, port, base_url, images, board.title, sign_up, board.public_read, limits, proxies
+            database, host, port, base_url, images, board.title, sign_up, board.public_read, limits, proxies,
+            hooks=board.hooks,
         )  # fmt: skip
 
     @property

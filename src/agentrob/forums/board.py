@@ -14,8 +14,8 @@ from urllib.parse import quote
 import httpx2
 
 from agentrob.config import ForumConfig
-from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
-from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
+from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 
 USER_AGENT = "AgentRob/0.1"
@@ -169,6 +169,28 @@ class BoardForum:
         path, body = f"/commands/{quote(post_id, safe='')}", {"reply": reply_id, "record": record}
         await self._call("PUT", path, _nothing, body)
 
+    # ---------------------------------------------------------------- what not every board has
+    async def search(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        params = {"q": query, **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
+        return await self._call("GET", "/search", partial(_page, _post), params=params)
+
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
+        """By an admin; the secret is a bearer token."""
+        new = {"name": name, "kind": str(kind), "display_name": display_name}
+        account = await self._call("POST", "/admin/accounts", _account, new)
+        path = f"/admin/accounts/{quote(account.name, safe='')}/tokens"
+        return Registered(account, await self._call("POST", path, lambda sent: str(sent["token"]), {"label": "mcp"}))
+
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        given = {"role": str(role) if role else None, "suspended": suspended}
+        changes = {k: v for k, v in given.items() if v is not None}
+        return await self._call("PATCH", f"/admin/accounts/{quote(name, safe='')}", _account, changes)
+
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        return await self._call("GET", "/notifications", partial(_page, _notice), params=_paging(cursor, limit))
+
     # ---------------------------------------------------------------- buttons
     async def press_stop(self, robot: str) -> None:
         """The stop button of a robot's page."""
@@ -193,6 +215,8 @@ class BoardForum:
         headers = dict(more.pop("headers", {}))
         if key is not None:
             headers["Idempotency-Key"] = key
+        if trace_id := TRACE_ID.get():
+            headers["X-Trace-Id"] = trace_id
         with _translated():
             response = await self._http.request(method, path, json=body, headers=headers, **more)
             await _raise_for(response)
@@ -217,6 +241,8 @@ async def _raise_for(response: httpx2.Response) -> None:
         return
     await response.aread()
     said = _problem(response)
+    if response.status_code == 405 or (response.status_code == 404 and _code(response) == "not_found"):
+        raise ForumUnoffered(f"this board does not have it: {said}")  # no such path: a board of before, or another one
     match response.status_code:
         case 401 | 403:
             raise ForumDenied(said)
@@ -238,6 +264,14 @@ def _problem(response: httpx2.Response) -> str:
     except (ValueError, AttributeError, TypeError):
         said = response.text[:200]
     return f"{where} {said}".rstrip()
+
+
+def _code(response: httpx2.Response) -> str:
+    """The stable word of a problem-detail answer, or "" where it is none."""
+    try:
+        return str(response.json()["code"])
+    except (ValueError, KeyError, TypeError):
+        return ""
 
 
 def _retry_after_s(response: httpx2.Response) -> float:
@@ -321,6 +355,10 @@ def _boards(found: _JSON) -> tuple[Board, ...]:
 def _events(found: _JSON) -> tuple[Event, ...]:
     """Kinds that a newer board may have are passed over."""
     return tuple(_event(e) for e in found["items"] if e["kind"] in _KINDS)
+
+
+def _notice(n: _JSON) -> Notice:
+    return Notice(str(n["id"]), str(n["kind"]), _post(n["post"]), bool(n.get("read")))
 
 
 def _nothing(_: Any) -> None:

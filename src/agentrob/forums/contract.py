@@ -10,13 +10,14 @@ A forum that has no event stream, or limits edits, says so (`live`, `max_edits`)
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from datetime import UTC, datetime, timedelta
 from typing import Any, Protocol
 
 import pytest
 
-from agentrob.errors import ForumDenied, ForumNotFound, ForumUnreachable
-from agentrob.forums.forum import Event, EventKind, Forum
+from agentrob.errors import ForumDenied, ForumNotFound, ForumUnoffered, ForumUnreachable
+from agentrob.forums.forum import Event, EventKind, Forum, Notices, Permissions, Registrar, Searcher
 from agentrob.model import AccountKind, Post, Role, StatusCard
 
 #: The smallest PNG that decoders accept: one grey pixel.
@@ -299,6 +300,56 @@ class ForumContract:
                 assert event.kind is EventKind.HEARTBEAT
                 assert event.id == ""
                 break
+
+    # ---------------------------------------------------------------- what not every forum has
+    async def test_a_search_finds_posts_by_their_words_newest_first_or_is_said_not_to_be_offered(
+        self, world: World
+    ) -> None:
+        alice = await world.sign_in("alice")
+        first = await _topic(alice, "a purple elephant")
+        second = (await alice.reply(first.topic_id, "another elephant, purple too", key="2")).post
+        await alice.reply(first.topic_id, "a grey elephant", key="3")
+        if not isinstance(alice, Searcher):
+            return
+        try:
+            found = await alice.search("purple elephant", limit=1)
+        except ForumUnoffered:
+            return
+        assert [p.id for p in found.items] == [second.id]
+        rest = await alice.search("purple elephant", cursor=found.next, limit=1)
+        assert [p.id for p in rest.items] == [first.id]
+        assert rest.next is None
+        assert (await alice.search("unicorn")).items == ()
+
+    async def test_notices_name_mentions_and_replies_or_are_said_not_to_be_offered(self, world: World) -> None:
+        alice, bob = await world.sign_in("alice"), await world.sign_in("bob")
+        first = await _topic(alice, "hello")
+        mention = (await bob.reply(first.topic_id, "@alice look", key="1")).post
+        if not isinstance(alice, Notices):
+            return
+        try:
+            found = await alice.notices()
+        except ForumUnoffered:
+            return
+        assert ("mention", mention.id) in [(n.kind, n.post.id) for n in found.items]
+        assert isinstance(bob, Notices)
+        assert (await bob.notices()).items == ()
+
+    async def test_accounts_and_rights_are_for_admins_or_are_said_not_to_be_offered(self, world: World) -> None:
+        alice, admin = await world.sign_in("alice"), await world.sign_in("admin", role=Role.ADMIN)
+        if isinstance(alice, Registrar) and isinstance(admin, Registrar):
+            with pytest.raises((ForumDenied, ForumUnoffered)):
+                await alice.register("carol")
+            with contextlib.suppress(ForumUnoffered):
+                made = await admin.register("planner", kind=AccountKind.COMMANDING_AGENT)
+                assert (made.account.name, made.account.role) == ("planner", Role.MEMBER)
+                assert made.secret
+        if isinstance(alice, Permissions) and isinstance(admin, Permissions):
+            with pytest.raises((ForumDenied, ForumUnoffered)):
+                await alice.set_rights("alice", role=Role.OPERATOR)
+            with contextlib.suppress(ForumUnoffered):
+                changed = await admin.set_rights("alice", role=Role.OPERATOR, suspended=True)
+                assert (changed.role, changed.suspended) == (Role.OPERATOR, True)
 
     async def test_an_unreachable_forum_is_said_so(self, world: World) -> None:
         nowhere = await world.unreachable()

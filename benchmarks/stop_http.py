@@ -1,0 +1,96 @@
+"""How long from a stop asked over HTTP to zero velocity commanded: the demo's processes, a simulated Go2 over DDS.
+
+    python benchmarks/stop_http.py [--trials 200] [--json]
+
+As `benchmarks/stop.py`, whose wire and bystander these are, but the Go2's agent runs as `agentrob agent serve`, and the
+stop is `POST /stop` of its service. Time counts from the moment before the request is sent, on a connection that is
+open, and ends when a bystander on the robot's DDS domain has received zero velocity.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import json
+import tempfile
+import time
+from pathlib import Path
+
+import httpx2
+import stop as posts
+
+from agentrob import app
+from agentrob.child import Child
+from agentrob.config_service import ServiceConfig
+from agentrob.demo import Demo, DemoSettings, sigterm_interrupts
+
+TOKEN = "benchmark-token-of-nobody"
+
+
+class ServedDemo(Demo):
+    """The demo with the Go2's agent as a service."""
+
+    def _agent(self, name: str, config: Path) -> Child:
+        if name != posts.ROBOT:
+            return super()._agent(name, config)
+        tokens = {"stopper": {"token_env": "STOP_TOKEN", "scopes": ["stop"]}}
+        service = ServiceConfig.model_validate({"listen": "127.0.0.1:0", "tokens": tokens})
+        path = self.data / "served.toml"
+        app.load(config).model_copy(update={"service": service}).write(path)
+        env = {"AGENTROB_TOKEN": self.tokens[name], "STOP_TOKEN": TOKEN}
+        return self._child(f"agent-{name}", "agent", "serve", name, "--config", str(path), env=env)
+
+
+async def trial(scene: posts.Scene, http: httpx2.AsyncClient) -> tuple[float, float]:
+    """One stop while the robot walks: milliseconds on the wire, and as the service told them."""
+    mark = len(scene.wire.heard)
+    command = await scene.walk()
+    await scene.walking(mark)
+    asked_s = time.monotonic()
+    answer = (await http.post(f"/api/v1/robots/{posts.ROBOT}/stop")).raise_for_status().json()
+    await scene.wire.wait("zero", mark, asked_s)
+    if (state := await scene.ended(command)) != "stopped":
+        raise RuntimeError(f"the walk was not stopped, it is {state}: the trial says nothing")
+    return 1000 * (scene.wire.zero_s(mark, asked_s) - asked_s), float(answer["latency_ms"])
+
+
+async def measure(demo: Demo, trials: int) -> posts.Row:
+    row, told_ms = posts.Row("http", posts.STOP_LIMIT_MS), []
+    ready = next(child for child in demo.children if child.name == f"agent-{posts.ROBOT}").wait_ready()
+    client = httpx2.AsyncClient(
+        base_url=ready["url"], headers={"Authorization": f"Bearer {TOKEN}"}, trust_env=False, timeout=20
+    )
+    async with posts.Scene.of(demo) as scene, client:
+        for _ in range(trials):
+            found_ms, said_ms = await trial(scene, client)
+            row.found_ms.append(found_ms)
+            told_ms.append(said_ms)
+    row.note = f"the service told p50 {posts.percentile(told_ms, 0.5):.0f} ms, worst {max(told_ms):.0f} ms"
+    return row
+
+
+def run(trials: int) -> posts.Row:
+    with contextlib.ExitStack() as stack:
+        data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-stop-")))
+        demo = stack.enter_context(ServedDemo(DemoSettings(data, port=None)))
+        demo.start()
+        return asyncio.run(measure(demo, trials))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trials", type=int, default=200, help="(default 200)")
+    parser.add_argument("--json", action="store_true", help="print JSON with every single time")
+    given = parser.parse_args()
+    with sigterm_interrupts():
+        row = run(given.trials)
+    figures = row.figures()
+    print(
+        json.dumps({**figures, "found_ms": [round(x, 2) for x in row.found_ms]}) if given.json else posts.table([row])
+    )
+    raise SystemExit(0 if figures["ok"] else "missed: http")
+
+
+if __name__ == "__main__":
+    main()

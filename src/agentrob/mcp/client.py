@@ -1,0 +1,376 @@
+"""The typed client of a forum's MCP server: starts one or connects to one, and gives each tool as a method.
+
+    async with ForumClient.spawn("agentrob", "mcp", "forum") as forum:
+        for board in (await forum.list_boards()).boards:
+            print(board.name)
+
+It needs the MCP SDK and pydantic only. A tool that says no raises `ToolFailed` with the envelope's words; a server
+that is gone raises `ServerGone`, and the next call connects again. Cancelling a call cancels it at the server.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from agentrob.errors import McpError
+from agentrob.mcp import results as r
+
+if TYPE_CHECKING:
+    from mcp.client.client import Client
+
+R = TypeVar("R", bound=BaseModel)
+#: Of one call, in seconds.
+TIMEOUT_S = 30.0
+#: So long a call or a connection that we leave may take to end.
+LEAVE_S = 5.0
+
+
+class ToolFailed(McpError):
+    """A tool that said no: `code`, `hint`, `retryable` and `trace_id` as in the server's log."""
+
+    def __init__(self, code: str, message: str, hint: str = "", retryable: bool = False, trace_id: str = "") -> None:
+        super().__init__(f"{message}; {hint}" if hint else message)
+        self.code, self.hint, self.retryable, self.trace_id = code, hint, retryable, trace_id
+        self.retry_after_s = 1.0
+
+
+class ServerGone(McpError):
+    """The server did not start, ended, or did not answer in time."""
+
+
+class ForumClient:
+    """One connection to a forum's MCP server, made when it is first needed and again after it broke."""
+
+    def __init__(
+        self, connect: Callable[[], Client], *, timeout_s: float = TIMEOUT_S, close: Callable[[], Any] | None = None
+    ) -> None:
+        """`connect` makes an SDK client that was not entered yet; see `spawn` and `connect` for the usual ones."""
+        self._connect = connect
+        self._timeout_s = timeout_s
+        self._close = close
+        self._lock = asyncio.Lock()
+        self._link: _Link | None = None
+
+    @classmethod
+    def spawn(
+        cls, command: str, *args: str, env: Mapping[str, str] | None = None, timeout_s: float = TIMEOUT_S
+    ) -> Self:
+        """A server as a process of ours: it ends when this client is closed. Its log goes to our standard error."""
+
+        def connect() -> Client:
+            from mcp.client.client import Client
+            from mcp.client.stdio import StdioServerParameters
+
+            parameters = StdioServerParameters(command=command, args=list(args), env=dict(env) if env else None)
+            return Client(parameters, mode="auto", read_timeout_seconds=timeout_s, cache=None)
+
+        return cls(connect, timeout_s=timeout_s)
+
+    @classmethod
+    def connect(cls, url: str, token: str, *, timeout_s: float = TIMEOUT_S) -> Self:
+        """A server over HTTP, signed in by a bearer token."""
+        made: list[Any] = []
+
+        def connect() -> Client:
+            import httpx2
+            from mcp.client.client import Client
+            from mcp.client.streamable_http import streamable_http_client
+
+            http = httpx2.AsyncClient(
+                headers={"Authorization": f"Bearer {token}"},
+                timeout=httpx2.Timeout(timeout_s, connect=5.0),
+                trust_env=False,
+            )
+            made.append(http)
+            transport = streamable_http_client(url, http_client=http)
+            return Client(transport, mode="auto", read_timeout_seconds=timeout_s, cache=None)
+
+        async def close() -> None:
+            while made:
+                await made.pop().aclose()
+
+        return cls(connect, timeout_s=timeout_s, close=close)
+
+    # ---------------------------------------------------------------- life
+    async def __aenter__(self) -> Self:
+        await self._linked()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """End the connection, and the server when it is a process of ours."""
+        async with self._lock:
+            if self._link is not None:
+                await self._link.close()
+                self._link = None
+            if self._close is not None:
+                await self._close()
+
+    async def _linked(self) -> Client:
+        async with self._lock:
+            if self._link is not None and self._link.broken:
+                await self._link.close()
+                self._link = None
+            if self._link is None:
+                link = _Link(self._connect)
+                try:
+                    async with asyncio.timeout(self._timeout_s):
+                        await link.open()
+                except TimeoutError:
+                    await link.close()
+                    raise ServerGone(f"the MCP server was not ready after {self._timeout_s:g} s") from None
+                self._link = link
+            assert self._link.client is not None
+            return self._link.client
+
+    # ---------------------------------------------------------------- one call
+    async def call(self, tool: str, result: type[R], /, **arguments: Any) -> R:
+        """Call any tool; arguments that are None are left out. Raises `ToolFailed` and `ServerGone`."""
+        given = {k: v for k, v in arguments.items() if v is not None}
+        limit_s = self._timeout_s + float(given.get("wait_s", 0))
+        client = await self._linked()
+        answer = await self._answered(client.call_tool(tool, given, read_timeout_seconds=limit_s), limit_s)
+        said = answer.structured_content
+        if not isinstance(said, dict) or not isinstance(said.get("ok"), bool):
+            raise McpError(f"{tool} answered what is no envelope")
+        if not said["ok"]:
+            raise _failed(said)
+        return _read(result, said.get("data", {}), tool)
+
+    async def read(self, uri: str, result: type[R], limit_s: float | None = None) -> R:
+        """Read a resource that is JSON. Raises `ToolFailed` and `ServerGone`."""
+        for content in await self._contents(uri, limit_s):
+            if (text := getattr(content, "text", None)) is not None:
+                try:
+                    return result.model_validate_json(text)
+                except ValidationError as e:
+                    raise McpError(f"{uri} is not as it should be: {e.error_count()} errors") from None
+        raise McpError(f"{uri} has no text")
+
+    async def read_bytes(self, uri: str) -> bytes:
+        """Read a resource that is a picture."""
+        for content in await self._contents(uri, None):
+            if (blob := getattr(content, "blob", None)) is not None:
+                return base64.b64decode(blob)
+        raise McpError(f"{uri} has no bytes")
+
+    async def _contents(self, uri: str, limit_s: float | None) -> Sequence[Any]:
+        client = await self._linked()
+        answer = await self._answered(client.read_resource(uri), limit_s or self._timeout_s)
+        return list(answer.contents)
+
+    async def _answered(self, asked: Any, limit_s: float) -> Any:
+        from mcp.shared.exceptions import MCPError
+
+        link = self._link
+        asking = asyncio.ensure_future(asked)
+        ended = asyncio.ensure_future(link.ended.wait()) if link else None
+        try:
+            async with asyncio.timeout(limit_s):
+                await asyncio.wait([t for t in (asking, ended) if t], return_when=asyncio.FIRST_COMPLETED)
+                if not asking.done():
+                    raise ServerGone("the MCP server ended")
+                return asking.result()
+        except TimeoutError:
+            raise ServerGone(f"the MCP server did not answer within {limit_s:g} s") from None
+        except MCPError as e:
+            raise _of_protocol(e, link) from None
+        except (OSError, RuntimeError, EOFError, ValidationError) as e:
+            raise _gone(e, link) from None
+        except Exception as e:
+            if type(e).__module__.partition(".")[0] not in ("anyio", "httpx2", "mcp"):
+                raise
+            raise _gone(e, link) from None
+        finally:
+            if ended is not None:
+                ended.cancel()
+            if not await _left(asking, LEAVE_S) and link is not None:
+                link.broken = True  # not even a cancellation gets through
+
+    # ---------------------------------------------------------------- the tools
+    async def get_manual(self, tool: str | None = None) -> r.Manual:
+        return await self.call("get_manual", r.Manual, tool=tool)
+
+    async def list_boards(self, cursor: str | None = None, limit: int | None = None) -> r.Boards:
+        return await self.call("list_boards", r.Boards, cursor=cursor, limit=limit)
+
+    async def list_posts(self, board_id: str, cursor: str | None = None, limit: int | None = None) -> r.Topics:
+        return await self.call("list_posts", r.Topics, board_id=board_id, cursor=cursor, limit=limit)
+
+    async def get_topic(
+        self, topic_id: str, cursor: str | None = None, limit: int | None = None, max_chars: int | None = None
+    ) -> r.TopicPosts:
+        return await self.call(
+            "get_topic", r.TopicPosts, topic_id=topic_id, cursor=cursor, limit=limit, max_chars=max_chars
+        )
+
+    async def create_topic(
+        self,
+        board_id: str,
+        title: str,
+        body: str,
+        *,
+        status: str | None = None,
+        images: Sequence[str] = (),
+        key: str | None = None,
+    ) -> r.Wrote:
+        more = {"status": status, "images": list(images) or None, "key": key}
+        return await self.call("create_topic", r.Wrote, board_id=board_id, title=title, body=body, **more)
+
+    async def reply_to_topic(
+        self,
+        topic_id: str,
+        body: str,
+        *,
+        reply_to: str | None = None,
+        status: str | None = None,
+        images: Sequence[str] = (),
+        card: Mapping[str, Any] | None = None,
+        key: str | None = None,
+    ) -> r.Wrote:
+        more = {"status": status, "images": list(images) or None, "key": key, "card": dict(card) if card else None}
+        return await self.call("reply_to_topic", r.Wrote, topic_id=topic_id, body=body, reply_to=reply_to, **more)
+
+    async def edit_post(
+        self,
+        post_id: str,
+        body: str,
+        *,
+        status: str | None = None,
+        images: Sequence[str] = (),
+        card: Mapping[str, Any] | None = None,
+        key: str | None = None,
+    ) -> r.Wrote:
+        more = {"status": status, "images": list(images) or None, "key": key, "card": dict(card) if card else None}
+        return await self.call("edit_post", r.Wrote, post_id=post_id, body=body, **more)
+
+    async def login_account(self, account: str, token: str | None = None) -> r.SignedIn:
+        return await self.call("login_account", r.SignedIn, account=account, token=token)
+
+    async def register_account(
+        self, account: str, kind: str | None = None, display_name: str | None = None
+    ) -> r.SignedIn:
+        return await self.call("register_account", r.SignedIn, account=account, kind=kind, display_name=display_name)
+
+    async def search_posts(
+        self, query: str, board_id: str | None = None, cursor: str | None = None, limit: int | None = None
+    ) -> r.Found:
+        return await self.call("search_posts", r.Found, query=query, board_id=board_id, cursor=cursor, limit=limit)
+
+    async def upload_media(self, picture: bytes) -> r.Uploaded:
+        return await self.call("upload_media", r.Uploaded, data=base64.b64encode(picture).decode())
+
+    async def subscribe_topic(self, topic_id: str, after: str | None = None, wait_s: float = 0.0) -> r.Watched:
+        return await self.call("subscribe_topic", r.Watched, topic_id=topic_id, after=after, wait_s=wait_s)
+
+    async def list_notifications(self, cursor: str | None = None, limit: int | None = None) -> r.Notifications:
+        return await self.call("list_notifications", r.Notifications, cursor=cursor, limit=limit)
+
+    async def manage_permissions(
+        self, account: str, role: str | None = None, suspended: bool | None = None
+    ) -> r.SignedIn:
+        return await self.call("manage_permissions", r.SignedIn, account=account, role=role, suspended=suspended)
+
+    async def updates(self, *uris: str) -> AsyncIterator[str]:
+        """The addresses, among these, of what was changed, as the server pushes them (protocol of 2026 only)."""
+        client = await self._linked()
+        async with client.listen(resource_subscriptions=list(uris)) as events:
+            async for event in events:
+                if (uri := getattr(event, "uri", None)) is not None:
+                    yield str(uri)
+
+
+class _Link:
+    """An SDK client in a task of its own, since it must be left in the task that entered it."""
+
+    def __init__(self, connect: Callable[[], Client]) -> None:
+        self._connect = connect
+        self._leave = asyncio.Event()
+        self._task: asyncio.Task[None] | None = None
+        self.client: Client | None = None
+        self.ended = asyncio.Event()
+        self.broken = False
+
+    async def open(self) -> None:
+        ready = asyncio.get_running_loop().create_future()
+        self._task = asyncio.create_task(self._run(ready))
+        await ready
+
+    async def _run(self, ready: asyncio.Future[None]) -> None:
+        try:
+            async with self._connect() as client:
+                self.client = client
+                if not ready.done():
+                    ready.set_result(None)
+                await self._leave.wait()
+        except BaseException as e:
+            if not ready.done():
+                why = e
+                while isinstance(why, BaseExceptionGroup):
+                    why = why.exceptions[0]
+                said = ServerGone(f"the MCP server cannot be used: {type(why).__name__} {why}".rstrip()[:300])
+                ready.set_exception(said)
+            if isinstance(e, asyncio.CancelledError):
+                raise
+        finally:
+            self.broken = True
+            self.ended.set()
+
+    async def close(self) -> None:
+        self._leave.set()
+        if self._task is not None:
+            await asyncio.wait({self._task}, timeout=LEAVE_S)
+            await _left(self._task, LEAVE_S)
+
+
+async def _left(task: asyncio.Future[Any], limit_s: float) -> bool:
+    """Cancel a task and wait until it has ended, but not for ever: whether it did. What it raises is not ours."""
+    task.add_done_callback(lambda t: t.cancelled() or t.exception())
+    if not task.done():
+        task.cancel()
+        await asyncio.wait({task}, timeout=limit_s)
+    return task.done()
+
+
+def _failed(said: dict[str, Any]) -> ToolFailed:
+    error = said.get("error") or {}
+    failed = ToolFailed(
+        str(error.get("code", "internal")),
+        str(error.get("message", "")),
+        str(error.get("hint", "")),
+        bool(error.get("retryable")),
+        str(said.get("trace_id", "")),
+    )
+    failed.retry_after_s = float(error.get("retry_after_s", 1.0))
+    return failed
+
+
+def _of_protocol(error: Any, link: _Link | None) -> McpError:
+    """A JSON-RPC error: ours carry the envelope's words as data, others are the connection's."""
+    data = error.error.data
+    if isinstance(data, dict) and "code" in data:
+        return _failed({"error": {**data, "message": error.error.message}, "trace_id": data.get("trace_id", "")})
+    return _gone(error, link)
+
+
+def _gone(error: Exception, link: _Link | None) -> ServerGone:
+    if link is not None:
+        link.broken = True
+    return ServerGone(f"the MCP server does not answer: {type(error).__name__} {error}".rstrip()[:300])
+
+
+def _read(result: type[R], data: Any, tool: str) -> R:
+    try:
+        return result.model_validate(data)
+    except ValidationError as e:
+        raise McpError(f"{tool} answered what its client does not know: {e.error_count()} errors") from None

@@ -1,0 +1,73 @@
+"""The one shape of every answer: `{ok, tool, data | error, trace_id}`, for results, refusals and nonsense alike."""
+
+from __future__ import annotations
+
+import secrets
+from typing import Any
+
+from agentrob.errors import (
+    AgentRobError,
+    ForumDenied,
+    ForumError,
+    ForumLimited,
+    ForumNotFound,
+    ForumUnoffered,
+    ForumUnreachable,
+)
+
+#: What every tool answers, as JSON Schema: one for all, so that a list of tools stays short.
+SCHEMA: dict[str, Any] = {"type": "object", "required": ["ok", "tool", "trace_id"]}
+
+
+class ToolError(AgentRobError):
+    """A tool that says no. `code` is a stable word, `hint` what would work, `retryable` whether waiting helps."""
+
+    def __init__(
+        self, code: str, message: str, hint: str = "", retryable: bool = False, retry_after_s: float | None = None
+    ) -> None:
+        super().__init__(message)
+        self.code = code
+        self.hint = hint
+        self.retryable = retryable
+        self.retry_after_s = retry_after_s
+
+
+def new_trace_id() -> str:
+    return secrets.token_hex(8)
+
+
+def success(tool: str, data: dict[str, Any], trace_id: str) -> dict[str, Any]:
+    return {"ok": True, "tool": tool, "data": data, "trace_id": trace_id}
+
+
+def failure(tool: str, error: Exception, trace_id: str) -> dict[str, Any]:
+    """The envelope of an error. What nobody foresaw is called `internal`, and its text stays in the log."""
+    said = as_tool_error(error)
+    body = error_body(said)
+    return {"ok": False, "tool": tool[:64], "error": body, "trace_id": trace_id}
+
+
+def error_body(said: ToolError) -> dict[str, Any]:
+    """`retry_after_s` is there only when the forum named a time."""
+    body = {"code": said.code, "message": str(said), "hint": said.hint, "retryable": said.retryable}
+    return body if said.retry_after_s is None else {**body, "retry_after_s": said.retry_after_s}
+
+
+def as_tool_error(error: Exception) -> ToolError:
+    match error:
+        case ToolError():
+            return error
+        case ForumUnoffered():
+            return ToolError("not_offered", str(error), "this forum does not have it; nothing to try again")
+        case ForumNotFound():
+            return ToolError("not_found", str(error), "list_boards, list_posts and search_posts give ids that exist")
+        case ForumDenied():
+            return ToolError("denied", str(error), "the account lacks this right; login_account may switch to another")
+        case ForumLimited():
+            wait = f"wait {error.retry_after_s:g} s, then send it again with the same key"
+            return ToolError("rate_limited", str(error), wait, True, error.retry_after_s)
+        case ForumUnreachable():
+            return ToolError("unreachable", str(error), "send it again with the same key in a moment", retryable=True)
+        case ForumError():
+            return ToolError("refused", str(error), "the forum did not take it as it was")
+    return ToolError("internal", "something went wrong; the server's log has it under this trace id", "")

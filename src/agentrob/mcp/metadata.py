@@ -1,0 +1,86 @@
+"""The tag before each post that an agent writes: which kind of agent, which account, what status, which trace.
+
+    > [agent_type=commanding agent_id=planner status=asking trace=3f…]
+
+It stands in a quotation, which robots never read as a command, and is made of the authenticated account, never of what
+the caller says. What a caller writes itself that looks like such a tag is disarmed. A tag counts as one only at the
+very beginning of a post whose account it names; anywhere else it is text.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+
+from agentrob.model import Account, AccountKind
+
+#: `assistant` is a program that writes for the person whose account it uses.
+AGENT_TYPES = {
+    AccountKind.HUMAN: "assistant",
+    AccountKind.COMMANDING_AGENT: "commanding",
+    AccountKind.ROBOT_AGENT: "robot",
+    AccountKind.MONITORING_AGENT: "monitoring",
+}
+DEFAULT_STATUS = "posted"
+_TAG = re.compile(
+    r"> \[agent_type=(?P<type>[a-z]+) agent_id=(?P<id>[A-Za-z0-9_.-]{1,64}) status=(?P<status>[a-z][a-z0-9_]{0,31})"
+    r"(?: trace=(?P<trace>[0-9a-f]{8,64}))?\]\s*(?:\n|$)\s*"
+)
+_NAME_CHARS = re.compile(r"[^A-Za-z0-9_.-]")
+#: Opening brackets after folding, up to three signs of nothing between, then a word of the tag.
+_LOOKS_LIKE = re.compile(r"[\[【〔⟦](?=[\W_]{0,3}agent[\W_]{0,3}(?:type|id|status|kind|name))", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Tag:
+    """What a genuine tag says."""
+
+    type: str
+    status: str
+    trace_id: str = ""
+
+
+def tagged(body: str, author: Account, status: str, trace_id: str) -> str:
+    """The text as it is posted: the account's own tag, then what the caller wrote with its own tags disarmed."""
+    name = _NAME_CHARS.sub("-", author.name)[:64] or "-"
+    kind = AGENT_TYPES[author.kind]
+    trace = f" trace={trace_id}" if trace_id else ""
+    return f"> [agent_type={kind} agent_id={name} status={status}{trace}]\n\n{disarmed(body)}"
+
+
+def untagged(raw: str, author: Account) -> tuple[str, Tag | None]:
+    """A post's text without its tag, and the tag when it is genuine: of the author's own kind and name."""
+    found = _TAG.match(raw)
+    name = _NAME_CHARS.sub("-", author.name)[:64]
+    if not found or found["id"] != name or found["type"] != AGENT_TYPES[author.kind]:
+        return raw, None
+    return raw[found.end() :], Tag(found["type"], found["status"], found["trace"] or "")
+
+
+def disarmed(text: str) -> str:
+    """The text with brackets that would open a tag made round, also where letters are full-width or split by signs
+    that are not seen."""
+    folded, places = _folded(text)
+    marks = [places[m.start()] for m in _LOOKS_LIKE.finditer(folded)]
+    if not marks:
+        return text
+    letters = list(text)
+    for at in marks:
+        letters[at] = "(not a tag: "
+    return "".join(letters)
+
+
+def _folded(text: str) -> tuple[str, list[int]]:
+    """The text in NFKC without invisible signs, and for each sign of it where it came from."""
+    out: list[str] = []
+    places: list[int] = []
+    for at, char in enumerate(text):
+        if char.isascii():
+            out.append(char)
+            places.append(at)
+        elif unicodedata.category(char) not in ("Cf", "Mn", "Me", "Cc"):
+            for folded in unicodedata.normalize("NFKC", char):
+                out.append(folded)
+                places.append(at)
+    return "".join(out), places

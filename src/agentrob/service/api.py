@@ -1,0 +1,198 @@
+"""The endpoints of the agent's HTTP service."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Header, Path, Query, Request
+from prometheus_client import CONTENT_TYPE_LATEST
+from starlette.responses import JSONResponse, Response
+
+from agentrob.errors import RobotBusy, RobotError, RobotUnreachable, ServiceError
+from agentrob.service import hooks, models
+from agentrob.service.callers import Caller
+from agentrob.service.desk import Desk
+from agentrob.service.gate import Place
+from agentrob.service.parts import Parts
+from agentrob.service.problem import documented
+
+router = APIRouter(prefix="/api/v1")
+public = APIRouter()
+
+Name = Annotated[str, Path(pattern=r"^[a-z][a-z0-9_-]{1,31}$", description="the robot's name")]
+PostId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_.:-]{1,80}$", description="the command's post on the forum")]
+Key = Annotated[
+    str | None,
+    Header(alias="Idempotency-Key", pattern=r"^[!-~]{1,200}$", description="the same key twice is one command"),
+]
+
+
+def parts(request: Request) -> Parts:
+    found: Parts = request.app.state.parts
+    return found
+
+
+def place(request: Request) -> Place:
+    """The request's place among those that are worked on."""
+    found: Place = request.scope["state"]["place"]
+    return found
+
+
+# Each is asked on the event loop itself: no pool of threads stands in the way of a stop.
+async def looker(request: Request) -> Caller:
+    return parts(request).callers.identified(request.headers.get("authorization"), "look")
+
+
+async def previewer(request: Request) -> Caller:
+    return parts(request).callers.identified(request.headers.get("authorization"), "preview")
+
+
+async def commander(request: Request) -> Caller:
+    return parts(request).callers.identified(request.headers.get("authorization"), "command")
+
+
+async def stopper(request: Request) -> Caller:
+    return parts(request).callers.identified(request.headers.get("authorization"), "stop")
+
+
+async def desk(request: Request, robot: Name) -> Desk:
+    """The desk of the robot that is named; 404 when another is served here."""
+    found = parts(request).desk
+    if robot != found.agent.name:
+        raise ServiceError(404, "no_such_robot", f"no robot {robot!r} is served here", found.agent.name)
+    return found
+
+
+Looker = Annotated[Caller, Depends(looker)]
+Previewer = Annotated[Caller, Depends(previewer)]
+Commander = Annotated[Caller, Depends(commander)]
+Stopper = Annotated[Caller, Depends(stopper)]
+TheDesk = Annotated[Desk, Depends(desk)]
+
+
+# ---------------------------------------------------------------------- look
+@router.get("/robots", responses=documented())
+async def list_robots(request: Request, who: Looker) -> models.Robots:
+    """The robot that is served here, as a list: others have services of their own."""
+    return models.Robots(items=[await parts(request).desk.robot()])
+
+
+@router.get("/robots/{robot}", responses=documented())
+async def robot_status(who: Looker, desk: TheDesk) -> models.Robot:
+    """The robot as it is now."""
+    return await desk.robot()
+
+
+@router.get(
+    "/robots/{robot}/camera.jpg",
+    response_class=Response,
+    responses={200: {"content": {"image/jpeg": {}}, "description": "a picture"}, **documented(409, 503)},
+)
+async def camera_snapshot(who: Looker, desk: TheDesk) -> Response:
+    """What the robot's own camera sees now, at most every 0.4 s for everybody together (429)."""
+    try:
+        return Response(await desk.picture(), media_type="image/jpeg")
+    except (RobotBusy, RobotUnreachable):
+        raise
+    except RobotError as e:
+        raise ServiceError(409, "no_camera", str(e)) from None
+
+
+@router.get("/robots/{robot}/queue", responses=documented())
+async def list_queue(who: Looker, desk: TheDesk) -> models.Queue:
+    """The commands that move or wait, in their order."""
+    return desk.queue()
+
+
+@router.get("/robots/{robot}/commands/{id}", responses=documented(503))
+async def get_command(
+    request: Request,
+    who: Looker,
+    desk: TheDesk,
+    post_id: Annotated[PostId, Path(alias="id")],
+    wait_s: Annotated[float, Query(ge=0, le=30, description="wait so long for its end")] = 0.0,
+) -> models.Command:
+    """One command as it is now, or as it ended: asked beside measured."""
+    return await desk.command(post_id, wait_s, place(request).aside)
+
+
+# ---------------------------------------------------------------------- ask
+@router.post("/robots/{robot}/preview", responses=documented(503))
+async def preview_command(who: Previewer, desk: TheDesk, new: models.NewPreview) -> models.Preview:
+    """Plan and verdict of what would be posted. Nothing is posted, nothing moves."""
+    return await desk.preview(who, new.text)
+
+
+@router.post(
+    "/robots/{robot}/commands",
+    status_code=201,
+    responses={200: {"model": models.Submitted, "description": "the key was used before"}, **documented(409, 503)},
+)
+async def submit_command(
+    who: Commander, desk: TheDesk, new: models.NewCommand, response: Response, key: Key = None
+) -> models.Submitted:
+    """Post a command on the forum by the account of this token; the agent hears of it there, as of any post."""
+    submitted = await desk.submit(who, new, key)
+    response.status_code = 201 if submitted.created else 200
+    return submitted
+
+
+@router.post("/robots/{robot}/commands/{id}/cancel", responses=documented(409, 503))
+async def cancel_command(who: Commander, desk: TheDesk, post_id: Annotated[PostId, Path(alias="id")]) -> models.Command:
+    """Take back a command of one's own that does not move yet."""
+    return await desk.cancel(who, post_id)
+
+
+@router.post("/robots/{robot}/scan", responses=documented(503))
+async def scan(request: Request, who: Commander, desk: TheDesk) -> models.Scanned:
+    """Ask the forum now what is new; answers when that has been heard."""
+    async with place(request).aside():
+        return await desk.scan()
+
+
+@router.post("/robots/{robot}/stop", responses=documented())
+async def stop(request: Request, who: Stopper, desk: TheDesk) -> models.Stopped:
+    """Stop the robot and end all that was posted before. No limit counts for it."""
+    return await desk.stop(who, request.scope["state"]["received_s"])
+
+
+# ---------------------------------------------------------------------- webhooks, health
+@router.post("/hooks/{hook}", status_code=202, response_class=Response, responses=documented())
+async def hook(request: Request, hook: Annotated[str, Path(pattern=r"^[a-z][a-z0-9_-]{1,31}$")]) -> Response:
+    """The forum says that something was written. What it says is not believed: the forum is asked."""
+    here = parts(request)
+    if hook not in here.hooks_in:
+        raise ServiceError(404, "no_such_hook", f"no webhook {hook!r} is configured")
+    kind, secret = here.hooks_in[hook]
+    try:
+        hooks.verify(kind, await request.body(), request.headers, secret)
+    except ServiceError:
+        here.figures.count(here.figures.hooks_in, "false")
+        raise
+    here.figures.count(here.figures.hooks_in, "true")
+    here.desk.wake()
+    return Response(status_code=202)
+
+
+@public.get("/healthz")
+async def health() -> models.Health:
+    """The process answers."""
+    return models.Health(status="ok")
+
+
+@public.get("/readyz", responses={503: {"model": models.Readiness, "description": "not ready"}})
+async def readiness(request: Request) -> Response:
+    """Whether a command could move the robot now: agent, forum and driver."""
+    async with place(request).aside():
+        found = await parts(request).desk.readiness()
+    return JSONResponse(found.model_dump(), 200 if found.ready else 503)
+
+
+@public.get(
+    "/metrics",
+    response_class=Response,
+    responses={200: {"content": {"text/plain": {}}, "description": "for Prometheus"}, **documented()},
+)
+async def metrics(request: Request, who: Looker) -> Response:
+    """Figures for Prometheus; needs a token that may look."""
+    return Response(parts(request).figures.text(), media_type=CONTENT_TYPE_LATEST)

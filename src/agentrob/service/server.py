@@ -1,0 +1,160 @@
+"""Puts the HTTP service of one robot's agent together and serves it beside the agent, in one event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+import socket
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import structlog
+import uvicorn
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from agentrob import __version__
+from agentrob.config_service import ServiceConfig
+from agentrob.errors import ConfigError
+from agentrob.forums.forum import Forum
+from agentrob.model import Report
+from agentrob.service import api, callers
+from agentrob.service.desk import Desk
+from agentrob.service.figures import Figures
+from agentrob.service.gate import Gate
+from agentrob.service.models import Problem
+from agentrob.service.parts import Parts
+from agentrob.service.problem import add_errors
+from agentrob.webhook import Outbox, Receiver, read_secret
+
+if TYPE_CHECKING:
+    from agentrob.agent.turn import RobotAgent
+
+_log = structlog.get_logger()
+#: Makes the agent, which tells each end of a command to the function it is given.
+MakeAgent = Callable[[Callable[[Report], None]], "RobotAgent"]
+
+
+def create_app(parts: Parts) -> FastAPI:
+    """The service as an ASGI app."""
+    app = FastAPI(
+        title=f"Agent of {parts.desk.agent.name}",
+        version=__version__,
+        openapi_url="/api/v1/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+    )
+    app.state.parts = parts
+    app.add_middleware(Gate, hosts=parts.hosts, figures=parts.figures)
+    app.include_router(api.router)
+    app.include_router(api.public)
+    add_errors(app)
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            document = get_openapi(title=app.title, version=app.version, routes=app.routes)
+            components = document.setdefault("components", {})
+            components.setdefault("schemas", {})["Problem"] = Problem.model_json_schema()
+            components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}}
+            document["security"] = [{"bearer": []}]
+            for path in ("/healthz", "/readyz"):
+                document["paths"][path]["get"]["security"] = []
+            app.openapi_schema = document
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]
+    return app
+
+
+def assemble(config: ServiceConfig, name: str, make_agent: MakeAgent, open_forum: Callable[[str], Forum]) -> Parts:
+    """The parts of the service of one robot. Raises `ConfigError` for secrets that are not there."""
+    if not config.tokens:
+        raise ConfigError("nobody may use the service: add a table [service.tokens.NAME] with token_env and scopes")
+    receivers = [Receiver(hook, h.url, read_secret(h.secret_env)) for hook, h in config.hooks_out.items()]
+    hooks_in = {hook: (h.kind, read_secret(h.secret_env)) for hook, h in config.hooks_in.items()}
+    who = callers.configured(config, read_secret, open_forum)
+    figures = Figures(name)
+    outbox = Outbox(receivers, figures.hook_out)
+    desks: list[Desk] = []
+
+    def ended(report: Report) -> None:
+        desks[0].ended(report)
+
+    agent = make_agent(ended)
+    desks.append(Desk(agent, figures, outbox))
+    return Parts(desks[0], who, figures, outbox, hooks_in, (config.address[0], *config.hosts))
+
+
+class _Server(uvicorn.Server):
+    """uvicorn that leaves signals to whoever runs it, and says when it has begun."""
+
+    def __init__(self, config: uvicorn.Config) -> None:
+        super().__init__(config)
+        self.begun = asyncio.Event()
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        self.begun.set()
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+
+def listen(config: ServiceConfig) -> socket.socket:
+    """Take the address; port 0 is any free one."""
+    host, port = config.address
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family, backlog=128)
+    except OSError as e:
+        raise ConfigError(f"the service cannot listen on {config.listen}: {e.strerror}; set service.listen") from None
+
+
+@asynccontextmanager
+async def serving(parts: Parts, listener: socket.socket) -> AsyncIterator[asyncio.Task[None]]:
+    """Serve until the block ends; gives the task that serves."""
+    config = uvicorn.Config(
+        create_app(parts), lifespan="off", log_config=None, access_log=False, server_header=False,
+        proxy_headers=False, timeout_keep_alive=30, timeout_graceful_shutdown=2, limit_concurrency=None,
+    )  # fmt: skip
+    server = _Server(config)
+    helpers = [asyncio.create_task(parts.callers.keep_fresh()), asyncio.create_task(parts.outbox.run())]
+    running = asyncio.create_task(server.serve(sockets=[listener]))
+    try:
+        begun = asyncio.create_task(server.begun.wait())
+        await asyncio.wait((begun, running), return_when=asyncio.FIRST_COMPLETED)
+        begun.cancel()
+        yield running
+    finally:
+        server.should_exit = True
+        for helper in helpers:
+            helper.cancel()
+        await asyncio.gather(running, *helpers, return_exceptions=True)
+        await parts.callers.close()
+
+
+async def serve(parts: Parts, listener: socket.socket, ready: Callable[[str], None]) -> None:
+    """Serve agent and HTTP until SIGTERM, Ctrl-C or the end of one of them. HTTP is there first: a stop waits for no
+    forum. `ready` is told the address when a command would be heard."""
+    agent = parts.desk.agent
+    host, port = listener.getsockname()[:2]
+    url = f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+    ended = asyncio.Event()
+    for sign in (signal.SIGTERM, signal.SIGINT):
+        asyncio.get_running_loop().add_signal_handler(sign, ended.set)
+    async with serving(parts, listener) as http:
+        _log.info("service.serving", robot=agent.name, url=url)
+        living = asyncio.create_task(agent.run(lambda: ready(url)))
+        ending = asyncio.create_task(ended.wait())
+        try:
+            await asyncio.wait((http, living, ending), return_when=asyncio.FIRST_COMPLETED)
+            if living.done():
+                living.result()
+        finally:
+            ending.cancel()
+            living.cancel()
+            await asyncio.gather(living, return_exceptions=True)
+            await agent.close()

@@ -1,0 +1,62 @@
+"""Wires the services beside the agents: an agent over HTTP, the forum and the robots as tools for MCP clients."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from agentrob import app
+from agentrob.child import say_ready
+from agentrob.config import Config
+
+if TYPE_CHECKING:
+    from agentrob.forums.forum import Forum
+
+
+def serve_agent(config: Config, name: str) -> None:
+    """Run an agent and its HTTP service until SIGTERM or Ctrl-C."""
+    from agentrob.service import server
+
+    app.log_to_stderr()
+    listens = config.service.loop
+
+    async def serve() -> None:
+        parts = server.assemble(
+            config.service,
+            name,
+            lambda on_end: app.make_agent(config, name, on_end=on_end, listens=listens),
+            lambda token: app.make_forum(config, token),
+        )
+        with server.listen(config.service) as listener:
+            await server.serve(parts, listener, lambda url: say_ready(robot=name, url=url))
+
+    asyncio.run(serve())
+
+
+def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
+    """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
+    from agentrob.quick import quick_imports
+
+    with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
+        from agentrob.mcp import wiring
+
+        app.log_to_stderr()
+        wiring.prepare(http)
+
+    def open_forum(token: str) -> Forum:
+        return app.make_forum(config, token)
+
+    if http:
+        wiring.run_http(config, open_forum)
+    else:
+        wiring.run_stdio(config, open_forum, app.secret(config), write or config.mcp.write)
+
+
+def serve_mcp_robot(config: Config, http: bool) -> None:
+    """The robots as tools for one MCP client over stdio, or over HTTP, through their HTTP services."""
+    app.log_to_stderr()
+    if http:
+        from agentrob.mcp_robot import over_http as server
+    else:
+        from agentrob.mcp_robot import server  # type: ignore[no-redef]
+    server.run(config.mcp_robot)

@@ -1,0 +1,26 @@
+"""A board for the tests of MCP, once a module; each test has names of its own for what it writes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).parents[1] / "board"))
+sys.path.append(str(Path(__file__).parent))
+from running_board import RunningBoard, running_board
+from running_mcp import McpSetup
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
+    with running_board(tmp_path_factory.mktemp("board")) as running:
+        yield running
+
+
+@pytest.fixture
+def setup(board: RunningBoard, tmp_path: Path) -> McpSetup:
+    everything = {"write": True, "toolsets": ["core", "social", "admin"], "listen": "127.0.0.1:0"}
+    return McpSetup(board, tmp_path, everything)

@@ -1,0 +1,130 @@
+"""A served agent: real sockets, a memory forum, a fake robot behind a real driver process."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx2
+from agent_scene import ROBOT, Driver, Scene, make_scene
+
+from agentrob.agent.turn import RobotAgent
+from agentrob.config_service import Scope
+from agentrob.forums.memory import MemoryWorld
+from agentrob.model import AccountKind, Report, Role
+from agentrob.service.callers import Caller, Callers
+from agentrob.service.desk import Desk
+from agentrob.service.figures import Figures
+from agentrob.service.parts import Parts
+from agentrob.service.server import serving
+from agentrob.webhook import Outbox, Receiver
+
+ALL: frozenset[Scope] = frozenset(("look", "preview", "command", "stop"))
+#: Who may call: the account of the forum, its role and kind, and the scopes of its token.
+PEOPLE: Mapping[str, tuple[Role, AccountKind, frozenset[Scope]]] = {
+    "alice": (Role.OPERATOR, AccountKind.HUMAN, ALL),
+    "bob": (Role.MEMBER, AccountKind.HUMAN, ALL),
+    "planner": (Role.OPERATOR, AccountKind.COMMANDING_AGENT, ALL),
+    "other-robot": (Role.OPERATOR, AccountKind.ROBOT_AGENT, ALL),
+    "watcher": (Role.OPERATOR, AccountKind.HUMAN, frozenset(("look",))),
+}
+
+
+@dataclass
+class Service:
+    """`call` asks as somebody: `await service.call("alice", "POST", "/stop")`, paths below the robot's own."""
+
+    scene: Scene
+    agent: RobotAgent
+    parts: Parts
+    url: str
+    http: httpx2.AsyncClient
+
+    async def call(self, who: str, method: str, path: str, body: Any = None, **headers: str) -> httpx2.Response:
+        sent = {"Authorization": f"Bearer {token(who)}", **headers}
+        return await self.http.request(method, f"{self.url}/api/v1/robots/{ROBOT}{path}", json=body, headers=sent)
+
+    async def submit(self, who: str, text: str, key: str | None = None, **more: Any) -> dict[str, Any]:
+        headers = {"Idempotency-Key": key} if key else {}
+        answer = await self.call(who, "POST", "/commands", {"text": text, **more}, **headers)
+        assert answer.status_code in (200, 201), answer.text
+        found: dict[str, Any] = answer.json()["command"]
+        return found
+
+    async def end(self, command: dict[str, Any], limit_s: float = 20.0) -> dict[str, Any]:
+        """The command when it has ended."""
+        answer = await self.call("watcher", "GET", f"/commands/{command['id']}?wait_s={limit_s}")
+        found: dict[str, Any] = answer.json()
+        assert found["ended"], found
+        return found
+
+    async def moving(self, command: dict[str, Any]) -> None:
+        """Wait until this command moves the robot."""
+        async with asyncio.timeout(10), self.scene.driver.client() as client:
+            while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
+                await asyncio.sleep(0.01)
+        job = self.agent.line.moving
+        assert job is not None
+        assert job.command.post_id == command["id"]
+
+    async def x_m(self) -> float:
+        async with self.scene.driver.client() as client:
+            state = await client.state()
+        assert state.pose is not None
+        return state.pose.x_m
+
+
+def token(who: str) -> str:
+    return f"the-token-of-{who}"
+
+
+@asynccontextmanager
+async def make_service(
+    driver: Driver,
+    folder: Path,
+    *,
+    world: MemoryWorld | None = None,
+    per_minute: int = 10_000,
+    receivers: tuple[Receiver, ...] = (),
+    pauses_s: tuple[float, ...] = (0.01, 0.01),
+    hooks_in: Mapping[str, Any] | None = None,
+    wait: bool = True,
+    listens: bool = True,
+    **settings: Any,
+) -> AsyncIterator[Service]:
+    """`wait=False` does not wait for the agent, whose forum may not answer."""
+    scene = make_scene(driver, folder, world, **settings)
+    callers = {}
+    for name, (role, kind, scopes) in PEOPLE.items():
+        callers[token(name)] = Caller(name, scopes, scene.person(name, role, kind))
+    callers[token("button")] = Caller("button", frozenset(("stop",)))
+    figures = Figures(ROBOT)
+    outbox = Outbox(receivers, figures.hook_out, pauses_s)
+    desks: list[Desk] = []
+
+    def ended(report: Report) -> None:
+        desks[0].ended(report)
+
+    agent = scene.make(on_end=ended, listens=listens)
+    desks.append(Desk(agent, figures, outbox))
+    parts = Parts(desks[0], Callers(callers, per_minute), figures, outbox, hooks_in or {}, ("127.0.0.1",))
+    listener = socket.create_server(("127.0.0.1", 0))
+    running = asyncio.create_task(agent.run())
+    try:
+        if wait:
+            ready = asyncio.create_task(agent.ready.wait())
+            await asyncio.wait({running, ready}, return_when=asyncio.FIRST_COMPLETED)
+            ready.cancel()
+        url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+        async with serving(parts, listener), httpx2.AsyncClient(timeout=40, trust_env=False) as http:
+            yield Service(scene, agent, parts, url, http)
+    finally:
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+        await agent.close()
+        listener.close()
