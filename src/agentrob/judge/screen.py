@@ -56,8 +56,8 @@ def screen(
     `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
     robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
     (law 16), `scene` a description of the place in English, where there is one. `part` is what of a text to several
-    robots tells of this one's place (`agentrob.judge.addressed`), by default the whole. `rights` is what the forum keeps
-    of who may command this robot. The reason is a sentence in `language`.
+    robots tells of this one's place (`agentrob.judge.addressed`), by default the whole. `rights` is what the forum
+    keeps of who may command this robot. The reason is a sentence in `language`.
     """
     granted = may(author, "command", language, rights=rights, classes=classes_of(plan))
     if granted.decision is not Decision.ALLOW:
