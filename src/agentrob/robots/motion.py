@@ -133,6 +133,12 @@ class Rest:
         x_m, y_m = sum(p.x_m for _, p in self._seen) / n, sum(p.y_m for _, p in self._seen) / n
         return round(math.hypot(x_m - start.x_m, y_m - start.y_m), 4)
 
+    def turned_rad(self, start: Pose | None) -> float | None:
+        """From a pose's heading to its own, averaged alike."""
+        if start is None or not self._seen:
+            return None
+        return sum(wrap(p.yaw_rad - start.yaw_rad) for _, p in self._seen) / len(self._seen)
+
 
 class _Sample(NamedTuple):
     t_s: float

@@ -23,6 +23,8 @@ IMAGE_MAX_BYTES = 8 * 1024 * 1024
 UPRIGHT = 0.5
 #: A standing robot sways a little; faster than this it moves.
 MOVING_MPS, MOVING_RPS = 0.12, 0.25
+#: Neither does one that stands come on so far within a stop.
+CAME_ON_M, CAME_ON_RAD = 0.05, 0.06
 #: A state that is older confirms nothing.
 CONFIRMING_S = 0.5
 
@@ -83,8 +85,10 @@ class UnitreeRobot:
             time.sleep(1 / RATE_HZ)
             if now_s < asked_s + 0.5:
                 self._send_stop()  # a velocity that was on its way meanwhile, or a lost sample
-        moved_m = rest.distance_m(before.pose)
-        was_moving = gesturing or moves(before) or (moved_m or 0.0) > 0.05
+        moved_m, turned_rad = rest.distance_m(before.pose), rest.turned_rad(before.pose)
+        # in a stride there are moments at which it hardly moves: then it is seen by its coming on
+        came_on = (moved_m or 0.0) > CAME_ON_M or abs(turned_rad or 0.0) > CAME_ON_RAD
+        was_moving = gesturing or moves(before) or came_on
         doubt = self._doubt(rest)
         if doubt and not sent:
             doubt += " The stop could not be written to the robot's network."
