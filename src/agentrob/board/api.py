@@ -10,8 +10,8 @@ from fastapi import APIRouter, Depends, Header, Query, Request
 from pydantic import BaseModel
 from starlette.responses import Response
 
-from agentrob.board import accounts, sight
-from agentrob.board.access import Viewer, member, moderator, reader, stopper, viewer
+from agentrob.board import accounts, notices, sight
+from agentrob.board.access import Viewer, account_of, member, moderator, reader, stopper, viewer
 from agentrob.board.api_models import (
     POST_BYTES,
     AccountOut,
@@ -20,6 +20,7 @@ from agentrob.board.api_models import (
     Changes,
     EditIn,
     Items,
+    NoticeOut,
     Now,
     Paged,
     PostOut,
@@ -78,6 +79,15 @@ async def me(request: Request) -> Response:
     if who.account is None:
         raise BoardError(401, "not_signed_in", "sign in first", "a session cookie or Authorization: Bearer <token>")
     return out(account_out(who.account))
+
+
+@router.get("/notifications", response_model=Paged[NoticeOut])
+async def notifications(request: Request, who: Reading, cursor: Cursor = None, limit: Limit = 20) -> Response:
+    """Posts that name the caller, answer them, or are in a topic of theirs, newest first."""
+    shape, account = shaper(request, who.account), account_of(who)
+    page = notices.latest(services(request).store.reader, account, cursor, limit)
+    found = (NoticeOut(id=n.post.id, kind=n.reason, read=not n.fresh, post=shape.post(n.post)) for n in page.items)
+    return out(Paged(items=tuple(found), next=page.next))
 
 
 @router.get("/accounts/{name}", response_model=AccountOut, responses=NOT_FOUND)
@@ -158,9 +168,16 @@ async def find(request: Request, who: Reading, key: Annotated[str, Query(pattern
 
 
 @router.get("/search", response_model=Paged[PostOut])
-async def search(request: Request, who: Reading, q: Words, cursor: Cursor = None, limit: Limit = 20) -> Response:
+async def search(
+    request: Request,
+    who: Reading,
+    q: Words,
+    board: Annotated[str | None, Query(max_length=64, description="only on this board")] = None,
+    cursor: Cursor = None,
+    limit: Limit = 20,
+) -> Response:
     """Posts that have all the words of `q`, newest first; words between double quotes must stand together."""
-    page = await services(request).store.search(q, cursor, limit)
+    page = await services(request).store.search(q, cursor, limit, board)
     return out(Paged(items=tuple(map(shaper(request, who.account).post, page.items)), next=page.next))
 
 

@@ -159,6 +159,13 @@ class PostOut(_Out):
     card: dict[str, Any] | None
 
 
+class NoticeOut(_Out):
+    id: str
+    kind: str = Field(description="mention, reply or topic")
+    read: bool
+    post: PostOut
+
+
 class EventOut(_Out):
     id: str
     kind: records.EventKind

@@ -17,7 +17,8 @@ from agentrob.model import Account, AccountKind
 #: More than this many are not counted.
 MOST = 99
 REASONS = {"mention": "names you", "reply": "answers you", "topic": "is in your topic"}
-_PEOPLE = (AccountKind.HUMAN,)
+#: Robots and programs that watch listen to events instead.
+_TOLD = (AccountKind.HUMAN, AccountKind.COMMANDING_AGENT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +31,7 @@ class Notice:
 
 
 def tell(t: Transaction, post_id: int, author: Account) -> None:
-    """Tell people of a new post; of several reasons the first counts. Robots and programs listen to events instead."""
+    """Tell people and agents of a new post; of several reasons the first counts."""
     p = db.posts.c
     row = t.connection.execute(
         select(p.mentions, p.reply_to, db.topics.c.author_id)
@@ -42,7 +43,7 @@ def tell(t: Transaction, post_id: int, author: Account) -> None:
     reasons = {row.author_id: "topic"} | ({answered: "reply"} if answered else {}) | dict.fromkeys(named, "mention")
     reasons.pop(int(author.id), None)
     a = db.accounts.c
-    people = t.connection.execute(select(a.id).where(a.id.in_(reasons), a.kind.in_(_PEOPLE))).scalars()
+    people = t.connection.execute(select(a.id).where(a.id.in_(reasons), a.kind.in_(_TOLD))).scalars()
     rows = [{"account_id": i, "post_id": post_id, "reason": reasons[i]} for i in people]
     if rows:
         t.connection.execute(insert(db.notices), rows)

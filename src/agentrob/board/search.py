@@ -118,8 +118,11 @@ def _given_up(reader: Reader) -> Iterator[None]:
             raw.set_progress_handler(None, 0)
 
 
-def find(reader: Reader, query: str, cursor: str | None = None, limit: int = 20) -> Page[Post]:
-    """Posts with all the words, newest first, without removed ones and those on boards that are not seen.
+def find(
+    reader: Reader, query: str, cursor: str | None = None, limit: int = 20, board_id: str | None = None
+) -> Page[Post]:
+    """Posts with all the words, of one board or of all, newest first, without removed ones and those on boards that are
+    not seen.
 
     A query without any word finds nothing. Raises `BoardError` 422, 503.
     """
@@ -129,6 +132,7 @@ def find(reader: Reader, query: str, cursor: str | None = None, limit: int = 20)
     before = from_cursor(cursor) if cursor else 2**62
     seen = reader.seen()
     boards = [b.id for b in reader.all_boards()] if seen is None else sorted(seen)
+    boards = [board for board in boards if board_id in (None, board)]
     search = _by_index if reader.connection.dialect.name == "sqlite" else _by_looking
     with _given_up(reader):
         ids = search(reader, words, before, boards, limit + 1)

@@ -115,7 +115,9 @@ class Store:
         return self.reader.events(self.reader.known_event(after), limit, topic_id)
 
     # ---------------------------------------------------------------- search, awaited
-    async def search(self, query: str, cursor: str | None = None, limit: int = 20) -> Page[Post]:
+    async def search(
+        self, query: str, cursor: str | None = None, limit: int = 20, board_id: str | None = None
+    ) -> Page[Post]:
         """Posts with all the words, newest first. In a thread of its own, one after another: nothing else waits for it,
         least of all a stop (law 15). 503 when it takes too long or too many wait.
         """
@@ -124,7 +126,7 @@ class Store:
         self._searches += 1
         try:
             seeing = copy_context().run  # what whoever asks may see
-            running = self._searching.submit(seeing, search.find, self._finder, query, cursor, limit)
+            running = self._searching.submit(seeing, search.find, self._finder, query, cursor, limit, board_id)
             return await asyncio.wrap_future(running)
         finally:
             self._searches -= 1
