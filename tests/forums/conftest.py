@@ -10,12 +10,11 @@ from pathlib import Path
 import pytest
 from discourse_world import Worlds, double_world
 from nodebb_tape import Player, Recorder, Tape, serving
-from nodebb_world import NodeBBWorld, prepared
+from nodebb_world import ADMIN, NodeBBWorld, prepared
 
 TAPES = Path(__file__).parent / "nodebb_tapes"
 RECORD = os.environ.get("AGENTROB_TEST_NODEBB_RECORD", "")
 URL = os.environ.get("AGENTROB_TEST_NODEBB_URL", "")
-ADMIN = os.environ.get("AGENTROB_TEST_NODEBB_ADMIN", "") or "login:admin:on the tape"
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from typing import Any
 
 from agentrob.config import ForumConfig
@@ -13,6 +14,7 @@ from agentrob.forums.nodebb_settings import Credentials
 from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.model import AccountKind, Post, Role
 
+ADMIN = os.environ.get("AGENTROB_TEST_NODEBB_ADMIN", "") or "login:admin:on the tape"
 PASSWORD = "a password of a test"
 GROUPS: dict[str, list[str]] = {
     "operators": ["robot-operators"],

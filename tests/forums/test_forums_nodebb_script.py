@@ -10,8 +10,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-from conftest import ADMIN
-from nodebb_world import NodeBBWorld
+from nodebb_world import ADMIN, NodeBBWorld
 
 from agentrob import config
 from agentrob.forums.nodebb_settings import NodeBBOptions
