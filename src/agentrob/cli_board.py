@@ -9,6 +9,7 @@ import typer
 
 from agentrob import config as configuration
 from agentrob.config import Config
+from agentrob.config_section import DEFAULT_LISTEN
 from agentrob.errors import ConfigError
 from agentrob.model import Role
 
@@ -33,7 +34,7 @@ def settings_of(config: Path | None) -> BoardSettings:
 def init(
     admin: Annotated[str, typer.Option(help="The handle of the first admin.")],
     url: Annotated[str, typer.Option(help="The address that browsers see, as https://forum.example.org.")] = "",
-    listen: Annotated[str, typer.Option(help="Where the forum listens.")] = configuration.DEFAULT_LISTEN,
+    listen: Annotated[str, typer.Option(help="Where the forum listens.")] = DEFAULT_LISTEN,
     title: Annotated[str, typer.Option(help="What the forum is called.")] = "AgentRob",
     data: Annotated[str, typer.Option(help="Where everything is kept.")] = "",
     database: Annotated[str, typer.Option(help="A database URL. [default: SQLite in the data folder]")] = "",

@@ -23,71 +23,22 @@ model = "gpt-5-mini"
 
 from __future__ import annotations
 
-import ipaddress
 import os
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
 
+from agentrob.config_board import BoardConfig
 from agentrob.config_images import ImagesConfig, plain_address
 from agentrob.config_mcp import McpConfig
-from agentrob.config_service import HookOutConfig, McpRobotConfig, ServiceConfig
+from agentrob.config_section import DEFAULT_LISTEN, Name, Section
+from agentrob.config_service import McpRobotConfig, ServiceConfig
 from agentrob.errors import ConfigError
 
-DEFAULT_LISTEN = "127.0.0.1:8088"
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{1,31}$")]
 
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class BoardLimitsConfig(_Section):
-    """How much one account may do in an hour; 0 means no such limit. Stops and robots' own posts are exempt.
-
-    `commands` are posts that mention a robot, `sign_ups` new accounts from one address.
-    """
-
-    posts: Annotated[int, Field(ge=0)] = 120
-    commands: Annotated[int, Field(ge=0)] = 60
-    uploads: Annotated[int, Field(ge=0)] = 60
-    sign_ups: Annotated[int, Field(ge=0)] = 5
-
-
-class BoardConfig(_Section):
-    """The embedded forum. `base_url` is what browsers see; https there makes cookies Secure.
-
-    Behind a reverse proxy it must be set: whoever comes through the proxy seems to come from this machine. Whose
-    `X-Forwarded-For` is believed stands in `trusted_proxies`, as addresses or networks; without a list, that of this
-    machine when `base_url` is https. `limits` hold unless the forum is for this machine only and none are given.
-    `public_read`: guests read the boards that are open to them.
-    `hooks` are told by webhook when something happens, so that nobody need poll.
-    """
-
-    listen: str = DEFAULT_LISTEN
-    base_url: str = ""
-    database: str = ""
-    title: str = "AgentRob"
-    hooks: dict[Name, HookOutConfig] = {}
-    sign_up: bool | None = None
-    public_read: bool = False
-    trusted_proxies: tuple[str, ...] | None = None
-    limits: BoardLimitsConfig | None = None
-
-    @field_validator("trusted_proxies")
-    @classmethod
-    def _are_networks(cls, proxies: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        for proxy in proxies or ():
-            try:
-                ipaddress.ip_network(proxy)
-            except ValueError:
-                raise ValueError("must be addresses or networks such as 10.0.0.2 or 10.0.0.0/24") from None
-        return proxies
-
-
-class ForumConfig(_Section):
+class ForumConfig(Section):
     """Where agents read and write. The secret is in the environment, in the variable that `token_env` names.
 
     `options` are the adapter's own (which groups may do what, how often it may ask); the adapter checks them.
@@ -96,10 +47,10 @@ class ForumConfig(_Section):
     kind: str = "board"
     url: str = "http://" + DEFAULT_LISTEN
     token_env: str = "AGENTROB_TOKEN"
-    options: dict[str, Any] = {}
+    options: dict[str, Any] = Field(default_factory=dict)
 
 
-class FenceConfig(_Section):
+class FenceConfig(Section):
     """A rectangle around the robot's home, in metres (x forward at home, y left)."""
 
     x_min_m: float = -5.0
@@ -108,7 +59,7 @@ class FenceConfig(_Section):
     y_max_m: float = 5.0
 
 
-class LimitsConfig(_Section):
+class LimitsConfig(Section):
     """Bounds that commands may not exceed (law 10)."""
 
     speed_mps: Annotated[float, Field(gt=0, le=1.5)] = 0.5
@@ -120,7 +71,7 @@ class LimitsConfig(_Section):
     command_steps: Annotated[int, Field(ge=1)] = 10
 
 
-class RatesConfig(_Section):
+class RatesConfig(Section):
     """How often one account may command one robot; stops are exempt. 0 means no such limit.
 
     A command within `cooldown_s` of the account's last one waits for its time; beyond `commands_per_hour`, or when
@@ -132,7 +83,7 @@ class RatesConfig(_Section):
     waiting: Annotated[int, Field(ge=0)] = 5
 
 
-class LookConfig(_Section):
+class LookConfig(Section):
     """Whether a model may steer the robot by what its camera shows ("walk to the red ball"), and for how much at most.
 
     Off unless the owner says `allowed = true`; then the robot's mind must be a model with `images`. Each such command
@@ -153,7 +104,7 @@ class LookConfig(_Section):
 SCENE_CHARS = 2_000
 
 
-class RecordingConfig(_Section):
+class RecordingConfig(Section):
     """What is recorded of each command that moves a robot: its path, its speeds, and a short animation in the reply.
 
     `view` is what the animation shows. `room`: the camera of `room_camera`; `robot`: the robot's own; `path`: the way
@@ -167,7 +118,7 @@ class RecordingConfig(_Section):
     keep_mb: Annotated[float, Field(ge=0)] = 200.0
 
 
-class RobotConfig(_Section):
+class RobotConfig(Section):
     """One robot: how its driver reaches it, what may command it where, and what its agent does.
 
     `interface` and `domain` are DDS settings. `step_length_m`: how long one of its steps is, where you measured that
@@ -209,7 +160,7 @@ class RobotConfig(_Section):
     rates: RatesConfig = RatesConfig()
     look: LookConfig = LookConfig()
     recording: RecordingConfig = RecordingConfig()
-    options: dict[str, Any] = {}
+    options: dict[str, Any] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _can_be_screened(self) -> Self:
@@ -218,7 +169,7 @@ class RobotConfig(_Section):
         return self
 
 
-class MindLimitsConfig(_Section):
+class MindLimitsConfig(Section):
     """What one mind may use up, per command and per UTC day; money in the currency of its price. 0: no limit."""
 
     command_tokens: Annotated[int, Field(ge=0)] = 100_000
@@ -227,7 +178,7 @@ class MindLimitsConfig(_Section):
     day_cost: Annotated[float, Field(ge=0)] = 0.0
 
 
-class PriceConfig(_Section):
+class PriceConfig(Section):
     """What a million tokens cost. Costs are known only from here: no price list is fetched."""
 
     input_per_million: Annotated[float, Field(ge=0)] = 0.0
@@ -244,7 +195,7 @@ _PROVIDERS = {
 }
 
 
-class MindConfig(_Section):
+class MindConfig(Section):
     """One model. The key is in the environment, in the variable that `key_env` names; it is never written here.
 
     `provider` says whose dialect is spoken; `compatible` is any OpenAI-compatible server (Ollama, vLLM, llama.cpp) and
@@ -295,7 +246,7 @@ class MindConfig(_Section):
         return self
 
 
-class Config(_Section):
+class Config(Section):
     """The whole file. `data` is where databases, journals and pictures are kept."""
 
     data: str = ""
@@ -305,8 +256,8 @@ class Config(_Section):
     mcp: McpConfig = McpConfig()
     mcp_robot: McpRobotConfig = McpRobotConfig()
     service: ServiceConfig = ServiceConfig()
-    robots: dict[Name, RobotConfig] = {}
-    minds: dict[Name, MindConfig] = {}
+    robots: dict[Name, RobotConfig] = Field(default_factory=dict)
+    minds: dict[Name, MindConfig] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _minds_fit(self) -> Self:

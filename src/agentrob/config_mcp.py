@@ -15,18 +15,15 @@ from __future__ import annotations
 from typing import Annotated, Literal
 from urllib.parse import urlsplit
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
+
+from agentrob.config_section import Name, Section
 
 Toolset = Literal["core", "social", "admin"]
 _Variable = Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")]
-_Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{1,31}$")]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class McpUserConfig(_Section):
+class McpUserConfig(Section):
     """One account of the forum that the MCP server may act as.
 
     `forum_token_env` names the variable with its forum token: then `login_account` may choose it over stdio. With
@@ -41,7 +38,7 @@ class McpUserConfig(_Section):
     toolsets: tuple[Toolset, ...] = ("core", "social")
 
 
-class McpConfig(_Section):
+class McpConfig(Section):
     """The MCP servers. `write` and `toolsets` are for stdio, where the account is that of `[forum]`.
 
     `listen` is where `--http` serves, `public_url` the address that clients use when it is another (behind a proxy).
@@ -54,7 +51,7 @@ class McpConfig(_Section):
     public_url: str = ""
     issuer: str = ""
     jwks_url: str = ""
-    users: dict[_Name, McpUserConfig] = {}
+    users: dict[Name, McpUserConfig] = Field(default_factory=dict)
 
     @field_validator("public_url", "issuer", "jwks_url")
     @classmethod

@@ -30,18 +30,15 @@ import ipaddress
 from typing import Annotated, Literal, Self
 from urllib.parse import urlsplit
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
+
+from agentrob.config_section import Name, Section
 
 Scope = Literal["look", "preview", "command", "stop"]
 _Variable = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
-_Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{1,31}$")]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class ServiceTokenConfig(_Section):
+class ServiceTokenConfig(Section):
     """One caller. Its token, of at least 16 characters, is in the variable that `token_env` names.
 
     `look` reads; `preview` asks what would be done; `command` posts and takes back; `stop` stops. What it posts is
@@ -59,14 +56,14 @@ class ServiceTokenConfig(_Section):
         return self
 
 
-class HookInConfig(_Section):
+class HookInConfig(Section):
     """A webhook that may call us. `discourse` is Discourse's own signature, `standard` that of Standard Webhooks."""
 
     kind: Literal["discourse", "standard"] = "standard"
     secret_env: _Variable
 
 
-class HookOutConfig(_Section):
+class HookOutConfig(Section):
     """Who is told when a command has ended, signed as Standard Webhooks are."""
 
     url: str
@@ -81,7 +78,7 @@ class HookOutConfig(_Section):
         return url
 
 
-class ServiceConfig(_Section):
+class ServiceConfig(Section):
     """Where it listens and who may use it.
 
     `listen` is on this machine only unless `allow_remote` is set (then put TLS in front of it); `hosts` are the names
@@ -94,9 +91,9 @@ class ServiceConfig(_Section):
     hosts: tuple[str, ...] = ()
     loop: bool = True
     requests_per_minute: Annotated[int, Field(ge=1)] = 600
-    tokens: dict[_Name, ServiceTokenConfig] = {}
-    hooks_in: dict[_Name, HookInConfig] = {}
-    hooks_out: dict[_Name, HookOutConfig] = {}
+    tokens: dict[Name, ServiceTokenConfig] = Field(default_factory=dict)
+    hooks_in: dict[Name, HookInConfig] = Field(default_factory=dict)
+    hooks_out: dict[Name, HookOutConfig] = Field(default_factory=dict)
 
     @property
     def address(self) -> tuple[str, int]:
@@ -109,7 +106,7 @@ class ServiceConfig(_Section):
         return self
 
 
-class RobotServiceConfig(_Section):
+class RobotServiceConfig(Section):
     """Where a robot's HTTP service is, and the variable with the token that it gave to the MCP server."""
 
     url: str
@@ -124,7 +121,7 @@ class RobotServiceConfig(_Section):
         return url.rstrip("/")
 
 
-class McpRobotConfig(_Section):
+class McpRobotConfig(Section):
     """The robots as tools for an MCP client: a client of their HTTP services, with tokens of its own. Off until a
     service is named. Looking and stopping are always there; `preview` and `submit` (which may also take back) are the
     owner's to allow. `pictures_per_minute` bounds what the client sees of each robot. Over HTTP it serves on `listen`
@@ -137,7 +134,7 @@ class McpRobotConfig(_Section):
     listen: str = "127.0.0.1:8091"
     allow_remote: bool = False
     token_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
-    services: dict[_Name, RobotServiceConfig] = {}
+    services: dict[Name, RobotServiceConfig] = Field(default_factory=dict)
 
     @property
     def address(self) -> tuple[str, int]:

@@ -21,7 +21,8 @@ from typing import IO, Any
 
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
-from agentrob.config import BoardConfig, Config, ForumConfig, RatesConfig
+from agentrob.config import Config, ForumConfig, RatesConfig
+from agentrob.config_board import BoardConfig
 from agentrob.errors import AgentRobError, RobotBusy
 from agentrob.model import AccountKind, Role
 

@@ -21,7 +21,7 @@ from agentrob.board.database import open_engine
 from agentrob.board.server import Server, create_app
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings
-from agentrob.config import BoardConfig
+from agentrob.config_board import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 

@@ -18,7 +18,7 @@ from starlette.responses import Response
 from agentrob.board import access, accounts, admin
 from agentrob.board.attempts import PER_ADDRESS, PER_NAME, WINDOW_S, Attempts
 from agentrob.board.settings import BoardSettings, is_loopback, parse_listen
-from agentrob.config import BoardConfig
+from agentrob.config_board import BoardConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Role
 

@@ -19,7 +19,7 @@ from test_board_rights import chief, jpeg, topic_on
 from agentrob.board import admin, backup
 from agentrob.board.database import migrate
 from agentrob.board.settings import BoardSettings
-from agentrob.config import BoardConfig
+from agentrob.config_board import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import Role
 

@@ -21,7 +21,7 @@ from test_board_backup import fill, told
 from agentrob.board import admin, backup, schema
 from agentrob.board.database import migrate, open_engine
 from agentrob.board.settings import BoardSettings
-from agentrob.config import BoardConfig
+from agentrob.config_board import BoardConfig
 from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow

@@ -25,7 +25,7 @@ from agentrob.board import admin, schema, server
 from agentrob.board.database import migrate, open_engine
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Transaction
-from agentrob.config import BoardConfig
+from agentrob.config_board import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind, Role
 
@@ -225,7 +225,7 @@ import sys
 from pathlib import Path
 from agentrob.board import server
 from agentrob.board.settings import BoardSettings
-from agentrob.config import BoardConfig
+from agentrob.config_board import BoardConfig
 settings = BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0"), Path(sys.argv[1]))
 server.serve(settings, lambda s: print("ready", s.base_url, flush=True))
 """

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from agentrob.config import BoardConfig, BoardLimitsConfig
+from agentrob.config_board import BoardConfig, BoardLimitsConfig
 from agentrob.config_service import HookOutConfig
 from agentrob.errors import ConfigError
 

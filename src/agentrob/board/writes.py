@@ -20,7 +20,7 @@ from agentrob.board.render import render
 from agentrob.board.rows import event_id
 from agentrob.board.settings import NO_LIMITS
 from agentrob.board.writer import Transaction
-from agentrob.config import BoardLimitsConfig
+from agentrob.config_board import BoardLimitsConfig
 from agentrob.errors import BoardError
 from agentrob.language.stop import stop_intent
 from agentrob.language.visible import mentions, visible_text
