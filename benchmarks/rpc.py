@@ -34,7 +34,7 @@ from typing import Any
 from agentrob import app
 from agentrob.child import Child, end_all
 from agentrob.config import Config
-from agentrob.demo import free_domains
+from agentrob.demo import OwnDomain
 from agentrob.model import Direction, Op, Plan, Primitive
 from agentrob.robots import unitree
 from agentrob.robots.client import run_plan
@@ -207,9 +207,9 @@ def table(beside_what: str, rows: Iterator[Row]) -> None:
 
 
 def benchmark(calls: int, walks: int) -> None:
-    domain, children = free_domains(1)[0], list[Child]()
-    with tempfile.TemporaryDirectory(prefix="agentrob-rpc-") as folder:
-        work = Path(folder)
+    children = list[Child]()
+    with contextlib.closing(OwnDomain()) as own, tempfile.TemporaryDirectory(prefix="agentrob-rpc-") as folder:
+        work, domain = Path(folder), own.number
         try:
             children.append(Child("world", ["sim", "--domain", f"go2={domain}"], work / "world.log"))
             children[0].wait_ready()

@@ -7,18 +7,23 @@ from pathlib import Path
 from kill_house import House
 from kill_process import AGENTROB, Mortal
 
-from agentrob import demo
 from agentrob.config import RobotConfig
+from agentrob.demo import OwnDomain
 
 
 class WorldHouse(House):
     """`born` is how long the ledger was when the world of now was started."""
 
     def __init__(self, folder: Path) -> None:
-        self.domain = demo.free_domains(1)[0]
+        self._own = OwnDomain()  # as long as this is here
+        self.domain = self._own.number
         self.born = 0
         super().__init__(folder)
         self.running["world"] = self.world
+
+    def close(self) -> None:
+        super().close()
+        self._own.close()
 
     def start_world(self) -> Mortal:
         args = ("sim", "--domain", f"go2={self.domain}", "--ledger", str(self.ledger_path))

@@ -54,8 +54,7 @@ def main():
     waving.join()
     out["hello"] = answers[0]
     seen.until(lambda: seen.states[-1][1].error_code == 1013)
-    times = [t for t, _ in seen.states]
-    out["rate_hz"] = (len(times) - 1) / (times[-1] - times[0])
+    out["rate_hz"] = seen.rate_hz()
     print(json.dumps(out), flush=True)  # noqa: T201
     os._exit(0)  # the SDK's threads do not end by themselves
 
