@@ -235,7 +235,7 @@ async def test_law_14_a_stop_post_ends_a_thought(looking: Scene, brain: Driving)
     brain.drives = [WALK, brain.hang]
     async with looking.agent(mind=brain.mind(looking.folder)):
         post = await looking.post("alice", GOAL)
-        assert await asyncio.to_thread(brain.hanging.wait, 40)
+        assert await asyncio.to_thread(brain.hanging.wait, 10)
         await looking.post("bob", "stop", topic=post.topic_id)
         reply = await looking.final(post)
     assert reply.card is not None
@@ -267,7 +267,7 @@ async def test_law_4_a_post_that_is_edited_while_a_model_thinks_moves_nothing_mo
     brain.drives = [WALK, brain.after(WALK)]
     async with looking.agent(mind=brain.mind(looking.folder)):
         post = await looking.post("alice", GOAL)
-        assert await asyncio.to_thread(brain.hanging.wait, 40)
+        assert await asyncio.to_thread(brain.hanging.wait, 10)
         await looking.world.sign_in("alice").edit(post.id, f"@{ROBOT} walk to the blue box")
         brain.go.set()
         reply = await looking.final(post)
@@ -282,7 +282,7 @@ async def test_law_6_a_loop_that_was_cut_off_is_told_as_interrupted_and_never_go
     brain.drives = [WALK, brain.hang]
     async with looking.agent(mind=brain.mind(looking.folder)):
         post = await looking.post("alice", GOAL)
-        assert await asyncio.to_thread(brain.hanging.wait, 40)
+        assert await asyncio.to_thread(brain.hanging.wait, 10)
     brain.drives = [WALK]
     before = len(brain.loops)
     async with looking.agent(mind=brain.mind(looking.folder)):

@@ -186,6 +186,6 @@ def test_hostile_repetition_is_screened_quickly(unit: str) -> None:
     text = (unit * 10_000)[:10_000]
     plan = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=5),) * 10)
     screen(plan, text="walk", author=OPERATOR, capabilities=GO2, language="en", scene="x")  # what is compiled once
-    start = time.thread_time()
+    start = time.process_time()
     screen(plan, text=text, author=OPERATOR, capabilities=GO2, language="en", scene=HALL)
-    assert time.thread_time() - start < 1.0
+    assert time.process_time() - start < 1.0

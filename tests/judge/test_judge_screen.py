@@ -180,6 +180,6 @@ def test_any_text_is_screened(text: str) -> None:
 
 @pytest.mark.parametrize("unit", ["run ", "a", "hit the ", "关闭", "turn off ", "don't ", "the the ", "go into the x "])
 def test_hostile_repetition_stays_quick(unit: str) -> None:
-    start = time.thread_time()
+    start = time.process_time()
     harm_of((unit * 10_000)[:10_000], "en")
-    assert time.thread_time() - start < 0.5
+    assert time.process_time() - start < 0.5

@@ -72,10 +72,10 @@ def inputs(count: int, seed: int) -> Iterator[str]:
 
 
 def spent_s(text: str) -> float:
-    """Processor time of reading a post, without that of other threads here, checking what came of it."""
-    begin = time.thread_time()
+    """Process time of reading a post, checking what came of it."""
+    begin = time.process_time()
     understood = parse(visible_text(text), ("rex",), ("max",), EVERYTHING, THREAD)
-    spent = time.thread_time() - begin
+    spent = time.process_time() - begin
     for step in understood.plan.steps:
         assert step.distance_m is None or 0 < step.distance_m <= 100, text
         assert step.degrees is None or 0 < step.degrees <= 3600, text
@@ -90,15 +90,15 @@ def flood(count: int, seed: int) -> None:
     spent = []
     for text in inputs(count, seed):
         taken = spent_s(text)
-        # A slow text is slow each time; a busy machine, or a collection of what other tests left, is not.
-        spent.append(min([taken, *(spent_s(text) for _ in range(3))]) if taken > TYPICAL_S / 2 else taken)
+        # A slow text is slow each time; a busy machine is not.
+        spent.append(min([taken, *(spent_s(text) for _ in range(3))]) if taken > WORST_S / 2 else taken)
     spent.sort()
     assert spent[int(len(spent) * 0.99)] <= TYPICAL_S
     assert spent[-1] <= WORST_S
 
 
 def test_thousands_of_bent_sentences_never_raise_and_are_read_quickly() -> None:
-    flood(3_000, seed=5)
+    flood(6_000, seed=5)
 
 
 @pytest.mark.slow

@@ -72,6 +72,6 @@ def test_denied_stops_are_never_stops(text: str) -> None:
 
 @pytest.mark.parametrize("unit", ["停", "stop ", "停停下", "s", "please ", "@quadruped ", "don't ", ",", "请"])
 def test_hostile_repetition_stays_quick(unit: str) -> None:
-    start = time.thread_time()
+    start = time.process_time()
     stop_intent(unit * (10_000 // len(unit)) + "x")
-    assert time.thread_time() - start < 0.5
+    assert time.process_time() - start < 0.5

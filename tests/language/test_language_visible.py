@@ -121,9 +121,9 @@ def test_any_mixture_of_markup_is_read(parts: list[str]) -> None:
 )
 def test_hostile_repetition_stays_quick(unit: str) -> None:
     raw = (unit * MAX_CHARS)[:MAX_CHARS]
-    start = time.thread_time()
+    start = time.process_time()
     mentions(visible_text(raw))
-    assert time.thread_time() - start < 1.0
+    assert time.process_time() - start < 1.0
 
 
 MARKUP = [

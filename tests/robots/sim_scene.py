@@ -245,7 +245,6 @@ class Place:
     async def begin(self, robot: DriverClient) -> Sample:
         """Everything back to its start, released and at home."""
         assert self.room.post("/reset").json() == {"reset": True}
-        await robot.release("owner")
         near_since_s = math.inf
         end_s = time.monotonic() + 20
 
@@ -257,6 +256,7 @@ class Place:
             assert time.monotonic() < end_s
             near_since_s = min(near_since_s, time.monotonic()) if near(await robot.state()) else math.inf
             await asyncio.sleep(0.03)
+        await robot.release("owner")  # now, and not before: what was seen of the last test may have halted it
         await self.home(robot)
         return await self.truth.until(lambda _: True)
 

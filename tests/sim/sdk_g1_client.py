@@ -53,7 +53,8 @@ def main():
     out["bad_id"], out["release"] = other.ExecuteAction(4711), other.ExecuteAction(99)
     clapping.join()
     out["clap"] = answers[0]
-    out["rate_hz"] = seen.rate_hz()
+    times = [t for t, _ in seen.states]
+    out["rate_hz"] = (len(times) - 1) / (times[-1] - times[0])
     print(json.dumps(out), flush=True)  # noqa: T201
     os._exit(0)  # the SDK's threads do not end by themselves
 

@@ -1,8 +1,6 @@
 """What the two programs that drive a robot with the vendor's own SDK share."""
 
-import itertools
 import math
-import statistics
 import threading
 import time
 
@@ -41,11 +39,6 @@ class Seen:
         with self.changed:
             assert self.changed.wait_for(true, limit_s), "state did not become what was awaited"
         return self.states[-1][1]
-
-    def rate_hz(self):
-        """Of the states, as it usually was: a machine that stood still for a moment changes nothing."""
-        times = [t for t, _ in self.states]
-        return 1 / statistics.median(b - a for a, b in itertools.pairwise(times))
 
 
 def made(client, limit_s):

@@ -111,9 +111,7 @@ def test_a_fast_machine_runs_in_real_time():
     thread = run_clock(clock, tick)
     assert enough.wait(10)
     assert time.monotonic() - began > 0.9
-    while not 0.9 < clock.real_time_factor < 1.1:  # where the machine itself stood still, five seconds later
-        assert time.monotonic() - began < 20.0, clock.real_time_factor
-        thread.join(0.1)
+    assert 0.9 < clock.real_time_factor < 1.1
     clock.stop()
     thread.join(2)
 

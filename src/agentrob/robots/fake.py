@@ -123,9 +123,10 @@ class FakeRobot:
 
     # ------------------------------------------------------------ the body (agentrob.robots.walk.Body)
     def now_s(self) -> float:
-        if math.isinf(self._time_scale):
-            return self._virtual_s
-        return self._virtual_s + (time.monotonic() - self._epoch_s) * self._time_scale
+        with self._lock:  # the setter of `time_scale` changes two fields
+            if math.isinf(self._time_scale):
+                return self._virtual_s
+            return self._virtual_s + (time.monotonic() - self._epoch_s) * self._time_scale
 
     def command(self, velocity: Velocity) -> None:
         with self._lock:
