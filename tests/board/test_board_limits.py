@@ -14,7 +14,8 @@ from test_board_rights import chief, jpeg, topic_on
 from agentrob.board import access, admin
 from agentrob.board.attempts import Attempts
 from agentrob.board.settings import NO_LIMITS, BoardSettings
-from agentrob.config import BoardConfig, BoardLimitsConfig, parse
+from agentrob.config import parse
+from agentrob.config_board import BoardConfig, BoardLimitsConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Role
 

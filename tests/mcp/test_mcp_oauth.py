@@ -73,7 +73,7 @@ async def test_a_token_of_the_oauth_server_signs_its_subject_in(served: Served) 
         {"sub": None}, {"exp": 1}, {"exp": None}, {"scope": "profile"}, {"scope": None}, {"key": OTHER},
         {"key": "a-shared-secret-of-enough-length-for-hmac", "algorithm": "HS256"}, {"key": None, "algorithm": "none"},
     ],
-    ids=str,
+    ids=lambda changes: "-".join(f"{k}={'other' if v is OTHER else v}" for k, v in changes.items()),
 )  # fmt: skip
 def test_law_1_any_other_token_is_refused(served: Served, changes: dict[str, Any]) -> None:
     assert served.status(served.token(**changes)) == 401
