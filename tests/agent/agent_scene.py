@@ -74,6 +74,23 @@ class Driver:
             self.process.stdout.close()
 
 
+@asynccontextmanager
+async def serving(agent: RobotAgent) -> AsyncIterator[None]:
+    """The agent serves until the block ends."""
+    running = asyncio.create_task(agent.run())
+    ready = asyncio.create_task(agent.ready.wait())
+    await asyncio.wait({running, ready}, return_when=asyncio.FIRST_COMPLETED)
+    ready.cancel()
+    try:
+        if running.done():
+            running.result()
+        yield
+    finally:
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+        await agent.close()
+
+
 @dataclass
 class Scene:
     """A forum with the operator `alice`, the member `bob` and one robot's agent."""
@@ -119,18 +136,8 @@ class Scene:
     async def agent(self, **changed: Any) -> AsyncIterator[RobotAgent]:
         """An agent that serves until the block ends. `changed` replaces constructor arguments."""
         agent = self.make(**changed)
-        running = asyncio.create_task(agent.run())
-        ready = asyncio.create_task(agent.ready.wait())
-        await asyncio.wait({running, ready}, return_when=asyncio.FIRST_COMPLETED)
-        ready.cancel()
-        try:
-            if running.done():
-                running.result()
+        async with serving(agent):
             yield agent
-        finally:
-            running.cancel()
-            await asyncio.gather(running, return_exceptions=True)
-            await agent.close()
 
     def make(self, **changed: Any) -> RobotAgent:
         forum: Forum = self.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)

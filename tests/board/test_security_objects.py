@@ -19,6 +19,7 @@ RISING = ("account", "guest", "member", "operator", "moderator", "admin")
 #: nobody but who wrote it; `owner` who owns the robot, and admins.
 LEAST = {
     "GET /me": "account",
+    "GET /notifications": "guest",  # one's own: whoever has none gets none
     "GET /accounts/{name}": "guest",
     "GET /boards": "guest",
     "GET /boards/{board_id}/topics": "guest",

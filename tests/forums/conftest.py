@@ -8,9 +8,11 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from discourse_world import Worlds, double_world
+from discourse_world import DiscourseWorld, Double, Worlds, double_world, write
 from nodebb_tape import Player, Recorder, Tape, serving
 from nodebb_world import ADMIN, NodeBBWorld, prepared
+
+from agentrob.forums.discourse import DiscourseForum
 
 TAPES = Path(__file__).parent / "nodebb_tapes"
 RECORD = os.environ.get("AGENTROB_TEST_NODEBB_RECORD", "")
@@ -33,7 +35,28 @@ async def nodebb(request: pytest.FixtureRequest) -> AsyncIterator[NodeBBWorld]:
         assert server.unknown == [], "the adapter asks what was not recorded: record the tapes anew"
 
 
+# ---------------------------------------------------------------- the double of Discourse
 @pytest.fixture
 async def discourse() -> AsyncIterator[Worlds]:
     async with double_world() as found:
         yield found
+
+
+@pytest.fixture
+def world(discourse: Worlds) -> DiscourseWorld:
+    return discourse[0]
+
+
+@pytest.fixture
+def double(discourse: Worlds) -> Double:
+    return discourse[1]
+
+
+@pytest.fixture
+async def robot(world: DiscourseWorld) -> DiscourseForum:
+    return await world.sign_in("quadruped")
+
+
+@pytest.fixture
+def topic(double: Double) -> int:
+    return write(double.site, title="A topic", category=2, raw="the first post").topic

@@ -28,7 +28,7 @@ import uvicorn
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
-from agentrob.forums.nodebb_wire import USER_AGENT
+from agentrob.forums.wire import USER_AGENT
 
 Message = dict[str, Any]
 Receive, Send = Callable[[], Awaitable[Message]], Callable[[Message], Awaitable[None]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from discourse_world import PASSWORD, DiscourseWorld, Double, Worlds, begin, texts
+from discourse_world import PASSWORD, DiscourseWorld, Double, begin, texts
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound, ForumUnreachable
@@ -17,16 +17,6 @@ from agentrob.forums.discourse_settings import DiscourseOptions, account
 from agentrob.model import Account, AccountKind, Role, StatusCard
 
 CARD = StatusCard("quadruped", "done", step=1, steps=1, trace_id="t1")
-
-
-@pytest.fixture
-def world(discourse: Worlds) -> DiscourseWorld:
-    return discourse[0]
-
-
-@pytest.fixture
-def double(discourse: Worlds) -> Double:
-    return discourse[1]
 
 
 # ---------------------------------------------------------------- who is who (law 1)

@@ -18,7 +18,7 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Post, Role
 
 sys.path += [str(Path(__file__).parent), str(Path(__file__).parents[1] / "agent")]
-from agent_scene import FINAL, ROBOT, Driver, robot_settings
+from agent_scene import FINAL, ROBOT, Driver, robot_settings, serving
 from discourse_world import DiscourseWorld, Double, double_world
 
 
@@ -36,18 +36,8 @@ async def served(world: DiscourseWorld, driver: Driver, folder: Path) -> AsyncIt
     agent = RobotAgent(
         name=ROBOT, settings=robot_settings(), forum=forum, driver=driver.client(), mind=RulesMind(), data=folder
     )
-    running = asyncio.create_task(agent.run())
-    ready = asyncio.create_task(agent.ready.wait())
-    await asyncio.wait({running, ready}, return_when=asyncio.FIRST_COMPLETED)
-    ready.cancel()
-    try:
-        if running.done():
-            running.result()
+    async with serving(agent):
         yield forum
-    finally:
-        running.cancel()
-        await asyncio.gather(running, return_exceptions=True)
-        await agent.close()
 
 
 async def answer(reader: DiscourseForum, post: Post, states: set[str], limit_s: float = 30.0) -> Post:

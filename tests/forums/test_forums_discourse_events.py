@@ -5,33 +5,10 @@ from __future__ import annotations
 from datetime import timedelta
 
 import pytest
-from discourse_world import DiscourseWorld, Double, Worlds, first, told, write
+from discourse_world import CREATED, EDITED, REMOVED, DiscourseWorld, Double, first, told, write
 
 from agentrob.errors import ForumLimited, ForumNotFound
 from agentrob.forums.discourse import DiscourseForum
-from agentrob.forums.forum import EventKind
-
-CREATED, EDITED, REMOVED = EventKind.POST_CREATED, EventKind.POST_EDITED, EventKind.POST_REMOVED
-
-
-@pytest.fixture
-def world(discourse: Worlds) -> DiscourseWorld:
-    return discourse[0]
-
-
-@pytest.fixture
-def double(discourse: Worlds) -> Double:
-    return discourse[1]
-
-
-@pytest.fixture
-async def robot(world: DiscourseWorld) -> DiscourseForum:
-    return await world.sign_in("quadruped")
-
-
-@pytest.fixture
-def topic(double: Double) -> int:
-    return write(double.site, title="A topic", category=2, raw="the first post").topic
 
 
 # ---------------------------------------------------------------- lists

@@ -5,21 +5,11 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from discourse_world import DiscourseWorld, Double, Worlds, begin, texts
+from discourse_world import DiscourseWorld, Double, begin, texts
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.discourse_double.site import DEFAULTS, Refusal
 from agentrob.forums.discourse_marks import Marked, mark, unmark
-
-
-@pytest.fixture
-def world(discourse: Worlds) -> DiscourseWorld:
-    return discourse[0]
-
-
-@pytest.fixture
-def double(discourse: Worlds) -> Double:
-    return discourse[1]
 
 
 # ---------------------------------------------------------------- one post per key

@@ -11,7 +11,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
-from discourse_world import PASSWORD, DiscourseWorld, Double, Worlds, first, told, write
+from discourse_world import CREATED, EDITED, PASSWORD, REMOVED, DiscourseWorld, Double, first, told, write
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumLimited, ForumUnreachable
@@ -22,28 +22,6 @@ from agentrob.forums.discourse_webhook import Delivery, verify
 from agentrob.forums.discourse_wire import Wire
 from agentrob.forums.forum import EventKind
 from agentrob.model import AccountKind
-
-CREATED, EDITED, REMOVED = EventKind.POST_CREATED, EventKind.POST_EDITED, EventKind.POST_REMOVED
-
-
-@pytest.fixture
-def world(discourse: Worlds) -> DiscourseWorld:
-    return discourse[0]
-
-
-@pytest.fixture
-def double(discourse: Worlds) -> Double:
-    return discourse[1]
-
-
-@pytest.fixture
-async def robot(world: DiscourseWorld) -> DiscourseForum:
-    return await world.sign_in("quadruped")
-
-
-@pytest.fixture
-def topic(double: Double) -> int:
-    return write(double.site, title="A topic", category=2, raw="the first post").topic
 
 
 # ---------------------------------------------------------------- push

@@ -22,7 +22,7 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Role
 
 sys.path.append(str(Path(__file__).parents[1] / "agent"))
-from agent_scene import FINAL, ROBOT, Driver, robot_settings
+from agent_scene import FINAL, ROBOT, Driver, robot_settings, serving
 
 
 @pytest.fixture(scope="module")
@@ -37,14 +37,8 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path) -> AsyncIterator[None]:
     forum = await nodebb.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
     agent = RobotAgent(ROBOT, robot_settings(), forum, driver.client(), RulesMind(), folder)
-    running = asyncio.create_task(agent.run())
-    try:
-        await asyncio.wait_for(agent.ready.wait(), 20)
+    async with serving(agent):
         yield
-    finally:
-        running.cancel()
-        await asyncio.gather(running, return_exceptions=True)
-        await agent.close()
 
 
 async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:

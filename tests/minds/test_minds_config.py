@@ -71,9 +71,8 @@ def test_what_is_wrong_is_said_with_what_is_valid_and_no_key(table: dict[str, An
 def test_robots_still_say_what_is_valid() -> None:
     with pytest.raises(ConfigError, match=r"robots\.rex\.fence\.x is not a setting; valid here: x_max_m"):
         parse({"robots": {"rex": {"fence": {"x": 1}}}})
-    with pytest.raises(
-        ConfigError, match=r"robot is not a setting; valid here: board, data, forum, images, minds, robots"
-    ):
+    valid = "board, data, forum, images, mcp, mcp_robot, minds, robots, service"
+    with pytest.raises(ConfigError, match=f"robot is not a setting; valid here: {valid}"):
         parse({"robot": {}})
 
 

@@ -12,6 +12,7 @@ from starlette.responses import Response
 
 from agentrob.board import accounts, notices, sight
 from agentrob.board.access import Viewer, account_of, member, moderator, reader, stopper, viewer
+from agentrob.board.administration import BOARD_ID
 from agentrob.board.api_models import (
     POST_BYTES,
     AccountOut,
@@ -172,7 +173,7 @@ async def search(
     request: Request,
     who: Reading,
     q: Words,
-    board: Annotated[str | None, Query(max_length=64, description="only on this board")] = None,
+    board: Annotated[str | None, Query(pattern=rf"^{BOARD_ID.pattern}$", description="only on this board")] = None,
     cursor: Cursor = None,
     limit: Limit = 20,
 ) -> Response:

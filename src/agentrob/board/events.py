@@ -68,11 +68,11 @@ class Listener:
     """One open stream of an account (None: not signed in): what waits to be sent to it, of one topic or of all.
 
     `ended` is set when the stream is to end: it is closed, or too much waits since its listener does not read. `boards`
-    are those whose posts it is told of.
+    are those whose posts it is told of; None is every board, for the server's own ears only.
     """
 
     def __init__(
-        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] = frozenset()
+        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] | None = frozenset()
     ) -> None:
         self.topic_id, self.account_id, self.boards = topic_id, account_id, boards
         self.ended = asyncio.Event()
@@ -86,7 +86,8 @@ class Listener:
     def offer(self, happening: Happening) -> None:
         if self.closed or self.topic_id not in (None, happening.topic_id):
             return
-        if happening.event.post is not None and happening.event.post.board_id not in self.boards:
+        post = happening.event.post
+        if post is not None and self.boards is not None and post.board_id not in self.boards:
             return
         self._pending.append(happening)
         if len(self._pending) > MAX_PENDING:
@@ -180,7 +181,7 @@ class Hub:
         self._tell(event, written=False)
 
     def listen(
-        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] = frozenset()
+        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] | None = frozenset()
     ) -> Listener:
         """Begin to listen; give the listener back with `leave`. 503 when too many do, 429 when this account does."""
         if self.closed or len(self._listeners) >= MAX_LISTENERS:

@@ -41,7 +41,7 @@ async def run(hub: Hub, to: Sequence[Receiver]) -> None:
 
 async def _tell(hub: Hub, outbox: Outbox) -> None:
     """Until the hub cuts us off: then there may be more than what we heard of."""
-    listener = hub.listen(account_id=LISTENER)
+    listener = hub.listen(account_id=LISTENER, boards=None)
     try:
         while not listener.closed:
             if (happening := await listener.next(60.0)) is not None:

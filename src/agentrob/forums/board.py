@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from dataclasses import asdict, fields
 from datetime import UTC, datetime
 from functools import partial
@@ -16,9 +15,9 @@ import httpx2
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
+from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, translated, where
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 
-USER_AGENT = "AgentRob/0.1"
 _KINDS = frozenset(EventKind)
 _JSON = dict[str, Any]
 T = TypeVar("T")
@@ -65,11 +64,10 @@ class BoardForum:
 
     async def download(self, url: str) -> bytes:
         """From this board only: the token goes nowhere else."""
-        home = self._http.base_url
-        address = home.join(url)
-        if (address.scheme, address.host, address.port) != (home.scheme, home.host, home.port):
+        address = self._http.base_url.join(url)
+        if not same_origin(address, self._http.base_url):
             raise ForumError(f"{url} is not a picture of this board")
-        with _translated():
+        with translated("the board"):
             response = await self._http.get(address)
             await _raise_for(response)
             return response.content
@@ -141,7 +139,7 @@ class BoardForum:
         params: dict[str, str | float] = {"after": after, "heartbeat": heartbeat_s}
         # A silent stream is a dead one: several heartbeats must have been missed before it is given up.
         timeout = httpx2.Timeout(10.0, read=max(2.0, 4 * heartbeat_s))
-        with _translated():
+        with translated("the board"):
             request = self._http.stream(
                 "GET", "/events", params=params, timeout=timeout, headers={"Accept": "text/event-stream"}
             )
@@ -217,23 +215,10 @@ class BoardForum:
             headers["Idempotency-Key"] = key
         if trace_id := TRACE_ID.get():
             headers["X-Trace-Id"] = trace_id
-        with _translated():
+        with translated("the board"):
             response = await self._http.request(method, path, json=body, headers=headers, **more)
             await _raise_for(response)
             return read(response.json() if response.content else None)
-
-
-@contextmanager
-def _translated() -> Iterator[None]:
-    """Nothing of the transport gets out: no answer is `ForumUnreachable`, nonsense is `ForumError`."""
-    try:
-        yield
-    except httpx2.TransportError as e:
-        raise ForumUnreachable(f"the board does not answer: {type(e).__name__} {e}".rstrip()) from None
-    except (httpx2.HTTPError, httpx2.InvalidURL, httpx2.SSEError, httpx2.StreamError) as e:
-        raise ForumError(f"the board cannot be used: {e}") from None
-    except (ValueError, KeyError, TypeError, AttributeError) as e:
-        raise ForumError(f"the board answered what is not in its API: {e!r}") from None
 
 
 async def _raise_for(response: httpx2.Response) -> None:
@@ -249,7 +234,7 @@ async def _raise_for(response: httpx2.Response) -> None:
         case 404 | 410:
             raise ForumNotFound(said)
         case 429:
-            raise ForumLimited(said, _retry_after_s(response))
+            raise ForumLimited(said, retry_after_s(response))
         case code if code >= 500:
             raise ForumUnreachable(said)
     raise ForumError(said)
@@ -257,13 +242,12 @@ async def _raise_for(response: httpx2.Response) -> None:
 
 def _problem(response: httpx2.Response) -> str:
     """One sentence of a problem-detail answer, or of whatever a proxy put in its place."""
-    where = f"{response.request.method} {response.request.url.path}: {response.status_code}"
     try:
         problem = response.json()
         said = " ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k)) or str(problem.get("title", ""))
     except (ValueError, AttributeError, TypeError):
         said = response.text[:200]
-    return f"{where} {said}".rstrip()
+    return f"{where(response)} {said}".rstrip()
 
 
 def _code(response: httpx2.Response) -> str:
@@ -272,13 +256,6 @@ def _code(response: httpx2.Response) -> str:
         return str(response.json()["code"])
     except (ValueError, KeyError, TypeError):
         return ""
-
-
-def _retry_after_s(response: httpx2.Response) -> float:
-    try:
-        return max(0.1, float(response.headers.get("retry-after", "1")))
-    except ValueError:
-        return 1.0
 
 
 def _paging(cursor: str | None, limit: int) -> _JSON:

@@ -22,9 +22,10 @@ from agentrob.forums.discourse_search import find_posts
 from agentrob.forums.discourse_settings import Credentials, DiscourseOptions
 from agentrob.forums.discourse_shapes import Versions, boards_of, number_of, safe_name, stranger_of, time_of
 from agentrob.forums.discourse_sign_up import signed_up
-from agentrob.forums.discourse_wire import Wire, translated
+from agentrob.forums.discourse_wire import Wire
 from agentrob.forums.discourse_writer import Desk
 from agentrob.forums.forum import Board, Event, Page, Topic, Written
+from agentrob.forums.wire import translated
 from agentrob.model import Account, AccountKind, Post, StatusCard
 
 #: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.

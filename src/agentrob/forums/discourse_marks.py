@@ -9,61 +9,28 @@ whoever reads it asks whose post it is.
 
 from __future__ import annotations
 
-import base64
 import hashlib
-import json
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
-from agentrob.model import StatusCard
+from agentrob.forums.marks import CODE, Marked, coded, taken_apart
 
-_MARK = re.compile(r'\s*<div data-agentrob="([A-Za-z0-9_=-]{1,8192})"></div>\s*\Z')
-_PICTURE = re.compile(r"!\[[^\[\]\n]*\]\(upload://[A-Za-z0-9_.-]+\)")
-_CARD = {f.name: f.type for f in fields(StatusCard)}
+__all__ = ["Marked", "external_id", "mark", "picture", "seen_in", "unmark"]
 
-
-@dataclass(frozen=True, slots=True)
-class Marked:
-    """A raw post taken apart. `pictures` are Markdown lines that stand below the text."""
-
-    text: str
-    key: str | None = None
-    card: StatusCard | None = None
-    pictures: tuple[str, ...] = ()
+_MARK = re.compile(rf'\s*<div data-agentrob="{CODE}"></div>\s*\Z')
+_PICTURE = re.compile(r"(!\[[^\[\]\n]*\]\(upload://[A-Za-z0-9_.-]+\))")
 
 
 def mark(marked: Marked) -> str:
-    """The raw text that `unmark` takes apart."""
-    facts = {
-        "k": marked.key,
-        "p": len(marked.pictures) or None,
-        "c": {k: v for k, v in asdict(marked.card).items() if v not in (None, "", 0)} if marked.card else None,
-    }
-    told = json.dumps({k: v for k, v in facts.items() if v is not None}, separators=(",", ":"), ensure_ascii=False)
-    coded = base64.urlsafe_b64encode(told.encode()).decode()
-    return "\n\n".join((marked.text.rstrip(), *marked.pictures, f'<div data-agentrob="{coded}"></div>'))
+    """The raw text that `unmark` takes apart; pictures are Markdown lines, as `picture` makes them."""
+    return "\n\n".join((marked.text.rstrip(), *marked.pictures, f'<div data-agentrob="{coded(marked)}"></div>'))
 
 
 def unmark(raw: str) -> Marked:
     """Of a text without a mark, or with one that is not ours, everything is text."""
-    found = _MARK.search(raw)
-    if found is None:
-        return Marked(raw)
-    try:
-        facts = json.loads(base64.urlsafe_b64decode(found[1]))
-        key, card, count = facts.get("k"), facts.get("c"), int(facts.get("p", 0))
-        shown = StatusCard(**{k: v for k, v in card.items() if k in _CARD}) if card else None
-    except (ValueError, TypeError, AttributeError):
-        return Marked(raw)
-    lines = raw[: found.start()].split("\n\n")
-    pictures = tuple(lines[-count:]) if 0 < count < len(lines) else ()
-    if not all(_PICTURE.fullmatch(line) for line in pictures):
-        pictures = ()
-    text = "\n\n".join(lines[: len(lines) - len(pictures)])
-    return Marked(text, key if isinstance(key, str) else None, shown, pictures)
+    return taken_apart(raw, _MARK, _PICTURE)
 
 
 def picture(short_url: str, number: int) -> str:

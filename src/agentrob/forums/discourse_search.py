@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from agentrob.forums.discourse_wire import Wire, translated
+from agentrob.forums.discourse_wire import Wire
 from agentrob.forums.forum import Page
+from agentrob.forums.wire import translated
 from agentrob.model import Post
 
 #: Posts of a page of `/search.json`.

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import Field
 
 from agentrob.errors import ConfigError
-from agentrob.model import Account, AccountKind, Role
+from agentrob.forums.group_options import GroupOptions
+from agentrob.model import Account
 
 #: Discourse lets an admin's key ask 60 times a minute unless its owner lifts that; a user's key 20 times.
 DEFAULT_REQUESTS_PER_MINUTE = 60
@@ -17,12 +18,11 @@ USER_KEY_REQUESTS_PER_MINUTE = 20
 #: From here on the event channel can be proven alive each half second, and there is room for reading and writing.
 LIVE_REQUESTS_PER_MINUTE = 240
 
-Groups = tuple[str, ...]
 #: Whoever signs up is in these.
 EVERYBODY = frozenset({"everyone", "logged_in_users", "trust_level_0"})
 
 
-class DiscourseOptions(BaseModel):
+class DiscourseOptions(GroupOptions):
     """`[forum.options]` of a forum of the kind `discourse`.
 
     Groups are called by their names on the forum, the automatic ones too: `trust_level_2` means that level and above,
@@ -31,32 +31,11 @@ class DiscourseOptions(BaseModel):
     `requests_per_minute`: what the key may ask (default 60, with a user's key 20); from 240 on posts come by push.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    everybody = EVERYBODY
 
-    operators: Groups = ()
-    admins: Groups = ()
-    robot_agents: Groups = ()
-    monitoring_agents: Groups = ()
-    commanding_agents: Groups = ()
     requests_per_minute: Annotated[int, Field(ge=6)] | None = None
     push: bool = True
     key_prefix: str = ""
-
-    @field_validator("operators", "admins", "commanding_agents")
-    @classmethod
-    def _not_everybody(cls, names: Groups) -> Groups:
-        if found := sorted({name.lower() for name in names} & EVERYBODY):
-            raise ValueError(f"whoever signs up is in {found[0]}, and signing up gives no right")
-        return names
-
-    @classmethod
-    def of(cls, options: Mapping[str, Any]) -> DiscourseOptions:
-        """Check what the configuration says. Raises `ConfigError` that names what is valid."""
-        try:
-            return cls.model_validate(dict(options))
-        except ValidationError as e:
-            wrong = "; ".join(f"{'.'.join(map(str, x['loc']))}: {x['msg']}" for x in e.errors())
-            raise ConfigError(f"forum.options: {wrong}; valid are: {', '.join(cls.model_fields)}") from None
 
 
 # ---------------------------------------------------------------- who
@@ -68,35 +47,15 @@ def account(user: Mapping[str, Any], options: DiscourseOptions) -> Account:
     for flag in ("admin", "moderator"):
         if user.get(flag):
             closed |= {f"{flag}s", "staff"}
-    role = Role.MEMBER
-    for wanted, names in ((Role.OPERATOR, options.operators), (Role.ADMIN, options.admins)):
-        role = wanted if _any(names, closed) else role
-    # Being a robot takes rights away, so any group says it, also one that anybody may join.
     said = closed | {str(g["name"]).lower() for g in listed}
     return Account(
         str(user["id"]),
         str(user["username"]).lower(),
-        _kind(said, closed, options),
-        role,
+        options.kind(said, closed),
+        options.role(closed),
         suspended=bool(user.get("suspended_till")),
         display_name=user.get("name") or "",
     )
-
-
-def _kind(said: Collection[str], closed: Collection[str], options: DiscourseOptions) -> AccountKind:
-    """Whoever is in groups of several kinds has the one with fewest rights."""
-    for kind, names, groups in (
-        (AccountKind.MONITORING_AGENT, options.monitoring_agents, said),
-        (AccountKind.ROBOT_AGENT, options.robot_agents, said),
-        (AccountKind.COMMANDING_AGENT, options.commanding_agents, closed),
-    ):
-        if _any(names, groups):
-            return kind
-    return AccountKind.HUMAN
-
-
-def _any(names: Groups, groups: Collection[str]) -> bool:
-    return any(name.lower() in groups for name in names)
 
 
 # ---------------------------------------------------------------- how we sign in

@@ -5,10 +5,9 @@ from __future__ import annotations
 import asyncio
 import ssl
 import time
-from collections.abc import AsyncIterator, Iterator, Mapping
-from contextlib import asynccontextmanager, contextmanager, suppress
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager, suppress
 from datetime import UTC, datetime
-from email.utils import parsedate_to_datetime
 from functools import cache
 from http.cookiejar import DefaultCookiePolicy
 from typing import Any
@@ -17,8 +16,8 @@ import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.discourse_settings import Credentials
+from agentrob.forums.wire import USER_AGENT, same_origin, told_time, translated, where
 
-USER_AGENT = "AgentRob/0.1"
 #: A limit that lasts longer (edits of a day, posts of a first day) is not waited for.
 LONGEST_WAIT_S = 600.0
 Json = Any
@@ -74,7 +73,7 @@ class Wire:
         """A file of this forum: the key goes nowhere else."""
         with translated():
             address = self.base.join(url)
-            if _origin(address) != _origin(self.base):
+            if not same_origin(address, self.base):
                 raise ForumError(f"{url} is not a picture of this forum")
             response = await self.send("GET", str(address))
             if response.has_redirect_location:  # to where it keeps its files; there without the key
@@ -154,11 +153,7 @@ class Wire:
             self._held["all" if whole else kind] = time.monotonic() + wait_s
 
     def _note_clock(self, response: httpx2.Response) -> None:
-        try:
-            said = parsedate_to_datetime(response.headers["date"]).astimezone(UTC)
-        except (KeyError, ValueError, TypeError):
-            said = datetime.now(UTC)
-        self.told_at = (said, time.monotonic())
+        self.told_at = (told_time(response) or datetime.now(UTC), time.monotonic())
 
 
 @cache
@@ -171,19 +166,6 @@ def _kind(method: str, path: str) -> str:
     if path.startswith("/message-bus/"):
         return "bus"
     return {"GET": "read", "POST": "post"}.get(method, "change")
-
-
-@contextmanager
-def translated() -> Iterator[None]:
-    """Nothing of the transport gets out: no answer is `ForumUnreachable`, nonsense is `ForumError`."""
-    try:
-        yield
-    except httpx2.TransportError as e:
-        raise ForumUnreachable(f"the forum does not answer: {type(e).__name__} {e}".rstrip()) from None
-    except (httpx2.HTTPError, httpx2.InvalidURL, httpx2.StreamError) as e:
-        raise ForumError(f"the forum cannot be used: {e}") from None
-    except (ValueError, KeyError, TypeError, AttributeError) as e:
-        raise ForumError(f"the forum answered what is not in its API: {e!r}") from None
 
 
 async def _raise_for(response: httpx2.Response) -> None:
@@ -210,12 +192,11 @@ async def _raise_for(response: httpx2.Response) -> None:
 
 def _told(response: httpx2.Response) -> str:
     """One sentence of Discourse's `errors`, or of the plain text that its limits answer with."""
-    where = f"{response.request.method} {response.request.url.path}: {response.status_code}"
     try:
         said = " ".join(map(str, response.json()["errors"]))
     except (ValueError, KeyError, TypeError):
         said = " ".join(response.text[:200].split())
-    return f"{where} {said}".rstrip()
+    return f"{where(response)} {said}".rstrip()
 
 
 def _wait_s(response: httpx2.Response) -> float:
@@ -226,7 +207,3 @@ def _wait_s(response: httpx2.Response) -> float:
     with suppress(ValueError, KeyError, TypeError):
         waits.append(float(response.json()["extras"]["wait_seconds"]))
     return max(waits) or 1.0
-
-
-def _origin(url: httpx2.URL) -> tuple[str, str, int | None]:
-    return url.scheme, url.host, url.port

@@ -14,8 +14,9 @@ from typing import Any, Protocol
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
 from agentrob.forums import discourse_marks as marks
 from agentrob.forums.discourse_settings import DiscourseOptions
-from agentrob.forums.discourse_wire import Refused, Wire, translated
+from agentrob.forums.discourse_wire import Refused, Wire
 from agentrob.forums.forum import Written
+from agentrob.forums.wire import translated
 from agentrob.model import Account, Post, StatusCard
 
 #: Own posts of a topic that are searched for a key, newest first; and own topics when no topic is known.

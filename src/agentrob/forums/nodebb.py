@@ -21,7 +21,8 @@ from agentrob.forums.nodebb_marks import Marked, mark, unmark
 from agentrob.forums.nodebb_posts import Shelf, own_place
 from agentrob.forums.nodebb_settings import Credentials, NodeBBOptions
 from agentrob.forums.nodebb_socket import Push
-from agentrob.forums.nodebb_wire import Guest, NodeBBWire, translated
+from agentrob.forums.nodebb_wire import Guest, NodeBBWire
+from agentrob.forums.wire import translated
 from agentrob.model import Account, AccountKind, Post, StatusCard
 
 P = ParamSpec("P")

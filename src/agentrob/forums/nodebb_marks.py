@@ -6,59 +6,27 @@ reader sees and that does not stand in the page. A mark proves nothing: whoever 
 
 from __future__ import annotations
 
-import base64
-import json
 import re
-from dataclasses import asdict, dataclass, fields
 
-from agentrob.model import StatusCard
+from agentrob.forums.marks import CODE, Marked, coded, taken_apart
 
-_MARK = re.compile(r"\s*^\[//\]: # \(agentrob:([A-Za-z0-9_=-]{1,8192})\)\s*\Z", re.MULTILINE)
+__all__ = ["Marked", "mark", "names_in", "pictures_in", "unmark"]
+
+_MARK = re.compile(rf"\s*^\[//\]: # \(agentrob:{CODE}\)\s*\Z", re.MULTILINE)
 _PICTURE = re.compile(r"!\[[^\[\]\n]*\]\((\S+?)\)")
 _CODE = re.compile(r"^(```|~~~).*?(^\1|\Z)|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 _MENTION = re.compile(r"(?<![\w@/.])@([\w-]+(?:\.[\w-]+)*)")
-_CARD = frozenset(f.name for f in fields(StatusCard))
-
-
-@dataclass(frozen=True, slots=True)
-class Marked:
-    """A raw post taken apart. `pictures` are addresses of pictures that stand below the text, put there by us."""
-
-    text: str
-    key: str | None = None
-    card: StatusCard | None = None
-    pictures: tuple[str, ...] = ()
 
 
 def mark(marked: Marked) -> str:
-    """The raw text that `unmark` takes apart."""
-    facts = {
-        "k": marked.key,
-        "p": len(marked.pictures) or None,
-        "c": {k: v for k, v in asdict(marked.card).items() if v not in (None, "", 0)} if marked.card else None,
-    }
-    told = json.dumps({k: v for k, v in facts.items() if v is not None}, separators=(",", ":"), ensure_ascii=False)
-    coded = base64.urlsafe_b64encode(told.encode()).decode()
+    """The raw text that `unmark` takes apart; pictures are addresses."""
     shown = (f"![picture {n}]({url})" for n, url in enumerate(marked.pictures, 1))
-    return "\n\n".join((marked.text.rstrip(), *shown, f"[//]: # (agentrob:{coded})"))
+    return "\n\n".join((marked.text.rstrip(), *shown, f"[//]: # (agentrob:{coded(marked)})"))
 
 
 def unmark(raw: str) -> Marked:
     """Of a text without a mark, or with one that is not ours, everything is text."""
-    found = _MARK.search(raw)
-    if found is None:
-        return Marked(raw)
-    try:
-        facts = json.loads(base64.urlsafe_b64decode(found[1]))
-        key, card, count = facts.get("k"), facts.get("c"), int(facts.get("p", 0))
-        shown = StatusCard(**{k: v for k, v in card.items() if k in _CARD}) if card else None
-    except (ValueError, TypeError, AttributeError):
-        return Marked(raw)
-    lines = raw[: found.start()].split("\n\n")
-    below = [_PICTURE.fullmatch(line) for line in lines[len(lines) - count :]] if 0 < count < len(lines) else []
-    pictures = tuple(m[1] for m in below if m) if all(below) else ()
-    text = "\n\n".join(lines[: len(lines) - len(pictures)])
-    return Marked(text, key if isinstance(key, str) else None, shown, pictures)
+    return taken_apart(raw, _MARK, _PICTURE)
 
 
 def pictures_in(text: str) -> tuple[str, ...]:

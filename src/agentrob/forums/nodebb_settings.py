@@ -7,17 +7,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
-
 from agentrob.errors import ConfigError
-from agentrob.model import Account, AccountKind, Role
+from agentrob.forums.group_options import GroupOptions, Groups
+from agentrob.model import Account
 
-Groups = tuple[str, ...]
 #: Whoever signs up, or comes, is in these.
 EVERYBODY = frozenset({"registered-users", "verified-users", "unverified-users", "guests", "spiders", "fediverse"})
 
 
-class NodeBBOptions(BaseModel):
+class NodeBBOptions(GroupOptions):
     """`[forum.options]` of a forum of the kind `nodebb`: what a member of a group may do, by the groups' names.
 
     Whoever is in none of `operators` and `admins` looks and stops only. Groups that anybody may join, and groups that
@@ -25,72 +23,36 @@ class NodeBBOptions(BaseModel):
     socket is used; without it posts are heard when they are next asked for, half a second later.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    everybody = EVERYBODY
 
-    operators: Groups = ()
     admins: Groups = ("administrators",)
-    robot_agents: Groups = ()
-    monitoring_agents: Groups = ()
-    commanding_agents: Groups = ()
     push: bool = True
 
-    @field_validator("operators", "admins", "commanding_agents")
-    @classmethod
-    def _not_everybody(cls, names: Groups) -> Groups:
-        if found := sorted({name.lower().replace(" ", "-") for name in names} & EVERYBODY):
-            raise ValueError(f"whoever signs up is in {found[0]}, and signing up gives no right")
-        return names
-
-    @classmethod
-    def of(cls, options: Mapping[str, Any]) -> NodeBBOptions:
-        """Check what the configuration says. Raises `ConfigError` that names what is valid."""
-        try:
-            return cls.model_validate(dict(options))
-        except ValidationError as e:
-            wrong = "; ".join(f"{'.'.join(map(str, x['loc']))}: {x['msg']}" for x in e.errors())
-            raise ConfigError(f"forum.options: {wrong}; valid are: {', '.join(cls.model_fields)}") from None
+    @staticmethod
+    def spelled(name: str) -> str:
+        """Its slug."""
+        return name.lower().replace(" ", "-")
 
     def rights_of(self, groups: Iterable[Mapping[str, Any]]) -> list[str]:
         """Those of the groups, not the forum's own, that give a right."""
         slugs = {str(g.get("slug", "")).lower() for g in groups if not g.get("system")}
-        return [
-            slug for slug in sorted(slugs) if _any((*self.operators, *self.admins, *self.commanding_agents), {slug})
-        ]
+        giving = {self.spelled(name) for name in (*self.operators, *self.admins, *self.commanding_agents)}
+        return sorted(slugs & giving)
 
 
 # ---------------------------------------------------------------- who
 def account(user: Mapping[str, Any], groups: Iterable[Mapping[str, Any]], options: NodeBBOptions) -> Account:
     """An account as it is now, of what the forum says of a user and of the groups it is in."""
     closed = {str(g.get("slug", "")).lower() for g in groups if g.get("private") and not g.get("hidden")}
-    role = Role.MEMBER
-    for wanted, names in ((Role.OPERATOR, options.operators), (Role.ADMIN, options.admins)):
-        role = wanted if _any(names, closed) else role
-    # Being a robot takes rights away, so any group says it, also one that anybody may join.
     said = {str(g.get("slug", "")).lower() for g in groups}
     return Account(
         str(user["uid"]),
         str(user["userslug"]).lower(),
-        _kind(said, closed, options),
-        role,
+        options.kind(said, closed),
+        options.role(closed),
         suspended=bool(user.get("banned") or user.get("muted")),
         display_name=html.unescape(str(user.get("displayname") or user.get("username") or "")),
     )
-
-
-def _kind(said: set[str], closed: set[str], options: NodeBBOptions) -> AccountKind:
-    """Whoever is in groups of several kinds has the one with fewest rights."""
-    for kind, names, groups in (
-        (AccountKind.MONITORING_AGENT, options.monitoring_agents, said),
-        (AccountKind.ROBOT_AGENT, options.robot_agents, said),
-        (AccountKind.COMMANDING_AGENT, options.commanding_agents, closed),
-    ):
-        if _any(names, groups):
-            return kind
-    return AccountKind.HUMAN
-
-
-def _any(names: Groups, slugs: set[str]) -> bool:
-    return any(name.lower().replace(" ", "-") in slugs for name in names)
 
 
 # ---------------------------------------------------------------- how we sign in

@@ -16,7 +16,8 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidHandshake, WebSocketException
 
 from agentrob.errors import ForumError
-from agentrob.forums.nodebb_wire import USER_AGENT, NodeBBWire
+from agentrob.forums.nodebb_wire import NodeBBWire
+from agentrob.forums.wire import USER_AGENT
 
 _BACKOFF_S = (0.5, 30.0)
 _NEWS = frozenset(

@@ -6,10 +6,9 @@ import asyncio
 import re
 import ssl
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
-from email.utils import parsedate_to_datetime
 from functools import cache
 from http.cookiejar import CookieJar, DefaultCookiePolicy
 from http.cookies import SimpleCookie
@@ -20,9 +19,8 @@ import httpx2
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.nodebb_clock import HeaderClock
 from agentrob.forums.nodebb_settings import Credentials
+from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, told_time, translated, where
 
-#: Names that NodeBB takes for spiders (`python-requests/…`, `…Bot/`) get no CSRF token.
-USER_AGENT = "AgentRob/0.1"
 #: A refused sign-in is not tried again for so long: NodeBB locks accounts after a few.
 DENIED_S = 60.0
 #: The forum's clock is known this well, if that takes no longer than a second.
@@ -114,7 +112,7 @@ class NodeBBWire:
         asked = datetime.now(UTC)
         with translated():
             response = await self._http.request(method, path, headers=headers, params=params, **more)
-        if (date := _date(response)) is not None:
+        if (date := told_time(response)) is not None:
             self.clock.heard(date, asked, datetime.now(UTC))
         return response
 
@@ -128,12 +126,11 @@ class NodeBBWire:
 
     async def fetch(self, url: str) -> bytes:
         """A file of this forum, and of no other: what signs us in goes nowhere else."""
-        home = self._http.base_url
         try:
             address = httpx2.URL(self.url + "/").join(url)
         except httpx2.InvalidURL:
             raise ForumError(f"{url} is not an address") from None
-        if (address.scheme, address.host, address.port) != (home.scheme, home.host, home.port):
+        if not same_origin(address, self._http.base_url):
             raise ForumError(f"{url} is not a picture of this forum")
         return (await self.ask("GET", str(address))).content
 
@@ -231,19 +228,6 @@ def _tls() -> ssl.SSLContext:
 
 
 # ---------------------------------------------------------------- what answers mean
-@contextmanager
-def translated() -> Iterator[None]:
-    """Nothing of the transport gets out: no answer is `ForumUnreachable`, nonsense is `ForumError`."""
-    try:
-        yield
-    except httpx2.TransportError as e:
-        raise ForumUnreachable(f"the forum does not answer: {type(e).__name__} {e}".rstrip()) from None
-    except (httpx2.HTTPError, httpx2.InvalidURL, httpx2.StreamError) as e:
-        raise ForumError(f"the forum cannot be used: {e}") from None
-    except (ValueError, KeyError, TypeError, AttributeError, IndexError) as e:
-        raise ForumError(f"the forum answered what is not in its API: {e!r}") from None
-
-
 def _says_session_is_over(response: httpx2.Response) -> bool:
     """No session: 401, or a plain `Forbidden` for want of a matching CSRF token. Refused rights are told in JSON."""
     plain = not response.headers.get("content-type", "").startswith("application/json")
@@ -255,9 +239,9 @@ def raise_for(response: httpx2.Response, before: str = "") -> None:
     status = response.status_code
     if status < 400:
         return
-    said = f"{before}{response.request.method} {response.request.url.path}: {status} {sentence(response)}".rstrip()
+    said = f"{before}{where(response)} {sentence(response)}".rstrip()
     if status == 429 or (wait := _wait_s(sentence(response))) is not None:
-        raise ForumLimited(said, _retry_after_s(response) if status == 429 else wait or 1.0)
+        raise ForumLimited(said, retry_after_s(response) if status == 429 else wait or 1.0)
     if _MUTED.search(said) or status in (401, 403):
         raise ForumDenied(said)
     if status in (404, 410) or any(gone in said for gone in _GONE):
@@ -298,17 +282,3 @@ def _wait_s(said: str) -> float | None:
     if (found := _WAIT.search(said)) is None:
         return None
     return float(found[1]) * (60.0 if found[2] == "minute" else 1.0)
-
-
-def _retry_after_s(response: httpx2.Response) -> float:
-    try:
-        return max(0.1, float(response.headers.get("retry-after", "1")))
-    except ValueError:
-        return 1.0
-
-
-def _date(response: httpx2.Response) -> datetime | None:
-    try:
-        return parsedate_to_datetime(response.headers["date"]).astimezone(UTC)
-    except (KeyError, ValueError, TypeError):
-        return None

@@ -1,0 +1,68 @@
+"""`[forum.options]` of a forum that knows no robots: its groups say who is one, and who may do what with them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any, ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+
+from agentrob.errors import ConfigError
+from agentrob.model import AccountKind, Role
+
+Groups = tuple[str, ...]
+
+
+class GroupOptions(BaseModel):
+    """Groups by their names on the forum. `closed` are those of an account that not anybody may join, `said` all that
+    the forum tells of; both as `spelled`."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    #: Groups that whoever signs up is in: they give no right (law 2).
+    everybody: ClassVar[frozenset[str]]
+
+    operators: Groups = ()
+    admins: Groups = ()
+    robot_agents: Groups = ()
+    monitoring_agents: Groups = ()
+    commanding_agents: Groups = ()
+
+    @field_validator("operators", "admins", "commanding_agents")
+    @classmethod
+    def _not_everybody(cls, names: Groups) -> Groups:
+        if found := sorted({cls.spelled(name) for name in names} & cls.everybody):
+            raise ValueError(f"whoever signs up is in {found[0]}, and signing up gives no right")
+        return names
+
+    @classmethod
+    def of(cls, options: Mapping[str, Any]) -> Self:
+        """Check what the configuration says. Raises `ConfigError` that names what is valid."""
+        try:
+            return cls.model_validate(dict(options))
+        except ValidationError as e:
+            wrong = "; ".join(f"{'.'.join(map(str, x['loc']))}: {x['msg']}" for x in e.errors())
+            raise ConfigError(f"forum.options: {wrong}; valid are: {', '.join(cls.model_fields)}") from None
+
+    @staticmethod
+    def spelled(name: str) -> str:
+        """A group's name as the forum's answers have it."""
+        return name.lower()
+
+    def among(self, names: Groups, groups: Collection[str]) -> bool:
+        """Whether one of these names is among an account's groups."""
+        return any(self.spelled(name) in groups for name in names)
+
+    def role(self, closed: Collection[str]) -> Role:
+        if self.among(self.admins, closed):
+            return Role.ADMIN
+        return Role.OPERATOR if self.among(self.operators, closed) else Role.MEMBER
+
+    def kind(self, said: Collection[str], closed: Collection[str]) -> AccountKind:
+        """Whoever is in groups of several kinds has the one with fewest rights. Being a robot takes rights away, so
+        any group says it, also one that anybody may join."""
+        if self.among(self.monitoring_agents, said):
+            return AccountKind.MONITORING_AGENT
+        if self.among(self.robot_agents, said):
+            return AccountKind.ROBOT_AGENT
+        return AccountKind.COMMANDING_AGENT if self.among(self.commanding_agents, closed) else AccountKind.HUMAN
