@@ -15,10 +15,10 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from postgres_server import open_to_all, postgres_server
 from running_board import POSTGRES, database_for, running_board
-from sqlalchemy import select
+from sqlalchemy import select, text
 from test_board_backup import fill, told
 
-from agentrob.board import admin, backup, schema
+from agentrob.board import admin, backup, meanings, schema, search
 from agentrob.board.database import migrate, open_engine
 from agentrob.board.settings import BoardSettings
 from agentrob.config_board import BoardConfig
@@ -26,7 +26,8 @@ from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
-SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot")
+SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "meaning")
+PAGES = HERE / "test_pages_find.py"
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +41,7 @@ def server() -> Iterator[str]:
 
 @pytest.mark.timeout(300)
 def test_the_tests_of_the_board_pass_on_postgresql_too(server: str) -> None:
-    files = [str(HERE / f"test_board_{name}.py") for name in SAME]
+    files = [*(str(HERE / f"test_board_{name}.py") for name in SAME), str(PAGES)]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not sqlite and not slow", *files]
     done = subprocess.run(
         command, env=os.environ | {POSTGRES: server}, cwd=HERE.parents[1], text=True, capture_output=True, check=False
@@ -59,13 +60,30 @@ def test_migrations_build_the_same_tables_there_and_lead_back(server: str, tmp_p
     migrate(there)
     engine = open_engine(there, writes=False)
     with engine.connect() as connection:
-        assert compare_metadata(MigrationContext.configure(connection), schema.metadata) == []
+        found = compare_metadata(MigrationContext.configure(connection), [schema.metadata, meanings.derived])
+        # The index of words is PostgreSQL's own kind of one, over an expression.
+        assert [d[1].name for d in found if d[0] != "remove_index"] == ["post_words"]
+        assert {d[1].table.name for d in found if d[0] == "remove_index"} <= {"post_words"}
     engine.dispose()
     admin.bootstrap(there)
     admin.create_account(there, "somebody")
     migrate(there, "0001")
     migrate(there)
     assert admin.find_account(there, "somebody").name == "somebody"
+
+
+def test_a_search_that_takes_too_long_is_given_up(server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    there = settings(server, tmp_path)
+    admin.bootstrap(there)
+    monkeypatch.setattr(search, "MOST_S", 0.05)
+    engine = open_engine(there, writes=False)
+    with engine.connect() as connection:
+        reader = search.finder(connection)
+        with pytest.raises(BoardError) as refused, search.given_up(reader):
+            reader.rows(text("SELECT pg_sleep(60)"))
+        assert (refused.value.status, refused.value.code) == (503, "too_broad")
+        assert search.find(reader, "anything").items == ()
+    engine.dispose()
 
 
 def test_who_writes_waits_for_who_writes_so_events_come_in_order(server: str, tmp_path: Path) -> None:

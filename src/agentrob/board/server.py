@@ -34,6 +34,7 @@ from agentrob.board.stage import Stage
 from agentrob.board.store import Store
 from agentrob.errors import BoardError, RobotBusy
 from agentrob.hostlock import HostLock
+from agentrob.meaning import Encoder, require_model
 
 log = structlog.get_logger(__name__)
 #: How often pictures are deleted that are older than they are kept.
@@ -43,6 +44,8 @@ EXPIRE_S = 3600.0
 def create_app(settings: BoardSettings) -> FastAPI:
     """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
     told = hooks.receivers(settings)
+    if settings.encoder is Encoder:
+        require_model()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -53,7 +56,10 @@ def create_app(settings: BoardSettings) -> FastAPI:
         app.state.services = parts = Services(settings, store, hub, stage)
         beside = [
             asyncio.create_task(work)
-            for work in (hub.follow(), api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(hub, told))
+            for work in (
+                *(hub.follow(), api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(hub, told)),
+                store.follow_meanings(),
+            )
         ]
         try:
             yield
