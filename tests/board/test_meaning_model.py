@@ -108,7 +108,7 @@ def test_the_real_model_knows_english_and_chinese_offline() -> None:
     }
     asked = {
         "dog": ("a small dog came along", "一只小狗跟着机器人"),
-        "battery": ("it ran out of power", "没电了"),
+        "battery": ("it ran out of power", "电池用完了"),
         "window": ("somebody left the window open", "窗户没有关"),
         "stairs": ("can it climb stairs?", "上楼梯"),
     }

@@ -114,6 +114,9 @@ def test_what_is_on_a_board_one_may_not_read_is_not_found_told_or_fed(world: Wor
     assert post in found(world, "narwhal", by="alice")
     bob = world.browser("bob")
     assert found(world, "narwhal") == []
+    for words, here in (("narwhal", "staff"), ("narwhal", "nowhere"), ("narwhal", "talk")):
+        answer = world.api("bob").get("/search", params={"q": words, "board": here})
+        assert (answer.status_code, answer.json()["items"]) == (200, []), here
     for path in ("/latest", "/notices", "/feed.atom", "/u/alice"):
         assert "narwhal" not in bob.get(path).text, path
     assert bob.get("/b/staff/feed.atom").status_code == 404

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import bindparam, text
+from sqlalchemy import String, bindparam, text
 
 from agentrob.board.meanings import Meanings
 from agentrob.board.reader import Reader, from_cursor, to_cursor
@@ -26,7 +26,7 @@ _ASKED = 400
 _VISIBLE = text(
     "SELECT p.id, p.version FROM posts p JOIN topics t ON t.id = p.topic_id "
     "WHERE p.id IN :ids AND NOT p.removed AND p.raw <> '' AND t.board_id IN :boards"
-).bindparams(bindparam("ids", expanding=True), bindparam("boards", expanding=True))
+).bindparams(bindparam("ids", expanding=True), bindparam("boards", expanding=True, type_=String))
 
 
 def find(

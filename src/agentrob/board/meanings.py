@@ -31,8 +31,8 @@ MAX_CHARS = 1500
 WINDOW, TOGETHER = 500, 16
 #: How often the follower looks for events, and when it tries again after a failure.
 POLL_S, AGAIN_S = 1.0, 5.0
-#: Vectors that are compared together: as many as the processor keeps near.
-_BLOCK = 2048
+#: Vectors that are compared together: as many as the processor keeps near, and too few to be worth other cores.
+_BLOCK = 512
 
 #: Of the database, but made anew from the posts at any time: no part of a backup.
 derived = MetaData(naming_convention=db.metadata.naming_convention)

@@ -16,7 +16,7 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, TextClause, bindparam, text
+from sqlalchemy import Connection, String, TextClause, bindparam, text
 
 _PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
 _FTS5 = "USING fts5(words, chars, tokenize = 'porter unicode61 remove_diacritics 2'"
@@ -75,7 +75,7 @@ _FIND_SQLITE = text(
     "SELECT w.rowid AS id FROM post_words w CROSS JOIN posts p ON p.id = w.rowid "
     "CROSS JOIN topics t ON t.id = p.topic_id WHERE w.post_words MATCH :wanted AND w.rowid < :before "
     f"AND {_VISIBLE} ORDER BY w.rowid DESC LIMIT :most"
-).bindparams(bindparam("boards", expanding=True))
+).bindparams(bindparam("boards", expanding=True, type_=String))
 
 
 # -------------------------------------------------------------------- keeping it
@@ -191,7 +191,7 @@ def index_query(
         "SELECT w.post_id AS id FROM post_words w JOIN posts p ON p.id = w.post_id "
         "JOIN topics t ON t.id = p.topic_id WHERE w.tokens @@ CAST(:wanted AS tsquery) "
         f"{has}AND w.post_id < :before AND {_VISIBLE} ORDER BY w.post_id DESC LIMIT :most"
-    ).bindparams(bindparam("boards", expanding=True))
+    ).bindparams(bindparam("boards", expanding=True, type_=String))
     return statement, {"wanted": " & ".join(tokens), "before": before, "boards": list(boards), "most": most, **together}
 
 
