@@ -196,7 +196,7 @@ def test_posts_of_other_processes_and_of_before_are_found_and_vectors_are_not_ma
 # -------------------------------------------------------------------- beside everything else
 def test_a_forum_without_it_says_what_it_needs_and_offers_words(board: RunningBoard) -> None:
     refused = board.client("op").get("/search", params={"q": "dog", "mode": "meaning"})
-    assert (refused.status_code, refused.json()["code"]) == (501, "no_meaning")
+    assert (refused.status_code, refused.json()["code"]) == (404, "no_meaning")
     assert "agentrob[semantic]" in refused.json()["hint"]
     assert board.client("op").get("/search/modes").json() == {"items": ["words"]}
     assert 'name="by"' not in board.browser("op").get("/search").text
@@ -219,7 +219,7 @@ def test_a_model_that_fails_is_said_and_nothing_else_minds(fresh_board: Callable
     model.out.set()
     post = say(board, "a puppy")
     refused = board.client("op").get("/search", params={"q": "dog", "mode": "meaning"})
-    assert (refused.status_code, refused.json()["code"]) == (503, "no_meaning")
+    assert (refused.status_code, refused.json()["code"]) == (503, "model_out")
     assert board.client("op").get("/search", params={"q": "puppy"}).json()["items"][0]["id"] == post
     model.out.clear()
     until(board, lambda: found(board, "dog") == [post])

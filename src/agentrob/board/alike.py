@@ -45,7 +45,7 @@ def find(
     try:
         (vector,) = meanings.encoder.encode([query])
     except MeaningError as e:
-        raise BoardError(503, "no_meaning", str(e), "try again in a moment, or search for words", 5.0) from e
+        raise BoardError(503, "model_out", str(e), "try again in a moment, or search for words", 5.0) from e
     ids, versions, alike = meanings.compared(vector)
     found: list[int] = []
     with given_up(reader):

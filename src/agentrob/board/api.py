@@ -175,7 +175,7 @@ async def search_modes(request: Request, who: Reading) -> Response:
     return out(Items[SearchMode](items=services(request).store.search_modes))
 
 
-@router.get("/search", response_model=Paged[PostOut], responses=documented(501))
+@router.get("/search", response_model=Paged[PostOut], responses=NOT_FOUND)
 async def search(
     request: Request,
     who: Reading,

@@ -26,7 +26,6 @@ _WHEN = {
     421: "this address is not the forum's",
     422: "a value is not valid",
     429: "too many requests; Retry-After says when again",
-    501: "this forum does not have it",
     503: "the database or disk cannot be used now; nothing was written",
 }
 

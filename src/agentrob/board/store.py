@@ -137,7 +137,7 @@ class Store:
         mode: SearchMode = "words",
     ) -> Page[Post]:
         """Posts with all the words, newest first, or most alike in meaning first. In a thread of its own, one after
-        another: nothing else waits for it, least of all a stop (law 15). 501 for what this forum has not, 503 when it
+        another: nothing else waits for it, least of all a stop (law 15). 404 for what this forum has not, 503 when it
         takes too long or too many wait.
         """
         find = self._finder_by(mode)
@@ -156,7 +156,7 @@ class Store:
             return partial(search.find, self._finder)
         if self._follower is None:
             hint = "search for words; its owner may install agentrob[semantic] and set board.semantic = true"
-            raise BoardError(501, "no_meaning", "this forum has no search by meaning", hint)
+            raise BoardError(404, "no_meaning", "this forum has no search by meaning", hint)
         from agentrob.board import alike
 
         return partial(alike.find, self._finder, self._follower.meanings)

@@ -238,7 +238,8 @@ async def _raise_for(response: httpx2.Response) -> None:
         return
     await response.aread()
     said = _problem(response)
-    if response.status_code in (405, 501) or (response.status_code == 404 and _code(response) == "not_found"):
+    unoffered = response.status_code == 404 and _code(response) in ("not_found", "no_meaning")
+    if response.status_code == 405 or unoffered:
         raise ForumUnoffered(f"this board does not have it: {said}")  # or no such path: one of before, or another one
     match response.status_code:
         case 401 | 403:
