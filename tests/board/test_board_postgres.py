@@ -26,8 +26,8 @@ from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
-SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "meaning")
-PAGES = HERE / "test_pages_find.py"
+SAME = tuple(f"board_{name}" for name in ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot"))
+SEARCH = ("board_meaning", "pages_find")
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +40,9 @@ def server() -> Iterator[str]:
 
 
 @pytest.mark.timeout(300)
-def test_the_tests_of_the_board_pass_on_postgresql_too(server: str) -> None:
-    files = [*(str(HERE / f"test_board_{name}.py") for name in SAME), str(PAGES)]
+@pytest.mark.parametrize("names", [SAME, SEARCH], ids=["board", "search"])
+def test_the_tests_of_the_board_pass_on_postgresql_too(server: str, names: tuple[str, ...]) -> None:
+    files = [str(HERE / f"test_{name}.py") for name in names]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not sqlite and not slow", *files]
     done = subprocess.run(
         command, env=os.environ | {POSTGRES: server}, cwd=HERE.parents[1], text=True, capture_output=True, check=False
