@@ -5,6 +5,9 @@ from __future__ import annotations
 import secrets
 from typing import Any
 
+from pydantic import BaseModel
+from pydantic_core import from_json, to_json
+
 from agentrob.errors import (
     AgentRobError,
     ForumDenied,
@@ -36,15 +39,26 @@ def new_trace_id() -> str:
     return secrets.token_hex(8)
 
 
-def success(tool: str, data: dict[str, Any], trace_id: str) -> dict[str, Any]:
-    return {"ok": True, "tool": tool, "data": data, "trace_id": trace_id}
+class Said(dict[str, Any]):
+    """An envelope, and `text`: the same as compact JSON, made only once."""
+
+    def __init__(self, text: bytes) -> None:
+        super().__init__(from_json(text))
+        self.text = text.decode()
 
 
-def failure(tool: str, error: Exception, trace_id: str) -> dict[str, Any]:
+def success(tool: str, data: BaseModel | dict[str, Any], trace_id: str) -> Said:
+    """The envelope of a result; what a model has by default is left out."""
+    if isinstance(data, BaseModel):
+        data = data.model_dump(mode="json", exclude_defaults=True)
+    return Said(to_json({"ok": True, "tool": tool, "data": data, "trace_id": trace_id}))
+
+
+def failure(tool: str, error: Exception, trace_id: str) -> Said:
     """The envelope of an error. What nobody foresaw is called `internal`, and its text stays in the log."""
     said = as_tool_error(error)
     body = error_body(said)
-    return {"ok": False, "tool": tool[:64], "error": body, "trace_id": trace_id}
+    return Said(to_json({"ok": False, "tool": tool[:64], "error": body, "trace_id": trace_id}))
 
 
 def error_body(said: ToolError) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import base64
 import functools
-import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -28,7 +27,7 @@ from agentrob.errors import AgentRobError
 from agentrob.forums.forum import TRACE_ID
 from agentrob.mcp import resources
 from agentrob.mcp.arguments import Arguments, input_schema
-from agentrob.mcp.envelope import SCHEMA, ToolError, as_tool_error, error_body, failure, new_trace_id, success
+from agentrob.mcp.envelope import SCHEMA, Said, ToolError, as_tool_error, error_body, failure, new_trace_id, success
 from agentrob.mcp.identity import Accounts, Identity
 from agentrob.mcp.prompts import PROMPTS, filled
 from agentrob.mcp.tools import BY_NAME, Call, Tool, allowed
@@ -107,7 +106,7 @@ class ForumServer:
             answer["_meta"] = {SERVER_INFO_META_KEY: self.engine.server_info_stamp}
         return answer
 
-    async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> dict[str, Any]:
+    async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> Said:
         """Call a tool; its envelope, whatever happens."""
         trace_id, began = new_trace_id(), time.monotonic()
         TRACE_ID.set(trace_id)
@@ -124,9 +123,7 @@ class ForumServer:
         log.info("mcp.call", tool=name[:64], account=who.name, outcome=outcome, ms=took_ms, trace_id=trace_id)
         return said
 
-    async def _run(
-        self, ctx: Context, who: Identity, name: str, arguments: dict[str, Any], trace_id: str
-    ) -> dict[str, Any]:
+    async def _run(self, ctx: Context, who: Identity, name: str, arguments: dict[str, Any], trace_id: str) -> BaseModel:
         tools = self._allowed(ctx)
         tool = next((t for t in tools if t.name == name), None)
         if tool is None:
@@ -136,7 +133,7 @@ class ForumServer:
         result = await tool.run(call, given)
         if tool.name == "login_account" and ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS:
             await ctx.session.send_tool_list_changed()
-        return result.model_dump(mode="json", exclude_defaults=True)
+        return result
 
     def _allowed(self, ctx: Context) -> tuple[Tool, ...]:
         return allowed(self._identify(ctx), self._accounts is not None)
@@ -224,10 +221,9 @@ class ForumServer:
         return types.GetPromptResult(description=prompt.description, messages=[said])
 
 
-def _on_the_wire(said: dict[str, Any]) -> dict[str, Any]:
+def _on_the_wire(said: Said) -> dict[str, Any]:
     """The result of a call: the envelope as structure, and as compact text beside it."""
-    text = json.dumps(said, ensure_ascii=False, separators=(",", ":"))
-    return {"content": [{"type": "text", "text": text}], "structuredContent": said, "isError": not said["ok"]}
+    return {"content": [{"type": "text", "text": said.text}], "structuredContent": said, "isError": not said["ok"]}
 
 
 def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:

@@ -12,7 +12,7 @@ from agentrob.mcp.server import ForumServer
 
 def run(make: Callable[[], Accounts]) -> None:
     """`serve` on the quickest event loop there is; `make` is called on it."""
-    from uvloop import new_event_loop  # it comes with uvicorn
+    from uvloop import new_event_loop
 
     async def main() -> None:
         await serve(make())

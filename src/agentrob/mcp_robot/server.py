@@ -8,7 +8,6 @@ from __future__ import annotations
 import asyncio
 import base64
 import functools
-import json
 import os
 import time
 from typing import Any
@@ -96,8 +95,7 @@ class RobotServer:
                 _log.exception("mcp.call_failed", tool=name[:64], trace_id=trace_id)
         took_ms = round((time.monotonic() - began_s) * 1000, 1)
         _log.info("mcp.call", tool=name[:64], outcome=outcome, ms=took_ms, trace_id=trace_id)
-        text = json.dumps(said, ensure_ascii=False, separators=(",", ":"))
-        content: list[Any] = [types.TextContent(type="text", text=text)]
+        content: list[Any] = [types.TextContent(type="text", text=said.text)]
         if picture is not None:
             data = base64.b64encode(picture).decode()
             content.append(types.ImageContent(type="image", data=data, mime_type="image/jpeg"))
