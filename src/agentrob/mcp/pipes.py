@@ -61,11 +61,21 @@ class LinesIn(_Stream):
 
     def __init__(self, reader: asyncio.StreamReader) -> None:
         self._reader = reader
+        self._first: SessionMessage | Exception | None = None
+
+    async def begins_with(self, method: str) -> bool:
+        """Whether the very first message is such a request; it is not used up by this."""
+        self._first = await anext(self, None)
+        message = self._first.message if isinstance(self._first, SessionMessage) else None
+        return isinstance(message, types.JSONRPCRequest) and message.method == method
 
     def __aiter__(self) -> Self:
         return self
 
     async def __anext__(self) -> SessionMessage | Exception:
+        if (first := self._first) is not None:
+            self._first = None
+            return first
         while line := await self._line():
             if not line.isspace():
                 return read(line)
@@ -122,10 +132,12 @@ def read(line: bytes) -> SessionMessage | Exception:
 
 def written(message: types.JSONRPCMessage) -> bytes:
     """A message as JSON. An envelope is JSON already."""
-    if isinstance(message, types.JSONRPCResponse) and isinstance(said := message.result.get("structuredContent"), Said):
-        rest = {name: value for name, value in message.result.items() if value is not said}
-        answer = to_json({"jsonrpc": "2.0", "id": message.id, "result": rest})
-        return answer[:-2] + b',"structuredContent":' + said.text.encode() + b"}}"
+    if isinstance(message, types.JSONRPCResponse):
+        said = message.result.get("structuredContent")
+        if isinstance(said, Said):
+            rest = {name: value for name, value in message.result.items() if value is not said}
+            answer = to_json({"jsonrpc": "2.0", "id": message.id, "result": rest})
+            return answer[:-2] + b',"structuredContent":' + said.text.encode() + b"}}"
     return message.model_dump_json(by_alias=True, exclude_unset=True).encode()
 
 

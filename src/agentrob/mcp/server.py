@@ -6,6 +6,7 @@ forum, failures of ours) always comes as one envelope with a trace id.
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import functools
 import time
@@ -18,7 +19,7 @@ from mcp.server.caching import CacheHint
 from mcp.server.context import CallNext, HandlerResult, ServerRequestContext
 from mcp.server.lowlevel import NotificationOptions, Server
 from mcp.shared.exceptions import MCPError
-from mcp_types import SERVER_INFO_META_KEY
+from mcp_types import PROTOCOL_VERSION_META_KEY, SERVER_INFO_META_KEY
 from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 from pydantic import BaseModel, ValidationError
 
@@ -43,11 +44,15 @@ INSTRUCTIONS = (
 
 
 class ForumServer:
-    """The handlers. `identify` says whose call it is; `accounts` is given where one client may switch its account."""
+    """The handlers. `identify` says whose call it is; `accounts` is given where one client may switch its account.
+    `own_pipes`: what is answered goes out by `agentrob.mcp.pipes`, which take an envelope as it is."""
 
-    def __init__(self, identify: Callable[[Context], Identity], accounts: Accounts | None = None) -> None:
+    def __init__(
+        self, identify: Callable[[Context], Identity], accounts: Accounts | None = None, own_pipes: bool = False
+    ) -> None:
         self._identify = identify
         self._accounts = accounts
+        self._own_pipes = own_pipes
         self._watches: dict[int, Watch] = {}
         self.engine: Server[Any] = Server(
             "agentrob-forum",
@@ -90,7 +95,7 @@ class ForumServer:
 
     async def call_tool(self, ctx: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
         said = await self._said(ctx, params.name, params.arguments or {})
-        return types.CallToolResult.model_validate(_on_the_wire(said))
+        return types.CallToolResult.model_validate(_result(said, said.structure()))
 
     async def _straight(self, ctx: Context, call_next: CallNext) -> HandlerResult:
         """Answers a well-formed call of a tool without the engine's passes over what is ours anyway: validating and
@@ -98,10 +103,14 @@ class ForumServer:
         params = ctx.params or {}
         name, given = params.get("name"), params.get("arguments")
         plain = isinstance(name, str) and isinstance(given, dict) and params.keys() <= _PLAIN_CALL
+        newer, meta = ctx.protocol_version in MODERN_PROTOCOL_VERSIONS, params.get("_meta")
+        if self._own_pipes and not newer and isinstance(meta, dict) and PROTOCOL_VERSION_META_KEY in meta:
+            raise MCPError(types.INVALID_REQUEST, "this connection began with a handshake, and is none of 2026-07-28")
         if ctx.method != "tools/call" or not plain or not ctx.session._connection.initialize_accepted:
             return await call_next(ctx)
-        answer = _on_the_wire(await self._said(ctx, params["name"], params["arguments"]))
-        if ctx.protocol_version in MODERN_PROTOCOL_VERSIONS:
+        said = await self._said(ctx, params["name"], params["arguments"])
+        answer = _result(said, said if self._own_pipes else said.structure())
+        if newer:
             answer["resultType"] = "complete"
             answer["_meta"] = {SERVER_INFO_META_KEY: self.engine.server_info_stamp}
         return answer
@@ -113,14 +122,13 @@ class ForumServer:
         who = self._identify(ctx)
         try:
             said = success(name, await self._run(ctx, who, name, given, trace_id), trace_id)
-            outcome = "ok"
         except Exception as e:
             said = failure(name, e, trace_id)
-            outcome = said["error"]["code"]
-            if outcome == "internal":
+            if said.code == "internal":
                 log.exception("mcp.call_failed", tool=name[:64], trace_id=trace_id)
         took_ms = round((time.monotonic() - began) * 1000, 1)
-        log.info("mcp.call", tool=name[:64], account=who.name, outcome=outcome, ms=took_ms, trace_id=trace_id)
+        told = {"tool": name[:64], "account": who.name, "outcome": said.code, "ms": took_ms, "trace_id": trace_id}
+        asyncio.get_running_loop().call_soon(functools.partial(log.info, "mcp.call", **told))  # the answer goes first
         return said
 
     async def _run(self, ctx: Context, who: Identity, name: str, arguments: dict[str, Any], trace_id: str) -> BaseModel:
@@ -221,9 +229,13 @@ class ForumServer:
         return types.GetPromptResult(description=prompt.description, messages=[said])
 
 
-def _on_the_wire(said: Said) -> dict[str, Any]:
+def _result(said: Said, structure: Any) -> dict[str, Any]:
     """The result of a call: the envelope as structure, and as compact text beside it."""
-    return {"content": [{"type": "text", "text": said.text}], "structuredContent": said, "isError": not said["ok"]}
+    return {
+        "content": [{"type": "text", "text": said.text}],
+        "structuredContent": structure,
+        "isError": said.code != "ok",
+    }
 
 
 def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:
