@@ -43,8 +43,8 @@ REQUEST = {
 }
 
 
-def first_answer_s(command: list[str]) -> float:
-    """From spawn to the first answer over stdio."""
+def first_answer_s(command: list[str]) -> tuple[float, float]:
+    """From spawn to the first answer over stdio, and the processor time that it took."""
     began = time.perf_counter()
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     assert process.stdin is not None
@@ -52,21 +52,25 @@ def first_answer_s(command: list[str]) -> float:
     process.stdin.write(json.dumps(REQUEST).encode() + b"\n")
     process.stdin.flush()
     answer = json.loads(process.stdout.readline())
-    took = time.perf_counter() - began
+    took, used = time.perf_counter() - began, processor_s(process.pid)
     assert answer["result"]["serverInfo"]["name"], answer
     process.stdin.close()
     process.wait(10)
     process.stdout.close()
-    return took
+    return took, used
+
+
+def processor_s(pid: int) -> float:
+    """What all threads of a process have used of processors until now; that says more than time where others work."""
+    return sum(int(file.read_text().split()[0]) for file in Path(f"/proc/{pid}/task").glob("*/schedstat")) / 1e9
 
 
 async def calls_ms(client: Any, number: int) -> list[float]:
     took = []
-    for n in range(number + 20):
+    for _ in range(number):
         began = time.perf_counter()
         answer = await client.call_tool("get_topic", {"topic_id": "1"})
-        if n >= 20:  # the first ones warm both up
-            took.append((time.perf_counter() - began) * 1000)
+        took.append((time.perf_counter() - began) * 1000)
         assert not answer.is_error, answer
     return took
 
@@ -117,37 +121,42 @@ async def measure(calls: int, starts: int) -> dict[str, Any]:
     found: dict[str, dict[str, Any]] = {"ours": {}, "typescript": {}, "command": {}}
     load = os.getloadavg()[0]
     servers = {"ours": OURS, "typescript": THEIRS}
-    for name, took in spawn(servers, starts).items():
-        found[name]["first_answer_ms"] = round(statistics.median(took), 1)
+    for name, starting in spawn(servers, starts).items():
+        took, used = (round(statistics.median(one) * 1000, 1) for one in zip(*starting, strict=True))
+        found[name] = {"first_answer_ms": took, "first_answer_cpu_ms": used}
     for way, opened in (("stdio", over_stdio), ("http", over_http)):
         timed: dict[str, list[float]] = {name: [] for name in servers}
         async with opened(OURS) as (ours, our_pid), opened(THEIRS) as (theirs, their_pid):
+            await asyncio.gather(calls_ms(ours, 20), calls_ms(theirs, 20))  # the first ones warm both up
+            begun = {"ours": processor_s(our_pid), "typescript": processor_s(their_pid)}
             for _ in range(5):
                 timed["ours"] += await calls_ms(ours, calls // 5)
                 timed["typescript"] += await calls_ms(theirs, calls // 5)
+            for name, pid in (("ours", our_pid), ("typescript", their_pid)):
+                used = (processor_s(pid) - begun[name]) / len(timed[name])
+                found[name][f"{way}_cpu_ms"] = round(used * 1000, 3)
             found["ours"][f"{way}_rss_mb"] = round(resident_mb(our_pid), 1)
             found["typescript"][f"{way}_rss_mb"] = round(resident_mb(their_pid), 1)
         for name, took in timed.items():
             found[name][f"{way}_p50_ms"] = round(statistics.median(took), 3)
     ratios = {key: round(value / found["typescript"][key], 2) for key, value in found["ours"].items()}
-    ratios["command_first_answer_ms"] = round(
-        found["command"]["first_answer_ms"] / found["typescript"]["first_answer_ms"], 2
-    )
+    for key, value in found["command"].items():
+        ratios[f"command_{key}"] = round(value / found["typescript"][key], 2)
     limits = {"p50_ms": 1.0, "first_answer_ms": 2.0, "rss_mb": 1.2}
     return {**found, "ratio": ratios, "limits": limits, "load": round(load, 2)}
 
 
-def spawn(servers: dict[str, list[str]], starts: int) -> dict[str, list[float]]:
-    """Milliseconds to the first answer of each, and of the product's command, by turns."""
+def spawn(servers: dict[str, list[str]], starts: int) -> dict[str, list[tuple[float, float]]]:
+    """Seconds to the first answer, and of processors, of each, and of the product's command, by turns."""
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as config:
         config.write('[forum]\nkind = "memory"\nurl = "benchmark"\n')
         config.flush()
         os.environ["AGENTROB_TOKEN"] = "admin"
         every = {**servers, "command": [*COMMAND, config.name]}
-        took: dict[str, list[float]] = {name: [] for name in every}
+        took: dict[str, list[tuple[float, float]]] = {name: [] for name in every}
         for _ in range(starts):
             for name, command in every.items():
-                took[name].append(first_answer_s(command) * 1000)
+                took[name].append(first_answer_s(command))
         return took
 
 

@@ -9,7 +9,8 @@ import sys
 def main() -> None:
     from agentrob.quick import quick_imports
 
-    with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
+    unused = ("rich",) if "--http" in sys.argv else ("rich", "uvicorn")
+    with quick_imports(folders=("mcp", "mcp.server"), without=unused):
         from agentrob.app import log_to_stderr
         from agentrob.forums.memory import MemoryForum
         from agentrob.mcp import tools

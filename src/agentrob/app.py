@@ -98,7 +98,8 @@ def log_to_stderr() -> None:
             structlog.processors.TimeStamper(fmt="iso"),
             renderer,
         ],
-        logger_factory=structlog.PrintLoggerFactory(_Lossy()),  # type: ignore[arg-type]
+        logger_factory=structlog.WriteLoggerFactory(_Lossy()),  # type: ignore[arg-type]  # a line is written at once
+        cache_logger_on_first_use=True,
     )
 
 

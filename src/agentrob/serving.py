@@ -37,7 +37,8 @@ def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
     """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
     from agentrob.quick import quick_imports
 
-    with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
+    unused = ("rich",) if http else ("rich", "uvicorn")
+    with quick_imports(folders=("mcp", "mcp.server"), without=unused):
         from agentrob.mcp import wiring
 
         app.log_to_stderr()

@@ -51,7 +51,7 @@ class DiscourseWorld:
     """Accounts, groups and the board `robots` on a Discourse, by an admin's API key for all users."""
 
     def __init__(self, url: str, key: str, admin: str = "system", **options: Any) -> None:
-        self.url, self.key = url, key
+        self.url, self.key, self.admin = url, key, admin
         self.options = {**GROUPS, "requests_per_minute": 100_000, **options}
         self.wire = Wire(url, Credentials.of(f"{admin}:{key}"))
         self.forums: list[DiscourseForum] = []
@@ -87,9 +87,14 @@ class DiscourseWorld:
             wanted = {_OF_KIND.get(kind), _OF_ROLE.get(role)} - {None}
             for group in wanted:
                 await self._member("PUT", str(group), name)
+            if role is Role.ADMIN:
+                self.grant(name)
         if user.get("suspended_till"):
             await self.wire.ask("PUT", f"/admin/users/{user['id']}/unsuspend.json", json={})
         return self.at(self.url, f"{name}:{self.key}")
+
+    def grant(self, name: str) -> None:
+        """Make somebody an admin of the Discourse itself, which its API does not do."""
 
     async def regroup(self, name: str, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER) -> None:
         """The groups of an account of an earlier test on a Discourse that is not new."""
@@ -127,9 +132,22 @@ class LiveWorld(DiscourseWorld):
     async def sign_in(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER
     ) -> DiscourseForum:
+        if role is Role.ADMIN:
+            return self.at(self.url, f"{self.admin}:{self.key}")
         forum = await super().sign_in(name, kind=kind, role=role)
         await self.regroup(name, kind, role)
         return forum
+
+
+class DoubledWorld(DiscourseWorld):
+    """The same on the double `site`, where whoever is named is made its admin."""
+
+    site: Site
+
+    def grant(self, name: str) -> None:
+        user = self.site.named(name)
+        assert user is not None
+        user.admin = True
 
 
 class Double:
@@ -266,7 +284,8 @@ async def double_world(
 ) -> AsyncIterator[tuple[DiscourseWorld, Double]]:
     """A prepared world on a double with the limits lifted, except those given."""
     async with served({**LIFTED, **(settings or {})}) as double:
-        world = DiscourseWorld(double.url, double.site.add_key(), **options)
+        world = DoubledWorld(double.url, double.site.add_key(), **options)
+        world.site = double.site
         double.site.add_category("Robots", "robots")
         world.groups = {name: double.site.add_group(name).id for names in GROUPS.values() for name in names}
         try:

@@ -8,7 +8,7 @@ import pytest
 from discourse_world import PASSWORD, DiscourseWorld, Double, begin, texts
 
 from agentrob.config import ForumConfig
-from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound, ForumUnreachable
+from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.contract import PIXEL
 from agentrob.forums.discourse import DiscourseForum
 from agentrob.forums.discourse_double.site import STUB
@@ -295,6 +295,82 @@ async def test_accounts_are_made_by_admins_at_once_and_by_visitors_with_an_e_mai
     visitor = world.at(world.url, f"login:carol:{PASSWORD}")
     assert await visitor.create_account("dave", "dave@example.com", PASSWORD) is None
     assert double.site.named("dave") is not None
+
+
+async def test_an_account_that_is_made_signs_in_as_the_kind_it_was_made(world: DiscourseWorld) -> None:
+    admin = await world.sign_in("root", role=Role.ADMIN)
+    made = await admin.register("planner", kind=AccountKind.COMMANDING_AGENT, display_name="The planner")
+    assert (made.account.kind, made.account.display_name) == (AccountKind.COMMANDING_AGENT, "The planner")
+    planner = world.at(world.url, made.secret)
+    assert await planner.me() == made.account
+    assert (await planner.create_topic("robots", "A topic", "hello there", key="1")).created
+    with pytest.raises(ForumError, match="must be unique"):
+        await admin.register("planner")
+
+
+async def test_law_2_an_admin_of_the_robots_alone_makes_no_accounts_and_gives_no_rights(
+    world: DiscourseWorld, double: Double
+) -> None:
+    """Being in a group named under `admins` is no right on the forum, nor is a password."""
+    alice = await world.sign_in("alice", role=Role.ADMIN)
+    user = double.site.named("alice")
+    assert user is not None
+    user.admin = False
+    asked = len(double.requests)
+    session = world.at(world.url, f"login:alice:{PASSWORD}")
+    for forum in (alice, session):
+        for call in (forum.register("carol"), forum.set_rights("alice", suspended=False)):
+            with pytest.raises(ForumDenied, match="an admin of the Discourse"):
+                await call
+    changed = [path for method, path in double.requests[asked:] if method != "GET"]
+    assert changed == ["/session.json"]
+
+
+async def test_a_role_is_a_group_and_no_account_is_left_in_two(world: DiscourseWorld, double: Double) -> None:
+    admin, alice = await world.sign_in("root", role=Role.ADMIN), await world.sign_in("alice", role=Role.OPERATOR)
+    user = double.site.named("alice")
+    assert user is not None
+    for role, group in ((Role.ADMIN, "robot-admins"), (Role.OPERATOR, "robot-operators"), (Role.MEMBER, "")):
+        assert (await admin.set_rights("alice", role=role)).role is role
+        assert {double.site.groups[n].name for n in user.groups} == {group} - {""}
+    assert (await admin.set_rights("alice", suspended=True)).suspended
+    with pytest.raises(ForumDenied):
+        await alice.me()
+    assert not (await admin.set_rights("alice", suspended=False)).suspended
+    with pytest.raises(ForumUnoffered, match="nobody can be made moderator"):
+        await admin.set_rights("alice", role=Role.MODERATOR)
+    with pytest.raises(ForumNotFound):
+        await admin.set_rights("nobody", suspended=True)
+
+
+async def test_groups_that_discourse_fills_itself_are_not_joined(world: DiscourseWorld) -> None:
+    await world.sign_in("root", role=Role.ADMIN)
+    await world.sign_in("alice")
+    admin = world.at(world.url, f"root:{world.key}", operators=("trust_level_1",), commanding_agents=())
+    with pytest.raises(ForumUnoffered, match=r"forum\.options\.commanding_agents names no group"):
+        await admin.register("planner", kind=AccountKind.COMMANDING_AGENT)
+    assert await admin.account("planner") is None
+    with pytest.raises(ForumError, match="alice is operator still"):
+        await admin.set_rights("alice", role=Role.MEMBER)
+
+
+async def test_notices_name_mentions_and_replies_newest_first_page_by_page(world: DiscourseWorld) -> None:
+    alice, bob = await world.sign_in("alice"), await world.sign_in("bob")
+    first = (await alice.create_topic("robots", "A topic", "hello there", key="1")).post
+    said = ["@alice look here", "an answer to that", "talk to nobody", "@alice look again"]
+    posts = [
+        (await bob.reply(first.topic_id, text, key=str(n), reply_to=first.id if n == 1 else None)).post
+        for n, text in enumerate(said)
+    ]
+    page = await alice.notices(limit=2)
+    assert [(n.kind, n.post.id, n.read) for n in page.items] == [
+        ("mention", posts[3].id, False), ("reply", posts[1].id, False),
+    ]  # fmt: skip
+    rest = await alice.notices(page.next, limit=2)
+    assert [(n.kind, n.post.id) for n in rest.items] == [("mention", posts[0].id)]
+    assert rest.next is None
+    await world.remove(posts[3].id)
+    assert [n.post.id for n in (await alice.notices()).items] == [posts[1].id, posts[0].id]
 
 
 @pytest.mark.parametrize(

@@ -1,50 +1,81 @@
-"""What docs/mcp.md gives to paste is true: each command starts, each address answers, each table is a configuration."""
+"""What the pages give to paste is true: each command starts, each address answers, each table is a configuration."""
 
 from __future__ import annotations
 
+import asyncio
 import json
+import os
 import re
 import shlex
 import sys
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from running_mcp import McpSetup
+import tomli_w
+from mcp import Client, StdioServerParameters
+from running_mcp import LIMIT_S, McpSetup
 
 from agentrob.config import Config
 from agentrob.mcp.client import ForumClient
 
-DOCS = (Path(__file__).parents[2] / "docs/mcp.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+DOCS, SERVICE, README = ((ROOT / p).read_text("utf-8") for p in ("docs/mcp.md", "docs/service.md", "README.md"))
+#: What a person puts in for these words.
+CONFIG = "/path/to/agentrob.toml"
 
 
-def blocks(kind: str) -> list[str]:
-    return re.findall(rf"^```{kind}\n(.*?)^```", DOCS, re.MULTILINE | re.DOTALL)
+@dataclass(frozen=True)
+class Entry:
+    """How a client is told to start a server: its command line, and the variables that it is given."""
+
+    command: tuple[str, ...]
+    variables: tuple[str, ...]
+
+    @property
+    def kind(self) -> str:
+        return self.command[2]
 
 
-def commands() -> list[list[str]]:
-    """Every command line by which a client is told to start the forum's server."""
-    found = [block["mcpServers"].values() for block in map(json.loads, blocks("json")) if "mcpServers" in block]
-    codex = [t["mcp_servers"].values() for t in map(tomllib.loads, blocks("toml")) if "mcp_servers" in t]
-    spoken = [
-        shlex.split(line.partition(" -- ")[2]) for line in re.findall(r"^    claude mcp add .* -- .*$", DOCS, re.M)
-    ]
-    written = [[s["command"], *s["args"]] for servers in found + codex for s in servers]
-    return [c for c in written + spoken if c[1:3] == ["mcp", "forum"]]
+def blocks(kind: str, text: str = DOCS) -> list[str]:
+    return re.findall(rf"^```{kind}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def entries() -> list[Entry]:
+    """Every one that a page has."""
+    servers = [server for text in (DOCS, SERVICE, README) for block in blocks("json", text)
+               for server in json.loads(block).get("mcpServers", {}).values()]  # fmt: skip
+    servers += [s for block in blocks("toml") for s in tomllib.loads(block).get("mcp_servers", {}).values()]
+    found = [Entry((s["command"], *s["args"]), tuple(s["env"])) for s in servers]
+    for line in re.findall(r"^    claude mcp add (.* -- .*)$", DOCS, re.MULTILINE):
+        given, _, command = line.partition(" -- ")
+        found.append(Entry(tuple(shlex.split(command)), tuple(re.findall(r"--env (\w+)=", given))))
+    return found
 
 
 def test_there_is_something_to_paste() -> None:
-    assert len(commands()) == 3
+    assert [entry.kind for entry in entries()] == ["forum", "robot", "forum", "forum", "forum"]
 
 
-@pytest.mark.parametrize("command", commands()[:1])
-async def test_a_command_of_the_page_starts_a_server(setup: McpSetup, command: list[str]) -> None:
-    """They are all the same one."""
-    assert all(other == command for other in commands())
-    given = [str(setup.file()) if word == "/path/to/agentrob.toml" else word for word in command[1:]]
-    client = ForumClient.spawn(sys.executable, "-m", "agentrob", *given, env=setup.environment("op"))
-    async with client as forum:
-        assert [board.id for board in (await forum.list_boards()).boards] == ["robots", "talk"]
+@pytest.mark.parametrize("entry", sorted(set(entries()), key=str), ids=lambda entry: " ".join(entry.command[1:4]))
+async def test_what_is_pasted_starts_a_server_that_lists_its_tools(setup: McpSetup, entry: Entry) -> None:
+    """With the variables that it names and no others, beside the configuration that the pages give."""
+    robots = next(t for t in map(tomllib.loads, blocks("toml", SERVICE)) if "mcp_robot" in t)
+    (setup.folder / "agentrob.toml").write_text(tomli_w.dumps({"forum": {"url": setup.board.url}, **robots}))
+    program, *arguments = (word.replace(CONFIG, str(setup.folder / "agentrob.toml")) for word in entry.command)
+    assert Path(program).name == "agentrob"
+    secrets = {"AGENTROB_TOKEN": setup.board.tokens["op"], "QUADRUPED_TOKEN": "a-token-of-nobody-yet"}
+    env = {k: v for k, v in os.environ.items() if k in ("PATH", "HOME", "PYTHONPATH")}
+    started = StdioServerParameters(
+        command=sys.executable,
+        args=["-m", "agentrob", *arguments],
+        env=env | {name: secrets[name] for name in entry.variables},
+        cwd=setup.folder,
+    )
+    async with asyncio.timeout(LIMIT_S), Client(started, cache=None) as client:
+        names = {tool.name for tool in (await client.list_tools()).tools}
+    assert ({"stop", "list_robots"} if entry.kind == "robot" else {"list_boards", "create_topic"}) <= names
 
 
 def test_every_table_is_a_configuration_and_the_addresses_are_those_that_are_served() -> None:

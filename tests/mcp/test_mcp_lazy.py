@@ -26,10 +26,11 @@ def test_the_client_is_usable_without_the_heavy_parts(module: str) -> None:
 def test_after_a_quick_import_the_sdk_is_whole_again() -> None:
     code = """
 from agentrob.quick import quick_imports
-with quick_imports(folders=("mcp", "mcp.server"), without=("rich",)):
+with quick_imports(folders=("mcp", "mcp.server"), without=("rich", "uvicorn")):
     import agentrob.mcp.stdio
 import sys
-assert "mcp.client.client" not in sys.modules
+assert not {"mcp.client.client", "uvicorn"} & set(sys.modules)
+import uvicorn, agentrob.mcp.streamable
 from mcp import Client, ClientSession
 from mcp.server import MCPServer
 import mcp.server.lowlevel, rich

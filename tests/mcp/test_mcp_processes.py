@@ -15,6 +15,7 @@ from typing import Any
 import httpx2
 import pytest
 import structlog
+from mcp_types import PROTOCOL_VERSION_META_KEY
 from running_board import RunningBoard
 from running_mcp import LIMIT_S, McpSetup
 
@@ -109,6 +110,11 @@ def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetu
         process.stdin.flush()
         answers = (json.loads(line) for line in process.stdout)
         assert next(a for a in answers if a.get("id") == 1)["result"]["serverInfo"]["name"] == "agentrob-forum"
+        for number, meta in ((2, {PROTOCOL_VERSION_META_KEY: "2026-07-28"}), (3, 5)):
+            asked = {"method": "tools/list", "params": {"_meta": meta}}
+            process.stdin.write(json.dumps({"jsonrpc": "2.0", "id": number, **asked}).encode() + b"\n")
+            process.stdin.flush()
+            assert next(a for a in answers if a.get("id") == number)["error"]["code"] < 0
         process.stdin.close()
         assert process.wait(10) == 0
     finally:

@@ -123,6 +123,8 @@ def test_what_is_not_signed_with_our_secret_is_not_taken() -> None:
     verify("standard", body, standard(body), SECRET)
     wrong = [
         ("discourse", {}), ("discourse", discourse(body, "other")), ("discourse", discourse(body + b" ")),
+        ("discourse", {"X-Discourse-Event-Signature": "sha256=ä"}),
+        ("discourse", {"X-Discourse-Event-Signature": discourse(body)["X-Discourse-Event-Signature"][7:]}),
         ("discourse", standard(body)), ("standard", {}), ("standard", standard(body, "other")),
         ("standard", standard(body + b" ")), ("standard", standard(body, sent_s=time.time() - 3600)),
         ("standard", {**standard(body), "webhook-id": "msg_2"}),

@@ -8,6 +8,8 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
 
+from PIL import Image
+
 from agentrob.model import ActionResult, Direction, Op, Pose
 
 # A quiet slate card of its own, so that it sits well on light and on dark pages alike.
@@ -54,8 +56,10 @@ def _matplotlib() -> tuple[Any, Any]:
 
 
 def warm_up() -> None:
-    """Import what plots need; takes about a second, so call it in a thread before the first command."""
+    """Import what plots and pictures need, which takes up to a second: before anything is served, since even in a
+    thread it would make a stop wait."""
     _matplotlib()
+    Image.preinit()
 
 
 def _canvas() -> tuple[Any, Any]:

@@ -114,6 +114,11 @@ class RobotAgent:
         self._ending = False
 
     # ------------------------------------------------------------------ life
+    async def prepare(self) -> None:
+        """Import all that would make stops wait while it serves; asks nobody anything. Once is enough."""
+        plot.warm_up()
+        await extract.prepare(self.mind)
+
     async def run(self, on_ready: Callable[[], None] = lambda: None) -> None:
         """Serve the forum until cancelled; then the robot is stopped and what ran is told as interrupted."""
         try:
@@ -154,6 +159,7 @@ class RobotAgent:
             await self.mind.close()
 
     async def _start(self) -> None:
+        await self.prepare()
         self._journal = await Journal.open(self.folder, self.name)
         self._me = await insist(self.forum.me)
         newest = await insist(self.channel.set_clock)
@@ -167,8 +173,6 @@ class RobotAgent:
             self._saving = self._spawn(self._save_stopped())
         self._stopped_at = max(self._stopped_at, stopped_at)
         self.channel.cursor = await self.journal.get("cursor") or newest
-        self._spawn(asyncio.to_thread(plot.warm_up))
-        self._spawn(extract.prepare(self.mind))
         self._course = self._make_course()
         await self._resume()
         if begun > self.channel.now() - LOOK_BACK:

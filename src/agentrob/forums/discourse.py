@@ -15,6 +15,7 @@ from typing import Any
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnreachable
 from agentrob.forums import discourse_settings as settings_of
+from agentrob.forums.discourse_admin import Admin, notices_of
 from agentrob.forums.discourse_bus import listen
 from agentrob.forums.discourse_events import Watch, removed
 from agentrob.forums.discourse_marks import seen_in, unmark
@@ -24,9 +25,9 @@ from agentrob.forums.discourse_shapes import Versions, boards_of, number_of, saf
 from agentrob.forums.discourse_sign_up import signed_up
 from agentrob.forums.discourse_wire import Wire
 from agentrob.forums.discourse_writer import Desk
-from agentrob.forums.forum import Board, Event, Page, Topic, Written
+from agentrob.forums.forum import Board, Event, Notice, Page, Registered, Topic, Written
 from agentrob.forums.wire import translated
-from agentrob.model import Account, AccountKind, Post, StatusCard
+from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 #: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.
 REMEMBERED_S = 60.0
@@ -194,6 +195,15 @@ class DiscourseForum:
             return None
         return await self.account(name)
 
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
+        return await Admin(self, self._wire).register(name, kind, display_name)
+
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        return await Admin(self, self._wire).set_rights(name, role, suspended)
+
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        return await notices_of(self, self._wire, cursor, limit)
+
     # ---------------------------------------------------------------- Events
     async def now(self) -> tuple[str, datetime]:
         return await self._watch.now()
@@ -209,15 +219,7 @@ class DiscourseForum:
 
     async def mentions(self, limit: int = 30) -> tuple[Post, ...]:
         """Posts that mention this account, newest first, by its notifications."""
-        found = await self._wire.get("/notifications.json", limit=limit)
-        posts = []
-        for note in found["notifications"]:
-            place = note.get("topic_id"), note.get("post_number")
-            if note["notification_type"] != 1 or None in place:
-                continue
-            if (raw := await self._by_number(*map(int, place))) is not None:
-                posts.append(await self.build(raw))
-        return tuple(posts)
+        return tuple(n.post for n in (await self.notices(limit=limit)).items if n.kind == "mention")
 
     # ---------------------------------------------------------------- what the other parts need
     async def newest(self, before: int | None) -> Sequence[_JSON]:
@@ -259,6 +261,13 @@ class DiscourseForum:
                 return None
             self._remember(int(raw["topic_id"]), int(raw["post_number"]), post_id)
         return self._places[post_id]
+
+    async def by_number(self, topic_id: int, number: int) -> _JSON | None:
+        try:
+            raw: _JSON = await self._wire.get(f"/posts/by_number/{topic_id}/{number}.json")
+        except (ForumNotFound, ForumDenied):
+            return None
+        return raw
 
     async def raw_posts(self, topic_id: int, post_ids: Sequence[int]) -> dict[int, _JSON]:
         """Posts of a topic with their raw text, fifty a request."""
@@ -355,18 +364,11 @@ class DiscourseForum:
         if number is None:
             return None
         if (topic_id, int(number)) not in self._numbers:
-            raw = await self._by_number(topic_id, int(number))
+            raw = await self.by_number(topic_id, int(number))
             if raw is None:
                 return None
             self._remember(topic_id, int(number), str(raw["id"]))
         return self._numbers[topic_id, int(number)]
-
-    async def _by_number(self, topic_id: int, number: int) -> _JSON | None:
-        try:
-            raw: _JSON = await self._wire.get(f"/posts/by_number/{topic_id}/{number}.json")
-        except (ForumNotFound, ForumDenied):
-            return None
-        return raw
 
     def _as_topic(self, t: _JSON, board_id: str, author: Account) -> Topic:
         url = str(self._wire.base.join(f"/t/{t['slug']}/{t['id']}"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, fields
+from functools import lru_cache
 from typing import Any
 
 from agentrob.forums.forum import Board, Event, EventKind, Topic
@@ -13,7 +14,9 @@ from agentrob.model import Account, Post, StatusCard
 _CARD = frozenset(f.name for f in fields(StatusCard))
 
 
+@lru_cache(maxsize=512)
 def account_info(a: Account) -> AccountInfo:
+    """Of a page of posts most are by few accounts."""
     shown = a.display_name if a.display_name != a.name else ""
     return AccountInfo(id=a.id, name=a.name, kind=a.kind, role=a.role, suspended=a.suspended, display_name=shown)
 

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import secrets
+from dataclasses import dataclass
 from typing import Any
+
+from pydantic import BaseModel
+from pydantic_core import from_json, to_json
 
 from agentrob.errors import (
     AgentRobError,
@@ -36,15 +40,33 @@ def new_trace_id() -> str:
     return secrets.token_hex(8)
 
 
-def success(tool: str, data: dict[str, Any], trace_id: str) -> dict[str, Any]:
-    return {"ok": True, "tool": tool, "data": data, "trace_id": trace_id}
+@dataclass(frozen=True, slots=True)
+class Said:
+    """An envelope as compact JSON, made only once. `code` is "ok" or that of the error."""
+
+    text: str
+    code: str = "ok"
+
+    def structure(self) -> dict[str, Any]:
+        found: dict[str, Any] = from_json(self.text)
+        return found
 
 
-def failure(tool: str, error: Exception, trace_id: str) -> dict[str, Any]:
+def success(tool: str, data: BaseModel | dict[str, Any], trace_id: str) -> Said:
+    """The envelope of a result; what a model has by default is left out."""
+    shown = data.model_dump_json(exclude_defaults=True) if isinstance(data, BaseModel) else _json(data)
+    return Said(f'{{"ok":true,"tool":{_json(tool)},"data":{shown},"trace_id":"{trace_id}"}}')
+
+
+def failure(tool: str, error: Exception, trace_id: str) -> Said:
     """The envelope of an error. What nobody foresaw is called `internal`, and its text stays in the log."""
     said = as_tool_error(error)
-    body = error_body(said)
-    return {"ok": False, "tool": tool[:64], "error": body, "trace_id": trace_id}
+    body = {"ok": False, "tool": tool[:64], "error": error_body(said), "trace_id": trace_id}
+    return Said(_json(body), said.code)
+
+
+def _json(value: Any) -> str:
+    return to_json(value).decode()
 
 
 def error_body(said: ToolError) -> dict[str, Any]:

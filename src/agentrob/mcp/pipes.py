@@ -1,8 +1,9 @@
-"""The stdio transport on the event loop itself: a line is a message, read and written without a thread in between.
+"""The stdio transport on the event loop itself: a line is a message, read by whoever wants the next and written by who
+says it.
 
-The SDK's own reads and writes through worker threads, three hops a call. As there, what this process prints goes to
-standard error meanwhile, so that nothing but messages is on the wire. A client that stops reading stops us from
-writing, and is left when it closes its end.
+The SDK's own reads and writes through worker threads and hands each message on from task to task. As there, what this
+process prints goes to standard error meanwhile, so that nothing but messages is on the wire. A client that stops
+reading stops us from writing, and is left when it closes its end.
 """
 
 from __future__ import annotations
@@ -11,13 +12,16 @@ import asyncio
 import os
 import sys
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from typing import Any
+from contextlib import asynccontextmanager, suppress
+from types import TracebackType
+from typing import Self
 
 import anyio
 import mcp_types as types
-from mcp.shared._context_streams import create_context_streams
 from mcp.shared.message import SessionMessage
+from pydantic_core import to_json
+
+from agentrob.mcp.envelope import Said
 
 #: For answers that are not written yet when the client closes its end.
 LAST_WORDS_S = 2.0
@@ -26,64 +30,115 @@ MAX_LINE = 16 * 1024 * 1024
 
 
 @asynccontextmanager
-async def stdio_pipes() -> AsyncIterator[tuple[Any, Any]]:
+async def stdio_pipes() -> AsyncIterator[tuple[LinesIn, LinesOut]]:
     """Streams of messages from standard input and to standard output, as `Server.run` takes them."""
     reader, writer = await _open()
-    incoming, read_stream = create_context_streams[SessionMessage | Exception](0)
-    write_stream, outgoing = create_context_streams[SessionMessage](0)
-
-    async def read() -> None:
-        async with incoming:
-            while (line := await _line(reader)) != b"":
-                if not line.strip():
-                    continue
-                try:
-                    message = types.jsonrpc_message_adapter.validate_json(line, by_name=False)
-                except Exception as e:  # nonsense, of which the engine makes an error
-                    await incoming.send(e)
-                    continue
-                await incoming.send(SessionMessage(message))
-
-    written = anyio.Event()
-
-    async def write() -> None:
-        async with outgoing:
-            async for message in outgoing:
-                writer.write(message.message.model_dump_json(by_alias=True, exclude_unset=True).encode() + b"\n")
-                await writer.drain()
-        written.set()
-
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(_until_gone, read)
-        tasks.start_soon(_until_gone, write)
-        yield read_stream, write_stream
-        await write_stream.aclose()
-        with anyio.move_on_after(LAST_WORDS_S):  # what is answered already still goes out, to a client that reads
-            await written.wait()
-        tasks.cancel_scope.cancel()
+    yield LinesIn(reader), LinesOut(writer)
+    with anyio.move_on_after(LAST_WORDS_S):  # what is answered already still goes out, to a client that reads
+        with suppress(ConnectionError):
+            await writer.drain()
 
 
-async def _until_gone(work: Any) -> None:
-    """A closed pipe or stream is the end, and no failure."""
-    try:
-        await work()
-    except (anyio.ClosedResourceError, anyio.BrokenResourceError, ConnectionError):
-        await anyio.lowlevel.checkpoint()
+class _Stream:
+    """What the engine opens and closes; the wire itself stays open until the process ends."""
+
+    closed = False
+
+    async def aclose(self) -> None:
+        self.closed = True
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.aclose()
 
 
-async def _line(reader: asyncio.StreamReader) -> bytes:
-    """The next line, b"" at the end. Of one that is too long nothing is kept but that it came: a line of nonsense."""
-    too_long = False
-    while True:
+class LinesIn(_Stream):
+    """The client's messages. Nonsense comes as the error that it made; the engine passes it over."""
+
+    def __init__(self, reader: asyncio.StreamReader) -> None:
+        self._reader = reader
+        self._first: SessionMessage | Exception | None = None
+
+    async def begins_with(self, method: str) -> bool:
+        """Whether the very first message is such a request; it is not used up by this."""
+        self._first = await anext(self, None)
+        message = self._first.message if isinstance(self._first, SessionMessage) else None
+        return isinstance(message, types.JSONRPCRequest) and message.method == method
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> SessionMessage | Exception:
+        if (first := self._first) is not None:
+            self._first = None
+            return first
+        while line := await self._line():
+            if not line.isspace():
+                return read(line)
+        raise StopAsyncIteration
+
+    async def receive(self) -> SessionMessage | Exception:
         try:
-            line = await reader.readuntil(b"\n")
-        except asyncio.IncompleteReadError as e:
-            line = e.partial
-        except asyncio.LimitOverrunError as e:
-            await reader.readexactly(max(1, e.consumed))
-            too_long = True
-            continue
-        return b"too long\n" if too_long and line else line
+            return await anext(self)
+        except StopAsyncIteration:
+            raise anyio.EndOfStream from None
+
+    async def _line(self) -> bytes:
+        """The next line, b"" at the end. Of one that is too long nothing is kept but that it came: a line of
+        nonsense."""
+        too_long = False
+        while True:
+            try:
+                line = await self._reader.readuntil(b"\n")
+            except asyncio.IncompleteReadError as e:
+                line = e.partial
+            except asyncio.LimitOverrunError as e:
+                await self._reader.readexactly(max(1, e.consumed))
+                too_long = True
+                continue
+            except ConnectionError:
+                return b""
+            return b"too long\n" if too_long and line else line
+
+
+class LinesOut(_Stream):
+    """Messages to the client, each whole, in the order in which they are said."""
+
+    def __init__(self, writer: asyncio.StreamWriter) -> None:
+        self._writer = writer
+
+    async def send(self, item: SessionMessage) -> None:
+        """Returns when it is on the wire."""
+        if self.closed:
+            raise anyio.ClosedResourceError
+        try:
+            self._writer.write(written(item.message) + b"\n")
+            await self._writer.drain()
+        except ConnectionError:
+            raise anyio.BrokenResourceError from None
+
+
+def read(line: bytes) -> SessionMessage | Exception:
+    """A message, or why it is none."""
+    try:
+        return SessionMessage(types.jsonrpc_message_adapter.validate_json(line, by_name=False))
+    except Exception as e:
+        return e
+
+
+def written(message: types.JSONRPCMessage) -> bytes:
+    """A message as JSON. An envelope is JSON already."""
+    if isinstance(message, types.JSONRPCResponse):
+        said = message.result.get("structuredContent")
+        if isinstance(said, Said):
+            rest = {name: value for name, value in message.result.items() if value is not said}
+            answer = to_json({"jsonrpc": "2.0", "id": message.id, "result": rest})
+            return answer[:-2] + b',"structuredContent":' + said.text.encode() + b"}}"
+    return message.model_dump_json(by_alias=True, exclude_unset=True).encode()
 
 
 async def _open() -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:

@@ -6,9 +6,9 @@ forum, failures of ours) always comes as one envelope with a trace id.
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import functools
-import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -19,7 +19,7 @@ from mcp.server.caching import CacheHint
 from mcp.server.context import CallNext, HandlerResult, ServerRequestContext
 from mcp.server.lowlevel import NotificationOptions, Server
 from mcp.shared.exceptions import MCPError
-from mcp_types import SERVER_INFO_META_KEY
+from mcp_types import PROTOCOL_VERSION_META_KEY, SERVER_INFO_META_KEY
 from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 from pydantic import BaseModel, ValidationError
 
@@ -28,7 +28,7 @@ from agentrob.errors import AgentRobError
 from agentrob.forums.forum import TRACE_ID
 from agentrob.mcp import resources
 from agentrob.mcp.arguments import Arguments, input_schema
-from agentrob.mcp.envelope import SCHEMA, ToolError, as_tool_error, error_body, failure, new_trace_id, success
+from agentrob.mcp.envelope import SCHEMA, Said, ToolError, as_tool_error, error_body, failure, new_trace_id, success
 from agentrob.mcp.identity import Accounts, Identity
 from agentrob.mcp.prompts import PROMPTS, filled
 from agentrob.mcp.tools import BY_NAME, Call, Tool, allowed, as_offered
@@ -44,11 +44,15 @@ INSTRUCTIONS = (
 
 
 class ForumServer:
-    """The handlers. `identify` says whose call it is; `accounts` is given where one client may switch its account."""
+    """The handlers. `identify` says whose call it is; `accounts` is given where one client may switch its account.
+    `own_pipes`: what is answered goes out by `agentrob.mcp.pipes`, which take an envelope as it is."""
 
-    def __init__(self, identify: Callable[[Context], Identity], accounts: Accounts | None = None) -> None:
+    def __init__(
+        self, identify: Callable[[Context], Identity], accounts: Accounts | None = None, own_pipes: bool = False
+    ) -> None:
         self._identify = identify
         self._accounts = accounts
+        self._own_pipes = own_pipes
         self._watches: dict[int, Watch] = {}
         self.engine: Server[Any] = Server(
             "agentrob-forum",
@@ -92,7 +96,7 @@ class ForumServer:
 
     async def call_tool(self, ctx: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
         said = await self._said(ctx, params.name, params.arguments or {})
-        return types.CallToolResult.model_validate(_on_the_wire(said))
+        return types.CallToolResult.model_validate(_result(said, said.structure()))
 
     async def _straight(self, ctx: Context, call_next: CallNext) -> HandlerResult:
         """Answers a well-formed call of a tool without the engine's passes over what is ours anyway: validating and
@@ -100,34 +104,35 @@ class ForumServer:
         params = ctx.params or {}
         name, given = params.get("name"), params.get("arguments")
         plain = isinstance(name, str) and isinstance(given, dict) and params.keys() <= _PLAIN_CALL
+        newer, meta = ctx.protocol_version in MODERN_PROTOCOL_VERSIONS, params.get("_meta")
+        if self._own_pipes and not newer and isinstance(meta, dict) and PROTOCOL_VERSION_META_KEY in meta:
+            raise MCPError(types.INVALID_REQUEST, "this connection began with a handshake, and is none of 2026-07-28")
         if ctx.method != "tools/call" or not plain or not ctx.session._connection.initialize_accepted:
             return await call_next(ctx)
-        answer = _on_the_wire(await self._said(ctx, params["name"], params["arguments"]))
-        if ctx.protocol_version in MODERN_PROTOCOL_VERSIONS:
+        said = await self._said(ctx, params["name"], params["arguments"])
+        answer = _result(said, said if self._own_pipes else said.structure())
+        if newer:
             answer["resultType"] = "complete"
             answer["_meta"] = {SERVER_INFO_META_KEY: self.engine.server_info_stamp}
         return answer
 
-    async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> dict[str, Any]:
+    async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> Said:
         """Call a tool; its envelope, whatever happens."""
         trace_id, began = new_trace_id(), time.monotonic()
         TRACE_ID.set(trace_id)
         who = self._identify(ctx)
         try:
             said = success(name, await self._run(ctx, who, name, given, trace_id), trace_id)
-            outcome = "ok"
         except Exception as e:
             said = failure(name, e, trace_id)
-            outcome = said["error"]["code"]
-            if outcome == "internal":
+            if said.code == "internal":
                 log.exception("mcp.call_failed", tool=name[:64], trace_id=trace_id)
         took_ms = round((time.monotonic() - began) * 1000, 1)
-        log.info("mcp.call", tool=name[:64], account=who.name, outcome=outcome, ms=took_ms, trace_id=trace_id)
+        told = {"tool": name[:64], "account": who.name, "outcome": said.code, "ms": took_ms, "trace_id": trace_id}
+        asyncio.get_running_loop().call_soon(functools.partial(log.info, "mcp.call", **told))  # the answer goes first
         return said
 
-    async def _run(
-        self, ctx: Context, who: Identity, name: str, arguments: dict[str, Any], trace_id: str
-    ) -> dict[str, Any]:
+    async def _run(self, ctx: Context, who: Identity, name: str, arguments: dict[str, Any], trace_id: str) -> BaseModel:
         tools = self._allowed(ctx)
         tool = next((t for t in tools if t.name == name), None)
         if tool is None:
@@ -137,7 +142,7 @@ class ForumServer:
         result = await tool.run(call, given)
         if tool.name == "login_account" and ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS:
             await ctx.session.send_tool_list_changed()
-        return result.model_dump(mode="json", exclude_defaults=True)
+        return result
 
     def _allowed(self, ctx: Context) -> tuple[Tool, ...]:
         return allowed(self._identify(ctx), self._accounts is not None)
@@ -225,10 +230,13 @@ class ForumServer:
         return types.GetPromptResult(description=prompt.description, messages=[said])
 
 
-def _on_the_wire(said: dict[str, Any]) -> dict[str, Any]:
+def _result(said: Said, structure: Any) -> dict[str, Any]:
     """The result of a call: the envelope as structure, and as compact text beside it."""
-    text = json.dumps(said, ensure_ascii=False, separators=(",", ":"))
-    return {"content": [{"type": "text", "text": text}], "structuredContent": said, "isError": not said["ok"]}
+    return {
+        "content": [{"type": "text", "text": said.text}],
+        "structuredContent": structure,
+        "isError": said.code != "ok",
+    }
 
 
 def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:

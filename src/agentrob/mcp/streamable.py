@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 import uvicorn
 from mcp.server.auth.settings import AuthSettings
 from mcp.server.transport_security import TransportSecuritySettings
+from mcp_types.version import HANDSHAKE_PROTOCOL_VERSIONS
 from pydantic import AnyHttpUrl
 
 from agentrob.child import say_ready
@@ -25,11 +26,13 @@ from agentrob.mcp.identity import Identity
 from agentrob.mcp.server import Context, ForumServer
 
 if TYPE_CHECKING:
+    from starlette.applications import Starlette
     from starlette.types import ASGIApp, Receive, Scope, Send
 
 #: A picture of 8 MiB as base64 in JSON.
 MAX_BODY = 12 * 1024 * 1024
 PATH = "/mcp"
+_VERSION = b"mcp-protocol-version"
 
 
 def make_app(
@@ -51,14 +54,35 @@ def make_app(
         required_scopes=[SCOPE],
         validate_token_resource=bool(config.issuer),
     )
-    app = server.engine.streamable_http_app(
-        streamable_http_path=PATH,
-        max_request_body_size=MAX_BODY,
-        transport_security=_security(url, host, port),
-        auth=auth,
-        token_verifier=bearers,
-    )
-    return trimmed(app), server
+
+    def answering(json_response: bool) -> Starlette:
+        return server.engine.streamable_http_app(
+            streamable_http_path=PATH,
+            json_response=json_response,
+            max_request_body_size=MAX_BODY,
+            transport_security=_security(url, host, port),
+            auth=auth,
+            token_verifier=bearers,
+        )
+
+    return trimmed(_by_era(answering(json_response=True), answering(json_response=False))), server
+
+
+def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
+    """Calls in sessions (before 2026) are answered with JSON: a stream for each costs more than most calls, and what is
+    pushed has a stream of its own. The newer protocol answers so by itself, unless it takes long; and there a client
+    that leaves takes its call back, which JSON alone would not notice."""
+
+    async def chosen(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            async with exchanges.router.lifespan_context(exchanges):
+                await sessions(scope, receive, send)
+            return
+        told = [value.decode("latin-1") for name, value in scope["headers"] if name == _VERSION]
+        newer = told and told[0] not in HANDSHAKE_PROTOCOL_VERSIONS
+        await (exchanges if newer else sessions)(scope, receive, send)
+
+    return chosen
 
 
 def trimmed(app: ASGIApp) -> ASGIApp:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import asyncio
 import base64
 import functools
-import json
 import os
 import time
 from typing import Any
@@ -88,20 +87,18 @@ class RobotServer:
         TRACE_ID.set(trace_id)
         try:
             answer = await self._run(ctx, name, params.arguments or {})
-            said, picture, outcome = success(name, answer.data, trace_id), answer.picture, "ok"
+            said, picture = success(name, answer.data, trace_id), answer.picture
         except Exception as e:
             said = failure(name, e, trace_id)
-            outcome = said["error"]["code"]
-            if outcome == "internal":
+            if said.code == "internal":
                 _log.exception("mcp.call_failed", tool=name[:64], trace_id=trace_id)
         took_ms = round((time.monotonic() - began_s) * 1000, 1)
-        _log.info("mcp.call", tool=name[:64], outcome=outcome, ms=took_ms, trace_id=trace_id)
-        text = json.dumps(said, ensure_ascii=False, separators=(",", ":"))
-        content: list[Any] = [types.TextContent(type="text", text=text)]
+        _log.info("mcp.call", tool=name[:64], outcome=said.code, ms=took_ms, trace_id=trace_id)
+        content: list[Any] = [types.TextContent(type="text", text=said.text)]
         if picture is not None:
             data = base64.b64encode(picture).decode()
             content.append(types.ImageContent(type="image", data=data, mime_type="image/jpeg"))
-        return types.CallToolResult(content=content, structured_content=said, is_error=not said["ok"])
+        return types.CallToolResult(content=content, structured_content=said.structure(), is_error=said.code != "ok")
 
     async def _run(self, ctx: Context, name: str, given: dict[str, Any]) -> Answer:
         tool = next((tool for tool in self._tools if tool.name == name), None)

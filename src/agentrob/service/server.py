@@ -145,6 +145,7 @@ async def serve(parts: Parts, listener: socket.socket, ready: Callable[[str], No
     ended = asyncio.Event()
     for sign in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(sign, ended.set)
+    await agent.prepare()
     async with serving(parts, listener) as http:
         _log.info("service.serving", robot=agent.name, url=url)
         living = asyncio.create_task(agent.run(lambda: ready(url)))

@@ -158,7 +158,9 @@ async def notifications(request: Request, caller: Caller) -> Response:
         for n in reversed(caller.site.notifications)
         if n["user_id"] == caller.user.id
     ]
-    return JSONResponse({"notifications": mine, "total_rows_notifications": len(mine), "seen_notification_id": 0})
+    offset, limit = (int(request.query_params.get(name, usual)) for name, usual in (("offset", 0), ("limit", 60)))
+    shown = mine[offset : offset + min(limit, 60)]
+    return JSONResponse({"notifications": shown, "total_rows_notifications": len(mine), "seen_notification_id": 0})
 
 
 async def search(request: Request, caller: Caller) -> Response:

@@ -365,10 +365,15 @@ class Site:
         return name
 
     def _notify(self, post: Post, topic: Topic) -> None:
-        for name in set(re.findall(r'class="mention" href="/u/([^"]+)"', post.cooked)):
+        """Who is mentioned (1); whose post is answered (2), once."""
+        found = dict.fromkeys(re.findall(r'class="mention" href="/u/([^"]+)"', post.cooked), 1)
+        if post.reply_to is not None:
+            answered = self.posts[topic.posts[post.reply_to - 1]]
+            found.setdefault(self.users[answered.user].username, 2)
+        for name, kind in found.items():
             user = self.named(name)
             if user is not None and user.id != post.user:
-                note = {"id": len(self.notifications) + 1, "user_id": user.id, "notification_type": 1, "read": False}
+                note = {"id": len(self.notifications) + 1, "user_id": user.id, "notification_type": kind, "read": False}
                 about = {"topic_id": topic.id, "post_number": post.number, "slug": "topic", "data": {}}
                 self.notifications.append(note | about | {"created_at": post.created_at.isoformat()})
                 self.bus.publish(f"/notification/{user.id}", {"unread_notifications": 1}, users=(user.id,))
