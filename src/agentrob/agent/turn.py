@@ -19,6 +19,7 @@ import structlog
 from agentrob.agent import extract, plot
 from agentrob.agent import report as words
 from agentrob.agent.alarm import Alarm
+from agentrob.agent.approvals import Approvals
 from agentrob.agent.brake import Brake
 from agentrob.agent.camera import Camera
 from agentrob.agent.channel import Channel
@@ -88,7 +89,7 @@ class RobotAgent:
         self.line = Line(self._line_changed)
         self.inbox = Inbox(
             name, lambda: self.journal, self.line, lambda: self.brake.stopped_at, self._take_up,
-            self._decline,
+            self._decline, self._approve,
         )  # fmt: skip
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
         self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
@@ -138,8 +139,8 @@ class RobotAgent:
             self.ready.set()
             try:
                 await self.inbox.take_waiting()
-                while self._tasks:
-                    await asyncio.wait(set(self._tasks))
+                while busy := self._tasks - self.line.asking():
+                    await asyncio.wait(busy, timeout=0.2)  # one that begins to wait for an approval waits on next time
             finally:
                 for helper in helpers:
                     helper.cancel()
@@ -186,7 +187,7 @@ class RobotAgent:
         except ForumNotFound:
             await self._begin_anew()
         for claim in await self.journal.open_claims():
-            job = Job(claim.command, known=True, waited_s=claim.waited_s)
+            job = Job(claim.command, known=True, waited_s=claim.waited_s, asked=claim.asked)
             # A motion that was begun is never repeated, so its report only needs telling.
             begun = await self.journal.moved(claim.command.post_id)
             limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
@@ -239,11 +240,22 @@ class RobotAgent:
 
     def _make_course(self) -> Course:
         names = self._ears().names
+        approvals = Approvals(
+            self.name,
+            self._ears().me.name,
+            self.settings,
+            self.forum,
+            self.journal,
+            self.line,
+            self.channel.now,
+            self._spawn,
+        )
         thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal)
         return Course(
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
-            self.channel, self.line, self.stops, self.records, self.recorder, self._store, Pace(self.settings.rates),
-            Surroundings(self.settings.scene), self._line_changed, lambda: self._ending, self._on_end,
+            self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
+            Pace(self.settings.rates), Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
+            self._on_end,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
@@ -355,6 +367,9 @@ class RobotAgent:
 
     def _decline(self, command: Command) -> None:
         self._spawn(self.course.decline(command))
+
+    async def _approve(self, post: Post, heard: Heard) -> None:
+        await self.course.approvals.hear(post, heard)
 
     def _take_up(self, job: Job) -> None:
         self.stops.new_command()
