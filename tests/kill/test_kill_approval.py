@@ -8,12 +8,15 @@ from __future__ import annotations
 import secrets
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from kill_house import ROBOT, WALK, Asked, House, check
 from kill_process import wait_for
 
-from agentrob.config import ApprovalConfig, RobotConfig
+from agentrob import app
+from agentrob.board import admin, administration
+from agentrob.board.audit import SHELL
 
 pytestmark = [pytest.mark.timeout(120), pytest.mark.slow]
 JOURNAL, APPROVALS, FORUM = "agent.journal:Journal.", "agent.approvals:Approvals.", "forums.board:BoardForum."
@@ -22,11 +25,11 @@ JOURNAL, APPROVALS, FORUM = "agent.journal:Journal.", "agent.approvals:Approvals
 class AskingHouse(House):
     """Whatever moves needs an approval, which the only person of the house may give."""
 
-    kinds = ("board", "driver", "agent")
-
-    def robot(self) -> RobotConfig:
-        approval = ApprovalConfig.model_validate({"classes": ["move"], "who": "operator", "own": True})
-        return super().robot().model_copy(update={"approval": approval})
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        with admin.writing(app.board_settings(self.config)) as connection:
+            rights = {"approval": ("move",), "approve": "operator", "approve_own": True}
+            administration.change_robot(connection, SHELL, ROBOT, **rights)
 
     def waits(self, asked: Asked) -> None:
         """Until its answer says that it waits."""
