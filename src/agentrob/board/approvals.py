@@ -49,10 +49,10 @@ def of_post(services: Services, post: Post, viewer: Account | None) -> tuple[Wai
 async def say(services: Services, by: Account, post_id: str, robot: str, approve: bool, key: str | None) -> Written:
     """Approve or deny: a reply to the command by who pressed. 403 for those who may not, 409 when nothing waits."""
     post, account = services.store.post(post_id), known_robot(services, robot)
-    if post.removed or not _waits(services.store, account, post):
-        raise BoardError(409, "nothing_waits", f"{account.name} does not wait with this command", "look at its thread")
     if not _may(services.store, account.name, by, post):
         raise BoardError(403, "not_approver", "this account may not approve this command", "ask the robot's owner")
+    if post.removed or not _waits(services.store, account, post):
+        raise BoardError(409, "nothing_waits", f"{account.name} does not wait with this command", "look at its thread")
     words = _WORDS.get(language_of(visible_text(post.raw)), _WORDS["en"])
     text = f"@{account.name} {words[0 if approve else 1]}"
     return await services.store.reply(by, post.topic_id, text, key=key, reply_to=post.id)
