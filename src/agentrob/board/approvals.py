@@ -23,18 +23,19 @@ _WORDS = {"en": ("approve", "deny"), "zh": ("批准", "拒绝")}
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """One robot that waits with the command of a post. `may`: whoever looks may approve or deny it."""
+    """One robot that waits with the command of a post, as its `answer` says. `may`: whoever looks may approve it."""
 
     robot: str
     post: Post
+    answer: Post
     may: bool
 
 
 def waiting(services: Services, post: Post, robots: Iterable[Account], viewer: Account | None) -> tuple[Waiting, ...]:
     """Which of these robots wait with this post's command."""
     store = services.store
-    found = [robot.name for robot in robots if not post.removed and _waits(store, robot, post)]
-    return tuple(Waiting(name, post, _may(store, name, viewer, post)) for name in found)
+    found = [(robot.name, _asks(store, robot, post)) for robot in robots if not post.removed]
+    return tuple(Waiting(name, post, asks, _may(store, name, viewer, post)) for name, asks in found if asks)
 
 
 def of_post(services: Services, post: Post, viewer: Account | None) -> tuple[Waiting, ...]:
@@ -51,17 +52,18 @@ async def say(services: Services, by: Account, post_id: str, robot: str, approve
     post, account = services.store.post(post_id), known_robot(services, robot)
     if not _may(services.store, account.name, by, post):
         raise BoardError(403, "not_approver", "this account may not approve this command", "ask the robot's owner")
-    if post.removed or not _waits(services.store, account, post):
+    if post.removed or _asks(services.store, account, post) is None:
         raise BoardError(409, "nothing_waits", f"{account.name} does not wait with this command", "look at its thread")
     words = _WORDS.get(language_of(visible_text(post.raw)), _WORDS["en"])
     text = f"@{account.name} {words[0 if approve else 1]}"
     return await services.store.reply(by, post.topic_id, text, key=key, reply_to=post.id)
 
 
-def _waits(store: Store, robot: Account, post: Post) -> bool:
-    """By the robot's status post of this command, which is written under the key of its claim."""
+def _asks(store: Store, robot: Account, post: Post) -> Post | None:
+    """The robot's status post of this command, written under the key of its claim, when it says that it waits."""
     status = store.find(robot, f"claim:{post.id}")
-    return status is not None and not status.removed and (status.card or {}).get("state") == WAITING
+    waits = status is not None and not status.removed and (status.card or {}).get("state") == WAITING
+    return status if waits else None
 
 
 def _may(store: Store, robot: str, account: Account | None, post: Post) -> bool:
