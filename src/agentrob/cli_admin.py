@@ -150,6 +150,9 @@ def robot_change(
     approve: Text = None,
     release: Text = None,
     approval: Annotated[str | None, typer.Option(help="Classes that need approval, with commas.")] = None,
+    approve_own: Annotated[
+        bool | None, typer.Option(help="Whether who approves may approve what they asked for themselves.")
+    ] = None,
     camera: Annotated[Role | None, typer.Option(help="The least role that sees its pictures.")] = None,
     camera_days: Annotated[int | None, typer.Option(help="Days that pictures are kept; 0 for ever.")] = None,
     closed: Annotated[
@@ -161,7 +164,7 @@ def robot_change(
     from agentrob.board.rights import hours_from_words
 
     given: dict[str, Any] = {"owner": owner, "approve": approve, "release": release}
-    given |= {"camera_role": camera, "camera_days": camera_days}
+    given |= {"camera_role": camera, "camera_days": camera_days, "approve_own": approve_own}
     if approval is not None:
         given["approval"] = tuple(c for c in approval.split(",") if c)
     if closed is not None:
@@ -186,7 +189,8 @@ def _robot_lines(kept: Any) -> str:
     command = ", ".join(f"{k} {v}" for k, v in kept.command.items())
     days = f"{kept.camera_days} days" if kept.camera_days else "for ever"
     lines = [f"owner: {kept.owner or 'nobody'}", f"command: {command}"]
-    lines += [f"approve: {kept.approve}; needs approval: {', '.join(kept.approval) or 'nothing'}"]
+    own = ", also their own" if kept.approve_own else ""
+    lines += [f"approve: {kept.approve}{own}; needs approval: {', '.join(kept.approval) or 'nothing'}"]
     lines += [f"release: {kept.release}", f"camera: {kept.camera_role}, pictures kept {days}"]
     return "\n".join([*lines, f"closed: {hours_in_words(kept.closed) or 'never'}"])
 

@@ -36,6 +36,7 @@ from agentrob.config_mcp import McpConfig
 from agentrob.config_section import DEFAULT_LISTEN, Name, Section
 from agentrob.config_service import McpRobotConfig, ServiceConfig
 from agentrob.errors import ConfigError
+from agentrob.model import ActionClass
 
 
 class ForumConfig(Section):
@@ -118,6 +119,19 @@ class RecordingConfig(Section):
     keep_mb: Annotated[float, Field(ge=0)] = 200.0
 
 
+class ApprovalConfig(Section):
+    """Which `classes` of action need somebody's approval, besides those that the forum keeps of the robot.
+
+    `who` (the least role, or `owner`) approves, and with `own` also what they asked for themselves, where the forum
+    keeps no such rights. An approval is waited for `wait_s` after the post at most, and never beyond `queue_expiry_s`.
+    """
+
+    classes: tuple[ActionClass, ...] = ()
+    who: Literal["operator", "moderator", "admin", "owner"] = "moderator"
+    own: bool = False
+    wait_s: Annotated[float, Field(gt=0)] = 600.0
+
+
 class RobotConfig(Section):
     """One robot: how its driver reaches it, what may command it where, and what its agent does.
 
@@ -158,6 +172,7 @@ class RobotConfig(Section):
     fence: FenceConfig = FenceConfig()
     limits: LimitsConfig = LimitsConfig()
     rates: RatesConfig = RatesConfig()
+    approval: ApprovalConfig = ApprovalConfig()
     look: LookConfig = LookConfig()
     recording: RecordingConfig = RecordingConfig()
     options: dict[str, Any] = Field(default_factory=dict)

@@ -27,7 +27,8 @@ Language = str
 class StatusCard:
     """The machine-readable state of one command, shown by a forum that can as a card on the status post.
 
-    `state`: seen, queued, running, done, failed, refused, asks_back, stopped, interrupted, cancelled, expired.
+    `state`: seen, waiting (for an approval), queued, running, done, failed, refused, asks_back, stopped, interrupted,
+    cancelled, expired.
     """
 
     robot: str
@@ -327,7 +328,7 @@ class StopResult:
 class Report:
     """Everything the final reply says. `status`: done, failed, refused, asks_back, stopped, interrupted, cancelled,
     expired, answered. `timings_ms` counts from the post being accepted by the forum. `goal` is what a model was to look
-    for, in our words."""
+    for, in our words, `approved_by` the handle of who approved the command, where that was needed."""
 
     command: Command
     status: str
@@ -338,3 +339,4 @@ class Report:
     stop: StopResult | None = None
     timings_ms: Mapping[str, float] = field(default_factory=dict)
     goal: str = ""
+    approved_by: str = ""

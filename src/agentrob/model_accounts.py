@@ -65,8 +65,8 @@ class RobotRights:
     """Who may do what with one robot on one board, as the forum keeps it. They narrow law 2, they never widen it.
 
     Each value is the least role, or `owner`, or `nobody`; a word that nobody knows grants nothing. `owner` is a handle.
-    `approval` are the classes that need somebody's approval. `closed_until` is the end of the robot's maintenance when
-    it is closed now.
+    `approval` are the classes that need somebody's approval, `approve` who gives it, and `approve_own` whether they may
+    approve what they asked for themselves. `closed_until` is the end of the robot's maintenance when it is closed now.
     """
 
     owner: str = ""
@@ -75,4 +75,5 @@ class RobotRights:
     release: str = "owner"
     board: str = "operator"
     approval: tuple[str, ...] = ()
+    approve_own: bool = False
     closed_until: datetime | None = None

@@ -105,11 +105,11 @@ class Scene:
     def person(self, name: str, role: Role = Role.OPERATOR, kind: AccountKind = AccountKind.HUMAN) -> MemoryForum:
         return self.world.sign_in(name, role=role, kind=kind)
 
-    async def post(self, name: str, text: str, topic: str | None = None) -> Post:
+    async def post(self, name: str, text: str, topic: str | None = None, reply_to: str | None = None) -> Post:
         forum = self.world.sign_in(name)
         if topic is None:
             return (await forum.create_topic("robots", "A topic", text, key=f"k{next(self._keys)}")).post
-        return (await forum.reply(topic, text, key=f"k{next(self._keys)}")).post
+        return (await forum.reply(topic, text, key=f"k{next(self._keys)}", reply_to=reply_to)).post
 
     def replies(self, post: Post) -> list[Post]:
         """What the robot wrote in answer to a post."""

@@ -58,6 +58,8 @@ changes = st.sampled_from(
     ["edit", "edit into a stop", "remove", "suspend", "right", "limit", "kept", "deleted", "mention", "bare", "button"]
 )
 rarely = st.sampled_from([False, False, False, True])
+#: Who may approve, where everything needs an approval.
+MODERATOR = "mod"
 
 
 @dataclass
@@ -71,18 +73,20 @@ class Asked:
     never: set[str] = field(default_factory=set)
     heard: bool = False
     due: bool = False
+    approved: bool = False
 
 
 class Laws(RuleBasedStateMachine):
     """One forum, one robot, one agent at a time. Every step of every text is a turn of its own size, so that the
-    robot's body itself says which text moved it."""
+    robot's body itself says which text moved it. With `approval` each command needs one."""
 
-    def __init__(self, stand: Stand, folder: Path) -> None:
+    def __init__(self, stand: Stand, folder: Path, approval: bool = False) -> None:
         super().__init__()
-        self.stand, self.folder = stand, folder
+        self.stand, self.folder, self.approval = stand, folder, approval
         folder.mkdir()
         self.runner = asyncio.Runner()
         self.world = MemoryForum.world()
+        self.world.sign_in(MODERATOR, role=Role.MODERATOR)
         for name, (kind, role) in {**ACCOUNTS, ROBOT: (AccountKind.ROBOT_AGENT, Role.MEMBER)}.items():
             self.world.sign_in(name, kind=kind, role=role)
         self.gates = Gates()
@@ -111,7 +115,10 @@ class Laws(RuleBasedStateMachine):
     @initialize(rounds=st.lists(st.tuples(st.sampled_from([0, 1, 1, 2, 3]), changes), min_size=4, max_size=4))
     def change_things_on_the_way(self, rounds: list[tuple[int, str]]) -> None:
         for times, change in rounds:
-            self.post("alice", "1", change == "limit", 1, times)
+            self.post("alice", "1", change == "limit", 1, 1 if self.approval else times)
+            if self.approval:
+                self.say(MODERATOR, "approve", 0)
+                self.go_on(times)
             self._change(change)
             self.go_on(4)
             self.world.suspend("alice", False)
@@ -190,6 +197,29 @@ class Laws(RuleBasedStateMachine):
         self._settle()
         if counts and how == "halt" and self.agent is not None:
             self.halted = True
+
+    @precondition(lambda self: self.approval and self.asked)
+    @rule(
+        by=st.sampled_from([MODERATOR, MODERATOR, MODERATOR, *ACCOUNTS]),
+        word=st.sampled_from(["approve", "approve", "approve", "deny"]),
+        n=numbers,
+    )
+    def say(self, by: str, word: str, n: int) -> None:
+        """Somebody approves or denies a command, whether it waits for that or not."""
+        asked = self._pick(n)
+        topic = self.world.topics[self.world.posts[asked.post_id].topic_id]
+        waits = self.agent is not None and asked in self._waiting()
+        text = f"@{ROBOT} {word}"
+        self.world.add_post(topic, by, text, next(self.keys), (), reply_to=asked.post_id)
+        if by == MODERATOR:
+            asked.approved = asked.approved or word == "approve"
+            asked.never |= {"denied"} if waits and word == "deny" else set()
+        self._settle()
+
+    def _waiting(self) -> list[Asked]:
+        """What shows that it waits for an approval."""
+        shown = {p.reply_to for p in self.world.posts.values() if p.card is not None and p.card.state == "waiting"}
+        return [asked for asked in self.asked if asked.post_id in shown]
 
     # ---------------------------------------------------------------- rules: what moderators and owners do
     @rule(name=st.sampled_from(["alice", "pilot"]), suspended=rarely)
@@ -289,6 +319,12 @@ class Laws(RuleBasedStateMachine):
         if self.agent is None:
             self._start("kept", 0)
         self.gates.open()
+        self._settle()
+        for asked in self._waiting():
+            self.world.add_post(
+                self.world.topics[self.world.posts[asked.post_id].topic_id], MODERATOR, f"@{ROBOT} deny",
+                next(self.keys), (), reply_to=asked.post_id,
+            )  # fmt: skip
         self._run(self._until(lambda: self.agent is not None and not self.agent.line and self._quiet()))
 
     def _only_a_later_post_moves_it(self) -> None:
@@ -298,6 +334,8 @@ class Laws(RuleBasedStateMachine):
         self.change_the_limit(WIDE_DEG)
         self.stand.robot.time_scale = math.inf  # so that a busy machine cannot spoil the turn
         late = self._ask("carol", "1", (("left", 91.0),))
+        if self.approval:
+            self.say(MODERATOR, "approve", 0)
         self._run(self._until(lambda: self._ends(late)))
         assert self._ends(late) == ["done"], [post.raw for post in self._replies(late)]
         assert self.moved["left", 91.0] == 1
@@ -344,6 +382,7 @@ class Laws(RuleBasedStateMachine):
         why += ["edited"] if post.version > 1 else []
         why += ["suspended"] if author.suspended else []
         why += [] if author.kind in OBEYED else [f"by a {author.kind}"]
+        why += ["not approved"] if self.approval and not asked.approved else []
         return why + (["no right"] if author.role is Role.MEMBER else [])
 
     def _stopped(self, post_id: str = "") -> None:
@@ -433,7 +472,8 @@ class Laws(RuleBasedStateMachine):
 
     def _begin(self) -> None:
         forum, client = self.world.sign_in(ROBOT), GatedClient(self.stand.socket, self.gates, self._sent)
-        mind, options = GatedMind(self.gates), robot_settings()
+        mind = GatedMind(self.gates)
+        options = robot_settings(approval={"classes": ["move"]} if self.approval else {})
 
         async def begin() -> None:
             self.agent = RobotAgent(ROBOT, options, forum, client, mind, self.folder)
@@ -501,6 +541,8 @@ class Laws(RuleBasedStateMachine):
         if job.command.text in self.gates.mind.held:
             return job.ended is None  # nobody waits for what is thought about a command that was ended
         assert self.agent is not None
+        if job.task in self.agent.line.asking():
+            return job.ended is None
         if not job.moving:
             return self.agent.line.place(job) > 0 and job.ended is None
         if self.gates.lease.held:
@@ -529,10 +571,10 @@ def stand(tmp_path: Path) -> Iterator[Stand]:
         yield made
 
 
-def prove(stand: Stand, folder: Path, **how: Any) -> None:
+def prove(stand: Stand, folder: Path, approval: bool = False, **how: Any) -> None:
     numbers = itertools.count()
     run_state_machine_as_test(
-        lambda: Laws(stand, folder / f"example-{next(numbers)}"),
+        lambda: Laws(stand, folder / f"example-{next(numbers)}", approval),
         settings=settings(
             deadline=None, database=None, suppress_health_check=list(HealthCheck), report_multiple_bugs=False, **how
         ),
@@ -547,3 +589,11 @@ def test_laws_4_5_6_13_14_hold_under_any_order_of_events(stand: Stand, tmp_path:
 @pytest.mark.timeout(1200)
 def test_laws_4_5_6_13_14_hold_under_many_orders_of_events(stand: Stand, tmp_path: Path) -> None:
     prove(stand, tmp_path, max_examples=150, stateful_step_count=40, print_blob=True)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_laws_4_5_6_and_7_hold_under_any_order_of_events_where_each_command_needs_an_approval(
+    stand: Stand, tmp_path: Path
+) -> None:
+    prove(stand, tmp_path, True, max_examples=10, stateful_step_count=20, print_blob=True)

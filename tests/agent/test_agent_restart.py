@@ -108,10 +108,10 @@ async def test_law_5_a_command_left_open_moves_after_a_restart_only_while_it_is_
         assert (await scene.final(posts[0])).card.state == "done"
         await scene.final(posts[1])
         claim = await agent.journal.claimed(posts[0].id)
-        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent._stopped_at, 120) is None
+        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent.brake.stopped_at, 120) is None
         scene.world.clock_offset_s = 125
         await agent.channel.set_clock()
-        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent._stopped_at, 120) == "stale"
+        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent.brake.stopped_at, 120) == "stale"
 
 
 async def test_law_14_a_bare_stop_counts_while_its_command_is_still_in_the_inbox(scene: Scene) -> None:

@@ -38,6 +38,7 @@ LEAST = {
     "POST /topics/{topic_id}/move": "moderator",
     "GET /search": "guest",
     "GET /commands/{post_id}": "guest",
+    "POST /commands/{post_id}/approve": "approver",
     "PUT /commands/{post_id}": "robot+robot",  # of whatever post, under its own name
     "GET /changes": "guest",
     "GET /events": "guest",
@@ -63,6 +64,7 @@ BODIES: dict[str, Any] = {
     "POST /topics/{topic_id}/move": {"board": "talk"},
     "PUT /robots/{name}": {"card": {}},
     "PUT /commands/{post_id}": {"record": {}},
+    "POST /commands/{post_id}/approve": {"robot": "quadruped"},
     "POST /admin/accounts": {"name": "op"},
     "POST /admin/boards": {"id": "talk", "name": "Talk"},
 }
@@ -141,9 +143,11 @@ def may(who: str, name: str) -> bool:
         case "admin, read only":
             return looks
         case "admin, no admin":
-            return looks or wanted in ("member", "operator")
+            return looks or wanted in ("member", "operator", "approver")
     if wanted == "owner":
         return who == "admin"
+    if wanted == "approver":  # a person, as the robot's rights are when nothing is set
+        return who in ("moderator", "admin")
     return wanted in RISING and RISING.index(who if who != "victim" else "member") >= RISING.index(wanted)
 
 

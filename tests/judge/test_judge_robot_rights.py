@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.judge.rights import classes_of, may
+from agentrob.judge.rights import classes_of, may, may_approve
 from agentrob.model import Account, AccountKind, ActionClass, Decision, Op, Plan, Primitive, RobotRights, Role
 
 EVERYTHING = {str(c): "operator" for c in ActionClass}
@@ -76,9 +76,58 @@ def test_law_2_a_board_has_its_own_say() -> None:
     assert [rule(account(r), rights) for r in (Role.OPERATOR, Role.MODERATOR)] == ["board", "command"]
 
 
-def test_law_7_what_needs_approval_is_refused_while_nobody_can_give_it() -> None:
+def test_law_7_what_needs_approval_is_neither_allowed_nor_refused() -> None:
     rights = RobotRights("ann", EVERYTHING, approval=("move",))
-    assert [rule(account(Role.ADMIN), rights, c) for c in ("move", "photo")] == ["approval", "command"]
+    verdicts = [may(account(Role.ADMIN), "command", rights=rights, classes=(c,)) for c in ("move", "photo")]
+    assert [v.decision for v in verdicts] == [Decision.NEEDS_APPROVAL, Decision.ALLOW]
+    assert "walk and turn" in verdicts[0].reason
+
+
+def test_law_7_a_right_that_is_missing_is_refused_before_any_approval_is_asked_for() -> None:
+    rights = RobotRights("ann", EVERYTHING | {"photo": "nobody"}, approval=("move",))
+    assert rule(account(Role.ADMIN), rights, "move", "photo") == "photo"
+    assert rule(account(Role.MEMBER), rights, "move") == "operator"
+
+
+@pytest.mark.parametrize("approve", ["nobody", "", "x"])
+def test_law_7_what_nobody_may_approve_is_refused(approve: str) -> None:
+    verdict = may(
+        account(Role.ADMIN),
+        "command",
+        rights=RobotRights("ann", EVERYTHING, approve=approve, approval=("move",)),
+        classes=("move",),
+    )
+    assert (verdict.decision, verdict.rule) == (Decision.REFUSE, "rights.approval")
+
+
+@pytest.mark.parametrize(
+    ("approve", "allowed"),
+    [
+        ("operator", {"operator", "moderator", "admin", "owner"}),
+        ("moderator", {"moderator", "admin"}),
+        ("admin", {"admin"}),
+        ("owner", {"admin", "owner"}),
+        ("guest", {"operator", "moderator", "admin", "owner"}),
+        ("nobody", set()),
+    ],
+)
+def test_law_2_who_may_approve_is_a_person_whom_the_robot_s_rights_name(approve: str, allowed: set[str]) -> None:
+    rights = RobotRights("ann", EVERYTHING, approve=approve)
+    author = Account("9", "eve", role=Role.OPERATOR)
+    people = {str(r): account(r) for r in Role} | {"owner": account(Role.OPERATOR, "ann")}
+    assert {
+        n for n, who in people.items() if may_approve(who, author, rights=rights).decision is Decision.ALLOW
+    } == allowed
+    agents = [account(Role.ADMIN, "ann", kind) for kind in AccountKind if kind is not AccountKind.HUMAN]
+    assert all(may_approve(agent, author, rights=rights).decision is Decision.REFUSE for agent in agents)
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_law_2_nobody_approves_their_own_wish_unless_the_robot_s_rights_say_so(own: bool) -> None:
+    root = account(Role.ADMIN, "ann")
+    verdict = may_approve(root, root, rights=RobotRights("ann", EVERYTHING, approve_own=own))
+    assert (verdict.decision is Decision.ALLOW) is own
+    assert own or verdict.rule == "rights.approve_own"
 
 
 def test_in_maintenance_nobody_commands_and_everybody_stops() -> None:

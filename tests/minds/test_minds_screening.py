@@ -52,9 +52,9 @@ def test_law_7_no_model_turns_what_the_rules_do_not_allow_into_something_else(
     refusal = refusal_of(judgement, "walk forward 1 m", language)
     screened = Screened("clever", None if failed else refusal, failed) if asked else None
     verdict = narrowed(by_rules, screened, language, required)
-    if by_rules.decision is not Decision.ALLOW:
+    if by_rules.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         assert verdict == by_rules
-    if verdict.decision is Decision.ALLOW:
+    if verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         assert verdict == by_rules
         assert refusal is None or failed or not asked
         assert not required or (asked and not failed)

@@ -16,20 +16,21 @@ from pydantic import TypeAdapter
 
 from agentrob.agent import look_calls, look_words
 from agentrob.agent import report as words
+from agentrob.agent.approvals import LAPSED, Approvals
 from agentrob.agent.channel import Channel
-from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, execute
+from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, decisive, execute
 from agentrob.agent.extract import Thought
-from agentrob.agent.journal import CANCELLED, INTERRUPTED, Journal
+from agentrob.agent.journal import CANCELLED, DENIED, INTERRUPTED, Journal
 from agentrob.agent.line import Job, Line
 from agentrob.agent.look import look
 from agentrob.agent.look_goal import errand_of, in_words
 from agentrob.agent.mind_notes import notes, worded
 from agentrob.agent.pace import Pace
-from agentrob.agent.permission import Terms, permission
+from agentrob.agent.permission import Terms, own_rights, permission
 from agentrob.agent.pictures import Picture, illustrate, late_recording
 from agentrob.agent.publish import page_of, publish
 from agentrob.agent.recorder import Recorder
-from agentrob.agent.records import Records
+from agentrob.agent.records import Records, approval
 from agentrob.agent.sentences import say
 from agentrob.agent.status import Shown, StatusLine
 from agentrob.agent.stops import Stops
@@ -40,8 +41,8 @@ from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.images.store import ImageStore
 from agentrob.language.help import help_text
+from agentrob.language.phrases import quote
 from agentrob.language.phrases import say as phrase
-from agentrob.minds.summary import Summary, summarise
 from agentrob.model import Command, Decision, Intent, Language, Plan, Primitive, Report, StatusCard, Verdict
 from agentrob.robots.client import DriverClient
 
@@ -69,6 +70,7 @@ class Course:
     channel: Channel
     line: Line
     stops: Stops
+    approvals: Approvals
     records: Records
     recorder: Recorder
     store: ImageStore | None
@@ -82,8 +84,9 @@ class Course:
     def terms(self) -> Terms:
         names = tuple(self.thinking.names)
         return Terms(
-            self.settings.allow_flip, self.channel.step_s, robot=self.name, scene=self.surroundings.scene, names=names
-        )
+            self.settings.allow_flip, self.channel.step_s, robot=self.name, scene=self.surroundings.scene, names=names,
+            rights=own_rights(self.settings),
+        )  # fmt: skip
 
     async def run(self, job: Job) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""
@@ -198,9 +201,13 @@ class Course:
     async def _ended(self, job: Job, plan: Plan, execution: Execution | None = None) -> Report:
         """A command that was ended from outside, before it moved or while it did."""
         why, language = job.ended or "before", job.command.language
-        if why in ("stale", "expired"):
-            limits = {"seconds": self.settings.max_post_age_s, "minutes": self.settings.queue_expiry_s / 60}
+        if why in ("stale", "expired", LAPSED):
+            minutes = (self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s) / 60
+            limits = {"seconds": self.settings.max_post_age_s, "minutes": minutes}
             return self._report(job, "expired", plan, message=say(why, language, **limits))
+        if why == DENIED and execution is None and job.decided is not None:
+            said = say("denied.by", language, who=quote(job.decided.by.name))
+            return self._report(job, "refused", plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said))
         stop = await job.stop if job.stop is not None and execution is not None else None
         status = execution.status if execution else "cancelled"
         message = job.stopped_by if status == "stopped" else self._because(job, why)
@@ -210,12 +217,14 @@ class Course:
         """A command: judged, then in line, then moved."""
         plan, verdict, command = thought.understanding.plan, thought.verdict, job.command
         assert verdict is not None
-        if verdict.decision is not Decision.ALLOW:
+        if verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
             status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
             message = verdict.reason if status == "asks_back" else ""
             return self._report(job, status, plan, verdict=verdict, message=message)
         if (waiting := await self._pace(job)) is not None:
             return self._report(job, "refused", plan, verdict=waiting)
+        if verdict.decision is Decision.NEEDS_APPROVAL:
+            await self.approvals.wait(job, words.planned(plan, command.language, _goal(job)), verdict.reason)
         self.show_place(job)
         if not await self.line.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
@@ -228,7 +237,7 @@ class Course:
             return self._report(job, "interrupted", plan, verdict=verdict)
         execution = _EXECUTION.validate_json(text)
         results = self.records.with_pictures(execution.results, execution.pictures)
-        execution = replace(execution, results=results, verdict=_decisive(execution, verdict))
+        execution = replace(execution, results=results, verdict=decisive(execution, verdict))
         job.stopped_by = job.stopped_by or execution.stopped_by
         job.looked = execution.looked
         if job.ended is not None and execution.status != "done":
@@ -259,7 +268,8 @@ class Course:
         """The motion itself; called at most once ever for a post."""
         job.moving = True
         self.on_motion()
-        terms = replace(self.terms, known=job.thought is not None and job.thought.goal is not None)
+        known = job.thought is not None and job.thought.goal is not None
+        terms = replace(self.terms, known=known, approval=job.decided)
         allowed = partial(permission, self.forum, self.driver, job.command, terms)
         reins = Reins(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
@@ -324,11 +334,13 @@ class Course:
     ) -> Report:
         if execution is not None:
             more = {"results": execution.results, "verdict": execution.verdict, **more}
-        return Report(job.command, status, plan=plan, timings_ms=dict(job.timings_ms), goal=_goal(job), **more)
+        by = job.decided.by.name if job.decided is not None and job.decided.approved else ""
+        timings = dict(job.timings_ms)
+        return Report(job.command, status, plan=plan, timings_ms=timings, goal=_goal(job), approved_by=by, **more)
 
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
-        command, summary = job.command, await self._summary(job, report)
+        command, summary = job.command, await self.thinking.summary(job, report)
         looked, language = job.looked, command.language
         calls = look_calls.lines(looked) if looked else b""
         pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
@@ -338,7 +350,7 @@ class Course:
         try:
             kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
-            more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said}
+            more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
             facts = self.records.write(report, job.thought, **more)
         except OSError as e:
             _log.error("record not written", post=command.post_id, error=str(e))
@@ -372,24 +384,8 @@ class Course:
             await job.status.add(late, [recording.data] if recording.attached else [])
             await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
 
-    async def _summary(self, job: Job, report: Report) -> Summary | None:
-        """What a model makes of the measured results in words, where the owner wants that."""
-        model = self.thinking.model
-        if not self.settings.summary or model is None or report.status != "done":
-            return None
-        spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
-        return await summarise(model, report.results, report.command.language, spent)
-
 
 def _goal(job: Job) -> str:
     """What is to be looked for, in our words; empty for a plan."""
     goal = job.thought.goal if job.thought else None
     return in_words(goal, job.command.language) if goal else ""
-
-
-def _decisive(execution: Execution, verdict: Verdict) -> Verdict:
-    """The verdict that the report names: the guard's, where it refused what the screen had let pass."""
-    last = execution.verdict or verdict
-    if execution.status == "refused" and last.decision is Decision.ALLOW and execution.results:
-        return Verdict(Decision.REFUSE, f"guard.{execution.results[0].reason}")
-    return last

@@ -230,3 +230,11 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
     except RobotError as e:
         reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, str(e)
     return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
+
+
+def decisive(execution: Execution, verdict: Verdict) -> Verdict:
+    """The verdict that the report names: the guard's, where it refused what the screen had let pass."""
+    last = execution.verdict or verdict
+    if execution.status == "refused" and last.decision is Decision.ALLOW and execution.results:
+        return Verdict(Decision.REFUSE, f"guard.{execution.results[0].reason}")
+    return last

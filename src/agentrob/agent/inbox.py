@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from datetime import datetime
 from uuid import uuid4
 
@@ -25,7 +25,7 @@ _log = structlog.get_logger()
 
 class Inbox:
     """Events of one robot in their order. `stopped_at` is when the newest stop was posted; `take_up` begins a job,
-    `decline` tells a command that it could not be written down."""
+    `decline` tells a command that it could not be written down, `approve` takes what approves or denies one."""
 
     def __init__(
         self,
@@ -35,6 +35,7 @@ class Inbox:
         stopped_at: Callable[[], datetime],
         take_up: Callable[[Job], None],
         decline: Callable[[Command], None],
+        approve: Callable[[Post, Heard], Awaitable[None]],
     ) -> None:
         #: Commands that were heard and are not in line yet.
         self.coming: dict[str, Post] = {}
@@ -44,6 +45,7 @@ class Inbox:
         self._stopped_at = stopped_at
         self._take_up = take_up
         self._decline = decline
+        self._approve = approve
         self._waiting: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
 
     @property
@@ -97,6 +99,8 @@ class Inbox:
         if event.kind is not EventKind.POST_CREATED:
             await self._amend(post)
             return
+        if heard.call in (Call.APPROVE, Call.DENY):
+            await self._approve(post, heard)
         if heard.call not in _TO_TAKE:
             return
         ended = None

@@ -13,26 +13,26 @@ what must not be repeated is guarded by its own row, never by the engine.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import fcntl
 import socket
 import sqlite3
 import threading
 import time
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, TypeVar
+from typing import IO, TypeVar
 
 from dbos import DBOS, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
 from dbos import error as dbos_error
 from pydantic import TypeAdapter
 from sqlalchemy.exc import SQLAlchemyError
 
+from agentrob.agent import rows as db
 from agentrob.agent.leftovers import KEEP_S, forget_unfinished
-from agentrob.agent.rows import COLUMNS, COMMAND, TABLES, Claim, boot, boot_s, migrate, read_claim
+from agentrob.agent.rows import COMMAND, DECIDED, Asked, Claim, Decided, Rows
 from agentrob.errors import JournalError
 from agentrob.model import Command, Plan
 
@@ -45,6 +45,8 @@ VERSION = "agentrob-1"
 INTERRUPTED = "interrupted"
 #: What `move` answers when it was cancelled before it began.
 CANCELLED = "cancelled"
+#: Why a claim ended that somebody denied the approval it needed.
+DENIED = "denied"
 
 _PLAN = TypeAdapter(Plan)
 
@@ -53,17 +55,15 @@ class _Ended(BaseException):
     """Ends a workflow's thread at shutdown without an outcome, so that the next start begins it anew."""
 
 
-class Journal:
+class Journal(Rows):
     """Open with `await Journal.open(...)`; one per process and one per robot and data folder."""
 
     def __init__(self, folder: Path, robot: str) -> None:
+        super().__init__(f"{robot}-journal")
         self._folder = folder
         self._robot = robot
         self._lock: IO[str] | None = None
-        self._db: sqlite3.Connection | None = None
         self._loop = asyncio.get_running_loop()
-        # One thread owns the connection, so rows are written in the order in which they were asked for.
-        self._rows = ThreadPoolExecutor(1, thread_name_prefix=f"{robot}-journal")
         self._starts = ThreadPoolExecutor(16, thread_name_prefix=f"{robot}-workflows")
         self._deeds: dict[str, Deed] = {}
         self._ended = threading.Event()
@@ -92,10 +92,10 @@ class Journal:
             self._db = sqlite3.connect(path, timeout=30.0, isolation_level=None)
             self._db.execute("PRAGMA journal_mode=wal")
             self._db.execute("PRAGMA synchronous=FULL")
-            self._db.executescript(TABLES)
-            migrate(self._db)
+            self._db.executescript(db.TABLES)
+            db.migrate(self._db)
             self._era = (self._one("SELECT value FROM meta WHERE key = 'era'") or ("",))[0]
-            self._prune()
+            db.prune(self._db, time.time() - KEEP_S)
         except BlockingIOError:
             raise JournalError(
                 f"an agent for {self._robot} already runs with {self._folder}; end it first, or use another data folder"
@@ -158,7 +158,8 @@ class Journal:
         before = self._claimed(command.post_id)
         if before is not None:
             return before
-        row = (command.post_id, command.topic_id, COMMAND.dump_json(command).decode(), boot(), boot_s(), time.time())
+        kept = COMMAND.dump_json(command).decode()
+        row = (command.post_id, command.topic_id, kept, db.boot(), db.boot_s(), time.time())
         with self._together():
             self._do("INSERT INTO claim (post, topic, command, boot, accepted_s, at) VALUES (?, ?, ?, ?, ?, ?)", row)
             if ended is not None:
@@ -166,16 +167,16 @@ class Journal:
         return Claim(command, new=True, waited_s=0.0, ended=ended)
 
     def _claimed(self, post_id: str) -> Claim | None:
-        found = self._one(f"SELECT {COLUMNS} FROM claim WHERE post = ?", (post_id,))
-        return read_claim(found) if found else None
+        found = self._one(f"{db.CLAIMS} WHERE claim.post = ?", (post_id,))
+        return db.read_claim(found) if found else None
 
     async def claimed(self, post_id: str) -> Claim | None:
         return await self._in_rows(self._claimed, post_id)
 
     async def open_claims(self) -> Sequence[Claim]:
         """Claims without a final reply, in the order in which they were taken."""
-        found = await self._in_rows(self._all, f"SELECT {COLUMNS} FROM claim WHERE final IS NULL ORDER BY number")
-        return [read_claim(row) for row in found]
+        found = await self._in_rows(self._all, f"{db.CLAIMS} WHERE final IS NULL ORDER BY number")
+        return [db.read_claim(row) for row in found]
 
     async def end(self, post_ids: Sequence[str], why: str) -> None:
         """These commands may not begin to move any more, also after a restart. The first reason counts; what moves
@@ -208,6 +209,38 @@ class Journal:
     async def finish(self, post_id: str, final: str) -> None:
         """The final reply of a claim is on the forum."""
         await self._in_rows(self._do, "UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
+
+    async def ask(self, post_id: str, asked_at: datetime, until_at: datetime) -> Asked:
+        """An approval is asked for; the first time counts, and what was said since then is given back."""
+
+        def rows() -> Asked:
+            self._do(db.ASK, (post_id, asked_at.isoformat(), until_at.isoformat()))
+            claim = self._claimed(post_id)
+            if claim is None or claim.asked is None:
+                raise JournalError(f"post {post_id} was never claimed")
+            return claim.asked
+
+        return await self._in_rows(rows)
+
+    async def decide(self, post_id: str, decided: Decided) -> bool:
+        """Somebody approved or denied; the first word counts, but what was approved may be denied until it moves.
+
+        False when it came too late. What is denied may not begin to move any more.
+        """
+
+        def rows() -> bool:
+            values = (DECIDED.dump_json(decided).decode(), decided.post_id, post_id, decided.approved)
+            with self._together():
+                counts = bool(self._do(db.DECIDE, values))
+                if counts and not decided.approved:
+                    self._end_row(post_id, DENIED)
+            return counts
+
+        return await self._in_rows(rows)
+
+    async def counted(self, post_id: str) -> bool:
+        """Whether this post approved or denied something."""
+        return await self._in_rows(self._one, "SELECT 1 FROM approval WHERE said_by = ?", (post_id,)) is not None
 
     async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
         """The plans done before in a thread, oldest first."""
@@ -311,50 +344,11 @@ class Journal:
         def rows() -> None:
             era = f"before-{time.time_ns()}-"
             with self._together():
-                self._do("UPDATE claim SET post = ? || post, topic = '', final = coalesce(final, 'replaced')", (era,))
-                self._do("UPDATE motion SET post = ? || post", (era,))
-                self._do("INSERT OR REPLACE INTO meta (key, value) VALUES ('era', ?)", (era,))
+                for query in db.SET_ASIDE:
+                    self._do(query, (era,))
             self._era = era
 
         await self._in_rows(rows)
-
-    # ---------------------------------------------------------------- inside
-    async def _in_rows(self, call: Callable[..., T], *args: Any) -> T:
-        try:
-            return await asyncio.get_running_loop().run_in_executor(self._rows, partial(call, *args))
-        except sqlite3.Error as e:
-            raise JournalError(f"the journal cannot be used: {e}") from None
-
-    @contextlib.contextmanager
-    def _together(self) -> Iterator[None]:
-        """All writes within are on disk, or none."""
-        self._do("BEGIN IMMEDIATE")
-        try:
-            yield
-            self._do("COMMIT")
-        except BaseException:
-            with contextlib.suppress(sqlite3.Error):  # the disk that failed the write may fail this too
-                self._do("ROLLBACK")
-            raise
-
-    def _do(self, query: str, args: Sequence[Any] = ()) -> int:
-        """Write; returns how many rows changed."""
-        assert self._db is not None
-        return self._db.execute(query, tuple(args)).rowcount
-
-    def _one(self, query: str, args: Sequence[Any] = ()) -> Any:
-        assert self._db is not None
-        return self._db.execute(query, tuple(args)).fetchone()
-
-    def _all(self, query: str, args: Sequence[Any] = ()) -> list[Any]:
-        assert self._db is not None
-        return self._db.execute(query, tuple(args)).fetchall()
-
-    def _prune(self) -> None:
-        """Old claims go; their posts are far too old to move anything."""
-        old = (time.time() - KEEP_S,)
-        self._do("DELETE FROM motion WHERE post IN (SELECT post FROM claim WHERE final NOT NULL AND at < ?)", old)
-        self._do("DELETE FROM claim WHERE final NOT NULL AND at < ?", old)
 
 
 # -------------------------------------------------------------------- the engine's side

@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Coroutine, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any, TypeVar
 
 from agentrob.agent.extract import Thought
+from agentrob.agent.rows import Asked, Decided
 from agentrob.minds.loop import Looked
 from agentrob.model import Command, StopResult
 
@@ -22,8 +23,8 @@ class Job:
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
     was. `ended` is a stable word as soon as the command may not go on; `paced`: its account may command now; while it
-    is `held`, others go before it. `stop`
-    brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
+    is `held`, others go before it. `asked`: it waits or waited for an approval, and what was said of it. `stop` brings
+    what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
     `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `status` is
     its status post, `task` what carries it through.
     """
@@ -35,6 +36,7 @@ class Job:
     ended: str | None = None
     paced: bool = False
     held: bool = False
+    asked: Asked | None = None
     moving: bool = False
     stopped_by: str = ""
     took_back: int = 0
@@ -49,6 +51,17 @@ class Job:
     def note(self, name: str, at: datetime) -> None:
         """Remember when something happened, in milliseconds after the post was accepted; the first time counts."""
         self.timings_ms.setdefault(name, max(0.0, (at - self.command.posted_at).total_seconds() * 1000))
+
+    @property
+    def decided(self) -> Decided | None:
+        """Who approved or denied it, as soon as somebody did."""
+        return self.asked.decided if self.asked is not None else None
+
+    def decide(self, decided: Decided) -> None:
+        """Somebody approved or denied it."""
+        assert self.asked is not None
+        self.asked = replace(self.asked, decided=decided)
+        self._changed.set()
 
     def end(self, why: str) -> None:
         """The first reason counts."""
@@ -101,6 +114,10 @@ class Line:
 
     def find(self, post_id: str) -> Job | None:
         return next((job for job in self._jobs if job.command.post_id == post_id), None)
+
+    def asking(self) -> set[asyncio.Task[Any]]:
+        """What carries those that wait for an approval."""
+        return {job.task for job in self._jobs if job.task and job.held and job.asked and not job.decided}
 
     def place(self, job: Job) -> int:
         """How many are before it; 0 when it is its turn."""
@@ -180,13 +197,14 @@ class Line:
     def _is_next(self, job: Job) -> bool:
         return self._turn is None and next(j for j in self._jobs if not j.held) is job
 
-    async def hold(self, job: Job, seconds: float) -> bool:
-        """Let others go before it for a while; it keeps its place. False when it was ended meanwhile."""
+    async def hold(self, job: Job, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
+        """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended
+        meanwhile."""
         job.held = True
         self._moved_up()
         try:
             async with asyncio.timeout(seconds):
-                while job.ended is None:
+                while job.ended is None and not until():
                     job._changed.clear()
                     await job._changed.wait()
         except TimeoutError:

@@ -1,4 +1,4 @@
-"""Is this post for me, and what is it: a stop, something to read, or too old (pure; laws 1, 3, 5 and 13)."""
+"""Is this post for me, and what is it: a stop, an approval, something to read, or too old (pure; laws 1, 3, 5, 13)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from datetime import datetime
 from enum import StrEnum
 
 from agentrob.language import languages
+from agentrob.language.approval import Said, approval_in
 from agentrob.language.stop import stop_intent
 from agentrob.language.visible import mentions, visible_text
 from agentrob.model import Account, AccountKind, Intent, Language, Post
@@ -24,6 +25,8 @@ class Call(StrEnum):
     HALT = "halt"
     STALE = "stale"
     READ = "read"
+    APPROVE = "approve"
+    DENY = "deny"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,11 +49,13 @@ class Ears:
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """What was made of a post. `text` is its visible text, `others` are those it mentions besides."""
+    """What was made of a post. `text` is its visible text, `others` are those it mentions besides. An approval that is
+    not `fresh` is too old to count."""
 
     call: Call
     text: str = ""
     others: tuple[str, ...] = ()
+    fresh: bool = True
 
     @property
     def language(self) -> Language:
@@ -70,7 +75,10 @@ def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
         return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others)
     if edited or not mine or post.board_id not in ears.boards:
         return Heard(Call.NOTHING, text, others)
-    return Heard(Call.READ if _fresh(post, ears) else Call.STALE, text, others)
+    fresh = _fresh(post, ears)
+    if (said := approval_in(text)) is not None:
+        return Heard(Call.APPROVE if said is Said.APPROVE else Call.DENY, text, others, fresh)
+    return Heard(Call.READ if fresh else Call.STALE, text, others)
 
 
 def obeyed(author: Account, me: Account) -> bool:

@@ -1,18 +1,34 @@
-"""May this command move its robot now: asked again immediately before motion, on today's state (laws 4, 5 and 7)."""
+"""May this command move its robot now, and does its approval still hold: asked again immediately before motion, on
+today's state (laws 4, 5 and 7)."""
 
 from __future__ import annotations
 
 import asyncio
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from agentrob.agent.rows import Decided
 from agentrob.agent.sentences import say
+from agentrob.config import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.forum import Forum, Keeper
 from agentrob.judge.addressed import heard_by
+from agentrob.judge.rights import may_approve
 from agentrob.judge.screen import screen
 from agentrob.language.visible import mentions
-from agentrob.model import Account, AccountKind, Capabilities, Command, Decision, Plan, Post, RobotRights, Verdict
+from agentrob.model import (
+    Account,
+    AccountKind,
+    ActionClass,
+    Capabilities,
+    Command,
+    Decision,
+    Plan,
+    Post,
+    RobotRights,
+    Role,
+    Verdict,
+)
 from agentrob.robots.client import DriverClient
 
 #: Through so many commanding agents may a command come (law 1), and so many posts of a chain are read.
@@ -26,7 +42,8 @@ class Terms:
 
     `robot` is the robot's account, by which a forum may keep who may command it. `scene` is what is known to be around
     the robot, in English; `names` are the mentions that call it. `known`: what it is asked is understood to the last
-    word, as a goal of a closed vocabulary.
+    word, as a goal of a closed vocabulary. `rights` are the owner's own, where the forum keeps none; the classes of
+    action that need an approval by them need it everywhere. `approval`: somebody approved this command.
     """
 
     allow_flip: bool = False
@@ -35,18 +52,34 @@ class Terms:
     scene: str = ""
     names: tuple[str, ...] = ()
     known: bool = False
+    rights: RobotRights | None = None
+    approval: Decided | None = None
+
+
+def own_rights(settings: RobotConfig) -> RobotRights:
+    """What the owner configured of who may do what: who commands is for the roles to say, so only the approvals."""
+    asks = settings.approval
+    return RobotRights(
+        owner=settings.owner,
+        command=dict.fromkeys(ActionClass, str(Role.OPERATOR)),
+        approve=asks.who,
+        approval=tuple(map(str, asks.classes)),
+        approve_own=asks.own,
+    )
 
 
 async def rights_on(forum: Forum, command: Command, terms: Terms) -> RobotRights | None:
-    """What the forum keeps of who may command the robot where this stands now; None where forums keep no such thing.
+    """What the forum keeps of who may command the robot where this stands now; the owner's where forums keep no such
+    thing.
 
     A forum that should know and does not grants nothing. Raises `ForumError`; then nothing is granted either.
     """
     if not isinstance(forum, Keeper) or not terms.robot:
-        return None
+        return terms.rights
     try:
         post = await forum.post(command.post_id)  # a moderator may have moved its topic to another board
-        return await forum.robot_rights(terms.robot, post.board_id)
+        kept = await forum.robot_rights(terms.robot, post.board_id)
+        return replace(kept, approval=(*kept.approval, *terms.rights.approval)) if terms.rights else kept
     except (ForumNotFound, ForumDenied):
         return RobotRights()
 
@@ -96,7 +129,28 @@ async def permission(
     if (changed := _changed(post, author, command)) is not None:
         return _denied(changed, command), None
     assert author is not None
-    return judge(command, plan, author, capabilities, terms, rights), capabilities
+    verdict = judge(command, plan, author, capabilities, terms, rights)
+    if terms.approval is None or verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+        return verdict, capabilities
+    return await _approved(forum, command, author, terms.approval, rights), capabilities
+
+
+async def _approved(
+    forum: Forum, command: Command, author: Account, approval: Decided, rights: RobotRights | None
+) -> Verdict:
+    """Whether the approval still stands as it was given, by somebody who may still give it."""
+    try:
+        post, by = await asyncio.gather(forum.post(approval.post_id), forum.account(approval.by.name))
+    except ForumNotFound:
+        return _denied("command.approval", command)
+    except ForumError:
+        return _denied("command.unverified", command)
+    same = post.content_hash == approval.content_hash and post.author.id == approval.by.id and not post.removed
+    if not same or by is None or by.id != approval.by.id:
+        return _denied("command.approval", command)
+    if may_approve(by, author, command.language, rights).decision is not Decision.ALLOW:
+        return Verdict(Decision.REFUSE, "approval.lost", say("approval.lost", command.language))
+    return Verdict(Decision.ALLOW, "approval.given")
 
 
 def _changed(post: Post, author: Account | None, command: Command) -> str | None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from agentrob.agent.extract import Thought
+from agentrob.agent.rows import Asked
 from agentrob.model import ActionResult, Report
 
 
@@ -77,6 +78,17 @@ class Records:
         part.write_text(json.dumps(facts, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
         part.replace(path)
         return facts
+
+
+def approval(asked: Asked | None) -> dict[str, Any] | None:
+    """Until when an approval was asked for, and who said what by which post; None where none was needed."""
+    if asked is None:
+        return None
+    said, until = asked.decided, {"until": asked.until_at.isoformat()}
+    if said is None:
+        return until
+    by = {"by": said.by.name, "role": str(said.by.role), "post": said.post_id, "at": said.at.isoformat()}
+    return until | {"approved": said.approved} | by
 
 
 def _minds(thought: Thought | None) -> dict[str, Any]:

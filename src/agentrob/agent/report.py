@@ -8,12 +8,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from datetime import datetime
 
 from agentrob.agent.pictures import Picture
 from agentrob.agent.sentences import known, say
 from agentrob.agent.track import clips
 from agentrob.language.phrases import quote
-from agentrob.model import ActionResult, Language, Op, Outcome, Primitive, Report, RobotState, StopResult
+from agentrob.model import (
+    ActionResult,
+    Language,
+    Op,
+    Outcome,
+    Plan,
+    Primitive,
+    Report,
+    RobotRights,
+    RobotState,
+    StopResult,
+)
 
 SENTENCE_CHARS = 600
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
@@ -44,11 +56,33 @@ def running(language: Language, number: int, steps: Sequence[Primitive]) -> str:
     return say("running", language, step=number + 1, steps=len(steps), doing=doing(steps[number], language))
 
 
+def planned(plan: Plan, language: Language, goal: str = "") -> str:
+    """A whole plan in words, or the goal that it is to be found for."""
+    return goal or say("list.joint", language).join(doing(step, language) for step in plan.steps)
+
+
 def doing(step: Primitive, language: Language) -> str:
     """A step in words: "walk forward 1 m"."""
     direction = say(f"direction.{step.direction}", language) if step.direction else ""
     words = say(f"do.{step.op}", language, direction=direction, distance_m=step.distance_m, degrees=step.degrees)
     return say("do.speed", language, step=words, speed_mps=step.speed_mps) if step.speed_mps else words
+
+
+def waits(
+    understood: str, needed: str, rights: RobotRights | None, called: str, until_at: datetime, language: Language
+) -> str:
+    """A command waits for an approval: what it would do, why it waits, for whom and how long."""
+    rights = rights or RobotRights()
+    who = say(f"who.{rights.approve}", language) if known(f"who.{rights.approve}") else say("who.moderator", language)
+    said = [
+        say("waits", language),
+        say("waits.plan", language, understood=understood),
+        disarmed(needed),
+        say("waits.who", language, who=who, until=f"{until_at:%Y-%m-%d %H:%M:%S}"),
+        say("waits.how", language, robot=called),
+    ]
+    said += [] if rights.approve_own else [say("waits.own", language)]
+    return ("" if language == "zh" else " ").join(said)
 
 
 # -------------------------------------------------------------------- the end
@@ -72,6 +106,8 @@ def final(
         parts.append(say("note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
         parts.append(stop_figures(report.stop, language))
+    if report.approved_by:
+        parts.append(say("approved.by", language, who=quote(report.approved_by)))
     parts += [_slower(report), _pictures(pictures, language), *notes]
     parts.append(_foot(report, page))
     return "\n\n".join(part for part in parts if part)

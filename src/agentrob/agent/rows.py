@@ -1,20 +1,27 @@
-"""The journal's own tables, a claim as it is read from them, and the clock that tells how old it is."""
+"""The journal's own tables, its connection, a claim as it is read from them, and the clock that tells how old it is."""
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import os
 import sqlite3
 import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
+from functools import partial
 from pathlib import Path
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter
 
-from agentrob.model import Command
+from agentrob.errors import JournalError
+from agentrob.model import Account, Command
 
-COMMAND = TypeAdapter(Command)
+T = TypeVar("T")
+
 TABLES = """
 CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS claim (
@@ -23,9 +30,56 @@ CREATE TABLE IF NOT EXISTS claim (
     ended TEXT);
 CREATE INDEX IF NOT EXISTS claim_topic ON claim (topic);
 CREATE TABLE IF NOT EXISTS motion (post TEXT PRIMARY KEY, state TEXT NOT NULL, result TEXT, at REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS approval (
+    post TEXT PRIMARY KEY, asked_at TEXT NOT NULL, until_at TEXT NOT NULL, said TEXT, said_by TEXT);
 """
-#: What `read_claim` wants to be given of a row.
-COLUMNS = "command, boot, accepted_s, status_post, final, ended"
+#: Claims as `read_claim` wants to be given them.
+CLAIMS = """
+SELECT command, boot, accepted_s, status_post, final, ended, asked_at, until_at, said
+FROM claim LEFT JOIN approval ON approval.post = claim.post
+"""
+
+
+class Rows:
+    """A database whose connection one thread owns, so that rows are written in the order in which that was asked for.
+
+    `_in_rows` hands that thread a call; what else is here is for such calls.
+    """
+
+    def __init__(self, thread_name: str) -> None:
+        self._db: sqlite3.Connection | None = None
+        self._rows = ThreadPoolExecutor(1, thread_name_prefix=thread_name)
+
+    async def _in_rows(self, call: Callable[..., T], *args: Any) -> T:
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._rows, partial(call, *args))
+        except sqlite3.Error as e:
+            raise JournalError(f"the journal cannot be used: {e}") from None
+
+    @contextlib.contextmanager
+    def _together(self) -> Iterator[None]:
+        """All writes within are on disk, or none."""
+        self._do("BEGIN IMMEDIATE")
+        try:
+            yield
+            self._do("COMMIT")
+        except BaseException:
+            with contextlib.suppress(sqlite3.Error):  # the disk that failed the write may fail this too
+                self._do("ROLLBACK")
+            raise
+
+    def _do(self, query: str, args: Sequence[Any] = ()) -> int:
+        """Write; returns how many rows changed."""
+        assert self._db is not None
+        return self._db.execute(query, tuple(args)).rowcount
+
+    def _one(self, query: str, args: Sequence[Any] = ()) -> Any:
+        assert self._db is not None
+        return self._db.execute(query, tuple(args)).fetchone()
+
+    def _all(self, query: str, args: Sequence[Any] = ()) -> list[Any]:
+        assert self._db is not None
+        return self._db.execute(query, tuple(args)).fetchall()
 
 
 def migrate(db: sqlite3.Connection) -> None:
@@ -34,13 +88,59 @@ def migrate(db: sqlite3.Connection) -> None:
         db.execute("ALTER TABLE claim ADD COLUMN ended TEXT")
 
 
+def prune(db: sqlite3.Connection, before: float) -> None:
+    """Old claims go; their posts are far too old to move anything."""
+    told = "final NOT NULL AND at < ?"
+    db.execute(f"DELETE FROM motion WHERE post IN (SELECT post FROM claim WHERE {told})", (before,))
+    db.execute(f"DELETE FROM approval WHERE post IN (SELECT post FROM claim WHERE {told})", (before,))
+    db.execute(f"DELETE FROM claim WHERE {told}", (before,))
+
+
+ASK = "INSERT INTO approval (post, asked_at, until_at) VALUES (?, ?, ?) ON CONFLICT DO NOTHING"
+#: The first word counts, but what was approved may be denied until it moves; what is over is no more decided.
+DECIDE = """
+UPDATE approval SET said = ?, said_by = ? WHERE post = ? AND (said IS NULL OR NOT ?)
+AND NOT EXISTS (SELECT 1 FROM motion WHERE motion.post = approval.post)
+"""
+#: Each with a mark that no post's id begins with.
+SET_ASIDE = (
+    "UPDATE claim SET post = ? || post, topic = '', final = coalesce(final, 'replaced')",
+    "UPDATE motion SET post = ? || post",
+    "UPDATE approval SET post = ? || post, said_by = NULL",
+    "INSERT OR REPLACE INTO meta (key, value) VALUES ('era', ?)",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Decided:
+    """What somebody said of a command that needed an approval, bound to their post as a command is to its own."""
+
+    approved: bool
+    by: Account
+    post_id: str
+    content_hash: str
+    at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A command for which an approval was asked at `asked_at`, by the forum's clock, and what was said until now."""
+
+    asked_at: datetime
+    until_at: datetime
+    decided: Decided | None = None
+
+
+COMMAND, DECIDED = TypeAdapter(Command), TypeAdapter(Decided)
+
+
 @dataclass(frozen=True, slots=True)
 class Claim:
     """A post that this journal took. `new` is False when it had been taken before, perhaps by an earlier process.
 
     `waited_s` is how long ago it was accepted by the machine's clock that nobody sets, infinite when the machine has
     been started anew since. `final` is the state that its reply told, None while it is open. `ended` is why it may
-    never move (a stable word), None while it may.
+    never move (a stable word), None while it may. `asked`: an approval was asked for.
     """
 
     command: Command
@@ -49,6 +149,7 @@ class Claim:
     status_post: str | None = None
     final: str | None = None
     ended: str | None = None
+    asked: Asked | None = None
 
     def why_not(self, now_at: datetime, watermark_at: datetime, stopped_at: datetime, max_age_s: float) -> str | None:
         """Why an earlier process's claim may not begin to move; None when the restart fell within its time."""
@@ -57,15 +158,27 @@ class Claim:
             return self.ended
         if posted_at <= stopped_at:
             return "stop"
-        fresh = posted_at > watermark_at and (now_at - posted_at).total_seconds() <= max_age_s
-        return None if fresh else "stale"
+        if posted_at <= watermark_at:
+            return "stale"
+        if self.asked is not None and self.asked.decided is None:
+            return "lapsed" if now_at > self.asked.until_at else None
+        # What was approved is as fresh as its approval is.
+        since_at = self.asked.decided.at if self.asked is not None and self.asked.decided is not None else posted_at
+        return None if now_at - since_at <= timedelta(seconds=max_age_s) else "stale"
 
 
-def read_claim(row: tuple[str, str, float, str | None, str | None, str | None]) -> Claim:
-    """A row of `COLUMNS`; its `waited_s` counts until now."""
-    command, taken_in, accepted_s, status_post, final, ended = row
+def read_claim(row: tuple[Any, ...]) -> Claim:
+    """A row of `CLAIMS`; its `waited_s` counts until now."""
+    command, taken_in, accepted_s, status_post, final, ended, *asked = row
     waited_s = boot_s() - accepted_s if taken_in == boot() else float("inf")
-    return Claim(COMMAND.validate_json(command), False, waited_s, status_post, final, ended)
+    return Claim(COMMAND.validate_json(command), False, waited_s, status_post, final, ended, read_asked(*asked))
+
+
+def read_asked(asked_at: str | None, until_at: str | None, said: str | None) -> Asked | None:
+    if asked_at is None or until_at is None:
+        return None
+    decided = DECIDED.validate_json(said) if said else None
+    return Asked(datetime.fromisoformat(asked_at), datetime.fromisoformat(until_at), decided)
 
 
 def boot_s() -> float:

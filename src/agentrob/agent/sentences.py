@@ -14,6 +14,27 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "排队中：同一账号 {seconds:.0f} 秒后才能再次指挥我，届时自动继续。",
     ),
     "running": ("Step {step} of {steps}: {doing} …", "第 {step} 步，共 {steps} 步：{doing}……"),
+    "waits": ("**Waits for approval.**", "**等待批准。**"),
+    "waits.plan": ("I understood: {understood}.", "我的理解：{understood}。"),
+    "waits.who": (
+        "{who} may approve until {until} UTC; then it lapses.",
+        "{who}可以在 {until}（UTC）前批准，过时作废。",
+    ),
+    "waits.how": (
+        "They reply here `@{robot} approve` or `@{robot} deny`.",
+        "请在此回复 `@{robot} 批准` 或 `@{robot} 拒绝`。",
+    ),
+    "waits.own": ("Whoever asked for it may not approve it.", "提出要求的人不能自己批准。"),
+    "who.operator": ("Operators", "操作员"),
+    "who.moderator": ("Moderators and admins", "版主和管理员"),
+    "who.admin": ("Admins", "管理员"),
+    "who.owner": ("Its owner and admins", "机器人的主人和管理员"),
+    "approved.by": ("Approved by {who}.", "批准者：{who}。"),
+    "denied.by": ("{who} denied it.", "{who} 拒绝了这个命令。"),
+    "lapsed": (
+        "**Expired.** Nobody approved it within {minutes:.0f} minutes. Post it again if you still want it.",
+        "**已过期。** {minutes:.0f} 分钟内没有人批准。如仍需要，请重新发帖。",
+    ),
     "done": ("**Done.**", "**完成。**"),
     "failed": ("**Failed** at step {step}.", "**失败**：停在第 {step} 步。"),
     "failed.before": ("**Failed** before anything moved.", "**失败**：还没有任何动作。"),
@@ -74,7 +95,38 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "This command came through more than {count} agents, and I follow no longer chain.",
         "这个命令经过了 {count} 个以上的代理转述，我不执行这么长的转述。",
     ),
+    # ------------------------------------------------------------ what approves and does not count
+    "approval.nothing": (
+        "No command in this thread waits for my approval now.",
+        "这个话题里现在没有等待批准的命令。",
+    ),
+    "approval.which": (
+        "I cannot tell which command you mean. Reply to the command itself, or to my answer to it.",
+        "我不知道你指的是哪一个命令。请直接回复那个命令，或回复我对它的答复。",
+    ),
+    "approval.edited": (
+        "An edit approves nothing. Write it anew.",
+        "修改过的帖子不能用来批准或拒绝。请重新发帖。",
+    ),
+    "approval.stale": (
+        "I came to read this more than {seconds:.0f} s later, so it approves nothing. Approve it again.",
+        "我在 {seconds:.0f} 秒之后才读到这个帖子，所以批准无效。请重新批准。",
+    ),
+    "approval.early": (
+        "This was written before I said what I understood, so it approves nothing. Approve it again.",
+        "这是在我说明我的理解之前写的，所以批准无效。请重新批准。",
+    ),
+    "approval.unverified": (
+        "I could not check who may approve this, so it changes nothing. Write it again.",
+        "无法确认谁可以批准，所以没有生效。请重新发帖。",
+    ),
+    "approval.lost": (
+        "Whoever approved it may not approve it any more.",
+        "批准它的账号现在已不能批准。",
+    ),
     # ------------------------------------------------------------ why a command was ended before its time
+    "because.denied": ("Its approval was denied.", "它没有获得批准。"),
+    "because.approval": ("Its approval was taken back.", "对它的批准已被撤回。"),
     "because.stop": ("A stop came.", "收到了停止命令。"),
     "because.edited": (
         "The post was edited, and an edit never starts a motion. Post it anew.",
@@ -114,6 +166,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "do.stand": ("stand", "站立"),
     "do.stretch": ("stretch", "伸懒腰"),
     "do.get_front_image": ("take a photo", "拍照"),
+    "list.joint": (", ", "，"),
     "direction.forward": ("forward", "前"),
     "direction.backward": ("backward", "后"),
     "direction.left": ("left", "左"),

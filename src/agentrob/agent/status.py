@@ -43,6 +43,7 @@ class StatusLine:
         self._edits_left = min(MAX_EDITS, forum.max_edits or 0) if limited else None
         self._limited = limited
         self._post_id: str | None = None
+        self._asks_id: str | None = None
         self._next: Shown | None = None
         self._last: Shown | None = None
         self._sending: asyncio.Task[None] | None = None
@@ -51,6 +52,11 @@ class StatusLine:
     def post_id(self) -> str | None:
         """The status post, once it is there."""
         return self._post_id
+
+    @property
+    def posts(self) -> frozenset[str]:
+        """Every post of ours by which somebody may answer this command."""
+        return frozenset(post_id for post_id in (self._post_id, self._asks_id) if post_id is not None)
 
     @property
     def shown(self) -> StatusCard | None:
@@ -90,6 +96,27 @@ class StatusLine:
                 self._last = shown
             except ForumError as e:
                 _log.info("status not shown", post=self._command.post_id, error=str(e))
+
+    async def ask(self, shown: Shown) -> None:
+        """Put something there that people answer, trying until it is there.
+
+        Where edits are limited it is a reply of its own.
+        """
+        self._next = None
+        if self._sending is not None:
+            await asyncio.wait({self._sending})
+        post_id, command = self._post_id, self._command
+        if post_id is not None and not self._limited:
+            await insist(lambda: self._forum.edit(post_id, shown.text, card=shown.card))
+        else:
+            key = f"waits:{command.post_id}"
+            written = await insist(
+                lambda: self._forum.reply(
+                    command.topic_id, shown.text, key=key, reply_to=command.post_id, card=shown.card
+                )
+            )
+            self._asks_id = written.post.id
+        self._last = shown
 
     async def close(self, final: Shown, images: Sequence[bytes] = (), short: str = "") -> None:
         """Tell the end, trying until it is told, once: a post that already tells an end is left alone.

@@ -24,7 +24,8 @@ from agentrob.minds.chat import ChatModel
 from agentrob.minds.mind import Listener, Mind
 from agentrob.minds.model_mind import ModelMind
 from agentrob.minds.screening import Screened, narrowed, screen_by_model
-from agentrob.model import Capabilities, Command, Decision, Intent, Plan, Understanding
+from agentrob.minds.summary import Summary, summarise
+from agentrob.model import Capabilities, Command, Decision, Intent, Plan, Report, Understanding
 from agentrob.robots.client import DriverClient
 
 _THOUGHT = TypeAdapter(Thought)
@@ -61,6 +62,13 @@ class Thinking:
             job.command = replace(job.command, language=thought.understanding.language)
         job.thought = thought
         return thought
+
+    async def summary(self, job: Job, report: Report) -> Summary | None:
+        """What a model makes of the measured results in words, where the owner wants that."""
+        if not self.settings.summary or self.model is None or report.status != "done":
+            return None
+        spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
+        return await summarise(self.model, report.results, report.command.language, spent)
 
     async def _think(self, job: Job, terms: Terms) -> str:
         return _THOUGHT.dump_json(await self.consider(job, terms)).decode()
@@ -114,9 +122,10 @@ class Thinking:
         history: Sequence[Plan],
         scene: str,
     ) -> Thought:
-        """The thought with what a model has against a command that the rules allow."""
+        """The thought with what a model has against a command that the rules allow, or would with an approval."""
         verdict, settings = thought.verdict, self.settings
-        if verdict is None or verdict.decision is not Decision.ALLOW or settings.screen == "rules":
+        passed = verdict is not None and verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL)
+        if verdict is None or not passed or settings.screen == "rules":
             return thought
         screened: Screened | None = None
         plan, language = thought.understanding.plan, thought.understanding.language

@@ -19,6 +19,8 @@ import structlog
 from agentrob.agent import extract, plot
 from agentrob.agent import report as words
 from agentrob.agent.alarm import Alarm
+from agentrob.agent.approvals import Approvals
+from agentrob.agent.brake import Brake
 from agentrob.agent.camera import Camera
 from agentrob.agent.channel import Channel
 from agentrob.agent.course import Course
@@ -43,7 +45,7 @@ from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
 from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
-from agentrob.model import Account, Command, Decision, Language, Post, Report, StopResult
+from agentrob.model import Account, Command, Decision, Post, Report, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -86,11 +88,14 @@ class RobotAgent:
         self.records = Records(self.folder)
         self.line = Line(self._line_changed)
         self.inbox = Inbox(
-            name, lambda: self.journal, self.line, lambda: self._stopped_at, self._take_up,
-            self._decline,
+            name, lambda: self.journal, self.line, lambda: self.brake.stopped_at, self._take_up,
+            self._decline, self._approve,
         )  # fmt: skip
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
         self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
+        self.brake = Brake(
+            self.line, self.inbox, self.stops, self.alarm, lambda: self._journal, self.channel.now, self._spawn
+        )
         stage = forum if isinstance(forum, Stage) else None
         self.presence = Presence(stage, driver, name, settings, lambda: self.line.posts) if stage else None
         seen_by = settings.room_camera
@@ -106,10 +111,9 @@ class RobotAgent:
         self._journal: Journal | None = None
         self._course: Course | None = None
         self._me: Account | None = None
-        self._watermark_at = self._stopped_at = datetime.min.replace(tzinfo=UTC)
+        self._watermark_at = datetime.min.replace(tzinfo=UTC)
         self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
-        self._saving: asyncio.Task[None] | None = None
         self._accepting = True
         self._ending = False
 
@@ -140,8 +144,8 @@ class RobotAgent:
             self.ready.set()
             try:
                 await self.inbox.take_waiting()
-                while self._tasks:
-                    await asyncio.wait(set(self._tasks))
+                while busy := self._tasks - self.line.asking():
+                    await asyncio.wait(busy, timeout=0.2)  # one that begins to wait for an approval waits on next time
             finally:
                 for helper in helpers:
                     helper.cancel()
@@ -168,10 +172,7 @@ class RobotAgent:
             await self.journal.put("cursor", newest)
             await self.journal.put("watermark", (begun := self.channel.now()).isoformat())
         self._watermark_at = begun
-        stopped_at = await self.journal.get_time("stopped") or begun
-        if self._stopped_at > stopped_at:  # somebody stopped before we could write it down
-            self._saving = self._spawn(self._save_stopped())
-        self._stopped_at = max(self._stopped_at, stopped_at)
+        await self.brake.remember(self.journal, begun)
         self.channel.cursor = await self.journal.get("cursor") or newest
         self._course = self._make_course()
         await self._resume()
@@ -190,10 +191,10 @@ class RobotAgent:
         except ForumNotFound:
             await self._begin_anew()
         for claim in await self.journal.open_claims():
-            job = Job(claim.command, known=True, waited_s=claim.waited_s)
+            job = Job(claim.command, known=True, waited_s=claim.waited_s, asked=claim.asked)
             # A motion that was begun is never repeated, so its report only needs telling.
             begun = await self.journal.moved(claim.command.post_id)
-            limits = self._watermark_at, self._stopped_at, self.settings.max_post_age_s
+            limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
             if not begun and (why := claim.why_not(self.channel.now(), *limits)):
                 job.end(why)
                 await self.journal.end([claim.command.post_id], why)
@@ -243,11 +244,22 @@ class RobotAgent:
 
     def _make_course(self) -> Course:
         names = self._ears().names
+        approvals = Approvals(
+            self.name,
+            self._ears().me.name,
+            self.settings,
+            self.forum,
+            self.journal,
+            self.line,
+            self.channel.now,
+            self._spawn,
+        )
         thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal)
         return Course(
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
-            self.channel, self.line, self.stops, self.records, self.recorder, self._store, Pace(self.settings.rates),
-            Surroundings(self.settings.scene), self._line_changed, lambda: self._ending, self._on_end,
+            self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
+            Pace(self.settings.rates), Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
+            self._on_end,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
@@ -330,54 +342,13 @@ class RobotAgent:
         )  # fmt: skip
 
     def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:
-        """End and cancel all that was posted earlier, and stop the robot, with nothing in between."""
         assert self._me is not None
-        if author is None or not obeyed(author, self._me) or may(author, "stop").decision is not Decision.ALLOW:
-            return
-        post, halt = event.post, heard.call is Call.HALT
-        edited = event.kind is EventKind.POST_EDITED
-        at = post.created_at if post is not None and not edited else event.at
-        ended, stopping = self._end_all(author.name, at, halt)
-        if post is not None:
-            count = len(ended) + sum(coming.created_at <= at for coming in self.inbox.coming.values())
-            self._spawn(self.stops.answer(post, heard.language, stopping, count, halt))
-        self._ring(event.at, post.topic_id if post is not None else None, ended, heard.language)
+        if author is not None and obeyed(author, self._me) and may(author, "stop").decision is Decision.ALLOW:
+            self.brake.heard(event, author, heard.language, halt=heard.call is Call.HALT)
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
-        """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were.
-
-        What is known to be posted (in line, on its way, at `posted_at`) was posted before, whatever the clocks say.
-        """
-        known = [job.command.posted_at for job in self.line] + [p.created_at for p in self.inbox.coming.values()]
-        at = max([self.channel.now(), *known, *([posted_at] if posted_at else [])])
-        ended, stopping = self._end_all(by, at)
-        self._ring(self.channel.now(), None, ended, "en")
-        return len(ended), stopping
-
-    def _end_all(self, by: str, at: datetime, halt: bool = False) -> tuple[list[Job], asyncio.Task[StopResult | None]]:
-        self._stopped_at = max(self._stopped_at, at)
-        ended = self.line.end_before(at, STOP)
-        stopping: asyncio.Task[StopResult | None] = self._spawn(self.stops.stop(by, at, halt))
-        for job in ended:
-            job.stop, job.stopped_by = stopping, by
-        # On disk only now that the stop is on its way: nothing delays it.
-        if self._journal is not None and (self._saving is None or self._saving.done()):
-            self._saving = self._spawn(self._save_stopped())
-        if ended:
-            self._spawn(self.journal.end([job.command.post_id for job in ended], STOP))
-        return ended, stopping
-
-    def _ring(self, at: datetime, topic: str | None, ended: list[Job], language: Language) -> None:
-        if self.alarm.rings(at):
-            topic = topic or next((job.command.topic_id for job in ended), None)
-            self._spawn(self.alarm.tell(topic, language))
-
-    async def _save_stopped(self) -> None:
-        """Many stops at once are one or two writes, so that nobody's command waits behind them."""
-        saved_at = datetime.min
-        while saved_at != self._stopped_at:
-            saved_at = self._stopped_at
-            await self.journal.put("stopped", saved_at.isoformat())
+        """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
+        return self.brake.pulled(by, posted_at)
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
@@ -400,6 +371,9 @@ class RobotAgent:
 
     def _decline(self, command: Command) -> None:
         self._spawn(self.course.decline(command))
+
+    async def _approve(self, post: Post, heard: Heard) -> None:
+        await self.course.approvals.hear(post, heard)
 
     def _take_up(self, job: Job) -> None:
         self.stops.new_command()

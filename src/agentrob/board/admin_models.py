@@ -145,6 +145,7 @@ class RobotChange(_Change):
     approve: Who = "moderator"
     release: Literal["owner", "admin", "nobody"] = "owner"
     approval: Annotated[list[ClassWord], Field(max_length=4)] = Field([])
+    approve_own: bool = False
     camera_role: RoleWord = Role.GUEST
     camera_days: Annotated[int, Field(ge=0, le=3650), Whole] = 0
     closed: Annotated[list[Hours], Field(max_length=20)] = Field([])
@@ -168,6 +169,7 @@ class RobotSettingsOut(_Out):
     approve: str
     release: str
     approval: tuple[str, ...]
+    approve_own: bool
     camera_role: Role
     camera_days: int
     closed: tuple[dict[str, Any], ...]
@@ -233,6 +235,7 @@ def robot_settings_out(name: str, kept: RobotSettings) -> RobotSettingsOut:
         approve=kept.approve,
         release=kept.release,
         approval=kept.approval,
+        approve_own=kept.approve_own,
         camera_role=kept.camera_role,
         camera_days=kept.camera_days,
         closed=tuple(map(closed_out, kept.closed)),

@@ -159,7 +159,7 @@ async def reply(request: Request, topic_id: str, new: ReplyIn, by: Member, key: 
     written = await services(request).store.reply(
         by, topic_id, new.body, key=key, reply_to=new.reply_to, images=new.images, card=card
     )
-    return _post_written(request, by, written)
+    return post_written(request, by, written)
 
 
 @router.get("/posts", response_model=Items[PostOut])
@@ -232,7 +232,7 @@ def _card(by: Account, card: CardIn | None) -> dict[str, Any] | None:
     return card.model_dump()
 
 
-def _post_written(request: Request, by: Account, written: Written) -> Response:
+def post_written(request: Request, by: Account, written: Written) -> Response:
     answer = PostWritten(post=shaper(request, by).post(written.post), created=written.created)
     return out(answer, 201 if written.created else 200)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from agentrob.board import commands
-from agentrob.board.api import Member, Reading, out
-from agentrob.board.api_models import CommandIn, CommandOut, CommandsOut, time_out
+from agentrob.board import approvals, commands
+from agentrob.board.api import Key, Member, Reading, out, post_written
+from agentrob.board.api_models import ApproveIn, CommandIn, CommandOut, CommandsOut, PostWritten, time_out
 from agentrob.board.commands import RECORD_BYTES, RECORD_DEPTH
 from agentrob.board.problem import documented
 from agentrob.board.services import services
@@ -33,6 +33,13 @@ async def publish(request: Request, post_id: str, told: CommandIn, by: Member) -
     commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)
     await store.do(lambda t: commands.keep(t, by, post_id, told.reply, told.record))
     return _told(request, post_id)
+
+
+@router.post("/commands/{post_id}/approve", response_model=PostWritten, status_code=201, responses=documented(409))
+async def approve(request: Request, post_id: str, said: ApproveIn, by: Member, key: Key = None) -> Response:
+    """Approve or deny a command that waits: the same as a reply that says so, which it writes."""
+    written = await approvals.say(services(request), by, post_id, said.robot, said.approve, key)
+    return post_written(request, by, written)
 
 
 def _told(request: Request, post_id: str) -> Response:

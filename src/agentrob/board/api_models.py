@@ -73,6 +73,11 @@ class ReplyIn(_In):
     card: CardIn | None = None
 
 
+class ApproveIn(_In):
+    robot: Annotated[str, Field(max_length=64)]
+    approve: bool = Field(True, description="false denies")
+
+
 class EditIn(_In):
     """`images` are added to those the post has; a card that is not given stays, null takes it away."""
 
@@ -192,6 +197,7 @@ class RightsOut(_Out):
     release: str
     board: str = Field(description="the least role that commands on the board that was asked for")
     approval: tuple[str, ...] = Field(description="classes of action that need somebody's approval")
+    approve_own: bool = Field(description="whether who may approve may approve what they asked for themselves")
     closed_until: Time | None = Field(description="the end of the robot's maintenance, when it is closed now")
 
 
@@ -326,5 +332,6 @@ def rights_out(kept: RobotSettings, board: records.Board, now: datetime) -> Righ
         release=kept.release,
         board=str(board.command_role),
         approval=kept.approval,
+        approve_own=kept.approve_own,
         closed_until=time_out(closed) if closed else None,
     )

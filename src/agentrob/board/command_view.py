@@ -163,6 +163,8 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mappin
     screened, stop, end = _map(record.get("screened")), _map(record.get("stop")), _map(looked.get("end"))
     refusal = _map(screened.get("refusal"))
     latency = _number(stop.get("latency_ms"))
+    approval = _map(record.get("approval"))
+    approver = _text(approval.get("by"), 80)
     facts = [
         ("Read by", _text(record.get("mind"), 80)),
         ("Because", _text(record.get("fallback"), 300)),
@@ -178,6 +180,7 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mappin
         ("Summed up by", _text(summary.get("mind"), 80)),
         ("Its words were left out", _text(summary.get("failed"), 200) or _text(summary.get("problem"), 200)),
         ("Contradicted by measurement", _text(looked.get("contradicted"), 300)),
+        ("Approved by" if approval.get("approved") is True else "Denied by", approver),
         ("Stopped by", _text(record.get("stopped_by"), 80)),
         ("Stop took", "" if latency is None else f"{latency:.0f} ms"),
         ("Stop confirmed", "" if not stop else "yes" if stop.get("confirmed") is True else "no"),

@@ -205,6 +205,7 @@ def _robot_fields(form: FormData) -> dict[str, Any]:
     return {
         "command": {str(c): forms.field(form, f"command_{c}") for c in ActionClass},
         "approval": tuple(str(c) for c in ActionClass if f"approval_{c}" in form),
+        "approve_own": "approve_own" in form,
         "approve": forms.field(form, "approve"),
         "release": forms.field(form, "release"),
         "camera_role": forms.one_of(Role, forms.field(form, "camera_role")),

@@ -7,15 +7,16 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board import access, commands, robot_view
+from agentrob.board import access, approvals, commands, forms, robot_view
 from agentrob.board.access import Viewer
 from agentrob.board.command_view import command_view
 from agentrob.board.services import services
-from agentrob.board.templating import show
+from agentrob.board.templating import go, own_path, show, with_receipt
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
 Reading = Annotated[Viewer, Depends(access.reader)]
+Anybody = Annotated[Viewer, Depends(access.viewer)]
 
 
 @router.get("/c/{post_id}")
@@ -27,5 +28,18 @@ async def command(request: Request, viewer: Reading, post_id: str, part: str = "
     hidden = robot_view.hidden_cameras(known, viewer.account, [one.reply for one in told if one.reply])
     data = {"post": post, "views": views, "topic": known.store.topic(post.topic_id), "hidden": hidden}
     data["board"] = known.store.board(post.board_id)
+    data |= {"waiting": approvals.of_post(known, post, viewer.account), "key": forms.nonce()}
     template = "command_views.html" if part == "views" else "command.html"
     return show(request, viewer, template, data, here="home")
+
+
+@router.post("/c/{post_id}/approve")
+async def approve(request: Request, viewer: Anybody, post_id: str) -> Response:
+    """Approve or deny a command that waits."""
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    robot, yes = forms.field(form, "robot"), forms.field(form, "do") == "approve"
+    key = forms.key(form, post_id, robot, str(yes))
+    await approvals.say(services(request), access.account_of(viewer), post_id, robot, yes, key)
+    back = own_path(form.get("back"), f"/c/{post_id}")
+    return go(with_receipt(back, viewer, "approve" if yes else "deny", robot))

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board import access, buttons, forms, rights, robot_view
+from agentrob.board import access, approvals, buttons, forms, rights, robot_view
 from agentrob.board.access import Viewer
 from agentrob.board.records import Image, Post, Topic
 from agentrob.board.robot_view import RobotView
@@ -44,7 +44,7 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
         if rights.sees_camera(kept, viewer.account, account.name)
         else None
     )
-    data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view)
+    data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view, viewer)
     data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
     return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
 
@@ -53,7 +53,7 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
 async def robot_fragment(request: Request, viewer: Reading, name: str) -> Response:
     known = services(request)
     view = robot_view.robot(known, name)[1]
-    return show(request, viewer, "robot_facts.html", {"robot": view} | _about(known, view))
+    return show(request, viewer, "robot_facts.html", {"robot": view} | _about(known, view, viewer))
 
 
 @router.post("/robots/{name}/stop")
@@ -99,11 +99,15 @@ def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[
     return [(store.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
 
 
-def _about(known: Services, view: RobotView) -> dict[str, Any]:
-    """What the forum itself knows of a robot: its owner, and the posts that wait, as far as they are to be seen."""
+def _about(known: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:
+    """What the forum itself knows of a robot: its owner, and the posts that wait (some for an approval), as far as they
+    are to be seen."""
     posts = {post.id: post for post in known.store.reader.posts_by_id([int(i) for i in view.line])}
     line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
-    return {"owner": rights.settings_of(known.store.reader, view.name).owner, "line": line}
+    robots = [buttons.known_robot(known, view.name)]
+    asking = [one for post in line for one in approvals.waiting(known, post, robots, viewer.account)]
+    about = {"owner": rights.settings_of(known.store.reader, view.name).owner, "line": line}
+    return about | {"waiting": asking, "key": forms.nonce()}
 
 
 def _last_picture(posts: Sequence[Post]) -> tuple[Post, Image] | None:

@@ -18,7 +18,7 @@ from sqlalchemy import bindparam, select
 from agentrob.board import schema as db
 from agentrob.board.reader import Reader
 from agentrob.errors import BoardError
-from agentrob.model import Account, ActionClass, Role
+from agentrob.model import Account, AccountKind, ActionClass, Role
 
 #: What may stand where a right does, least first.
 WHO = ("operator", "moderator", "admin", "owner", "nobody")
@@ -73,6 +73,7 @@ class RobotSettings:
     approve: str = "moderator"
     release: str = "owner"
     approval: tuple[str, ...] = ()
+    approve_own: bool = False
     camera_role: Role = Role.GUEST
     camera_days: int = 0
     closed: tuple[Closed, ...] = ()
@@ -92,7 +93,7 @@ class RobotSettings:
         """The columns of its row but the accounts."""
         rights = {"command": dict(self.command), "approve": self.approve, "release": self.release}
         return {
-            "rights": rights | {"approval": list(self.approval)},
+            "rights": rights | {"approval": list(self.approval), "approve_own": self.approve_own},
             "camera_role": str(self.camera_role),
             "camera_days": self.camera_days,
             "closed": [closed_out(c) for c in self.closed],
@@ -116,6 +117,7 @@ def _read(reader: Reader, robot: str) -> RobotSettings:
         approve=rights["approve"],
         release=rights["release"],
         approval=tuple(rights["approval"]),
+        approve_own=rights.get("approve_own") is True,
         camera_role=Role(row.camera_role),
         camera_days=row.camera_days,
         closed=tuple(map(closed_in, row.closed)),
@@ -127,6 +129,13 @@ def reaches(account: Account, who: str, owner: str) -> bool:
     if who == "owner":
         return (bool(owner) and account.name == owner) or account.role is Role.ADMIN
     return who in frozenset(Role) and account.role.rank >= Role(who).rank
+
+
+def approves(settings: RobotSettings, account: Account, author: Account) -> bool:
+    """Whether an account may approve or deny what `author` asked of the robot, as its agent judges too."""
+    if account.kind is not AccountKind.HUMAN or account.suspended or account.role.rank < Role.OPERATOR.rank:
+        return False
+    return reaches(account, settings.approve, settings.owner) and (settings.approve_own or account.id != author.id)
 
 
 def sees_camera(settings: RobotSettings, account: Account | None, robot: str) -> bool:

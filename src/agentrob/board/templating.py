@@ -36,7 +36,7 @@ EXCERPT_FROM = 600
 #: The states of a command as words for people.
 STATES = {
     **{s: s for s in ("seen", "queued", "running", "done", "failed", "refused", "stopped", "interrupted")},
-    **{"cancelled": "cancelled", "expired": "expired", "asks_back": "asks back"},
+    **{"waiting": "waits for approval", "cancelled": "cancelled", "expired": "expired", "asks_back": "asks back"},
 }
 BADGES = {
     AccountKind.ROBOT_AGENT: "robot",

@@ -300,6 +300,7 @@ def _rights(r: _JSON) -> RobotRights:
         release=str(r["release"]),
         board=str(r["board"]),
         approval=tuple(map(str, r["approval"])),
+        approve_own=r.get("approve_own") is True,  # boards of before do not say
         closed_until=_time(closed) if closed is not None else None,
     )
 

@@ -26,8 +26,8 @@ class DiscourseOptions(GroupOptions):
     """`[forum.options]` of a forum of the kind `discourse`.
 
     Groups are called by their names on the forum, the automatic ones too: `trust_level_2` means that level and above,
-    `staff` admins and moderators. Whoever is in none of `operators` and `admins` looks and stops only; groups that
-    anybody may join give nothing (law 2: signing up makes nobody an operator).
+    `staff` admins and moderators. Whoever is in none of `operators`, `moderators` (who approve, too) and `admins` looks
+    and stops only; groups that anybody may join give nothing (law 2: signing up makes nobody an operator).
     `requests_per_minute`: what the key may ask (default 60, with a user's key 20); from 240 on posts come by push.
     """
 

@@ -23,12 +23,13 @@ class GroupOptions(BaseModel):
     everybody: ClassVar[frozenset[str]]
 
     operators: Groups = ()
+    moderators: Groups = ()
     admins: Groups = ()
     robot_agents: Groups = ()
     monitoring_agents: Groups = ()
     commanding_agents: Groups = ()
 
-    @field_validator("operators", "admins", "commanding_agents")
+    @field_validator("operators", "moderators", "admins", "commanding_agents")
     @classmethod
     def _not_everybody(cls, names: Groups) -> Groups:
         if found := sorted({cls.spelled(name) for name in names} & cls.everybody):
@@ -56,6 +57,8 @@ class GroupOptions(BaseModel):
     def role(self, closed: Collection[str]) -> Role:
         if self.among(self.admins, closed):
             return Role.ADMIN
+        if self.among(self.moderators, closed):
+            return Role.MODERATOR
         return Role.OPERATOR if self.among(self.operators, closed) else Role.MEMBER
 
     def kind(self, said: Collection[str], closed: Collection[str]) -> AccountKind:

@@ -12,24 +12,23 @@ passes the same contract.
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime, timedelta
+from dataclasses import dataclass, replace
+from datetime import datetime
 from typing import Any, TypeVar
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
-from agentrob.meaning import LEAST, Encodes, alike
+from agentrob.forums.memory_records import MemoryRecords
+from agentrob.meaning import LEAST, alike
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 T = TypeVar("T")
-_MENTION = re.compile(r"(?<![\w@])@([a-z][a-z0-9_-]*)", re.IGNORECASE)
 
 
 @dataclass
-class MemoryWorld:
+class MemoryWorld(MemoryRecords):
     """The forum itself, shared by everybody who signs in; times are the machine's clock plus `clock_offset_s`.
 
     `max_edits` limits edits per post, `live=False` has no event stream (agents must poll, every `fastest_poll_s` at
@@ -37,133 +36,12 @@ class MemoryWorld:
     is set back; `limited_s > 0` makes writes fail with `ForumLimited`. With an `encoder` it is searched by meaning too.
     """
 
-    max_edits: int | None = None
-    live: bool = True
-    fastest_poll_s: float = 0.0
-    clock_offset_s: float = 0.0
-    limited_s: float = 0.0
-    encoder: Encodes | None = None
-    boards: dict[str, Board] = field(default_factory=lambda: {"robots": Board("robots", "Robots")})
-    accounts: dict[str, Account] = field(default_factory=dict)
-    topics: dict[str, Topic] = field(default_factory=dict)
-    posts: dict[str, Post] = field(default_factory=dict)
-    pictures: dict[str, bytes] = field(default_factory=dict)
-    events: list[Event] = field(default_factory=list)
-    robots: dict[str, dict[str, Any]] = field(default_factory=dict)
-    frames: dict[str, bytes] = field(default_factory=dict)
-    viewers: dict[str, int] = field(default_factory=dict)
-    _keys: dict[tuple[str, str], str] = field(default_factory=dict)
-    _waiting: set[asyncio.Event] = field(default_factory=set)
-    _reachable: bool = True
-
     def sign_in(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER, display_name: str = ""
     ) -> MemoryForum:
         """The forum as this account sees it; the account is made when it is not there yet."""
-        if name not in self.accounts:
-            account = Account(f"a{len(self.accounts) + 1}", name, kind, role, display_name=display_name or name)
-            self.accounts[name] = account
+        self.add_account(name, kind, role, display_name)
         return MemoryForum(self, name)
-
-    def now(self) -> datetime:
-        return datetime.now(UTC) + timedelta(seconds=self.clock_offset_s)
-
-    # ---------------------------------------------------------------- what moderators and bad days do
-    def suspend(self, name: str, suspended: bool = True) -> None:
-        self.accounts[name] = replace(self.accounts[name], suspended=suspended)
-
-    def set_role(self, name: str, role: Role) -> None:
-        self.accounts[name] = replace(self.accounts[name], role=role)
-
-    def remove(self, post_id: str) -> None:
-        """Hide a post, as its author or a moderator does."""
-        post = replace(self.fresh(post_id), removed=True)
-        self.posts[post_id] = post
-        self.emit(EventKind.POST_REMOVED, post=post)
-
-    def give(self, post_id: str, name: str) -> None:
-        """Make a post another account's, as moderators of some forums can; nothing tells of it."""
-        self.posts[post_id] = replace(self.posts[post_id], author=self.accounts[name])
-
-    def watch(self, robot: str, viewers: int) -> None:
-        """So many people look at the robot's camera now."""
-        first = viewers > 0 and self.viewers.get(robot, 0) == 0
-        self.viewers[robot] = viewers
-        if first:
-            self.emit(EventKind.ROBOT_WATCH, robot=robot)
-
-    @property
-    def reachable(self) -> bool:
-        return self._reachable
-
-    @reachable.setter
-    def reachable(self, value: bool) -> None:
-        self._reachable = value
-        self._wake()
-
-    # ---------------------------------------------------------------- inside
-    def fresh(self, post_id: str) -> Post:
-        """The post with its author as the account is now."""
-        if post_id not in self.posts:
-            raise ForumNotFound(f"there is no post {post_id}")
-        post = self.posts[post_id]
-        author = self.accounts[post.author.name]
-        return post if post.author is author else replace(post, author=author)
-
-    def written_under(self, name: str, key: str) -> Post | None:
-        post_id = self._keys.get((name, key))
-        return self.fresh(post_id) if post_id else None
-
-    def add_post(self, topic: Topic, name: str, body: str, key: str, images: Sequence[bytes], **more: Any) -> Post:
-        number = str(len(self.posts) + 1)
-        post = Post(
-            number, topic.id, topic.board_id, self.accounts[name], body, self.now(), key=key,
-            mentions=self.mentioned(body), url=f"{topic.url}#{number}", images=self.keep(number, images), **more,
-        )  # fmt: skip
-        self.posts[number] = post
-        self._keys[name, key] = number
-        self.emit(EventKind.POST_CREATED, post=post)
-        return post
-
-    def keep(self, post_id: str, images: Sequence[bytes]) -> tuple[str, ...]:
-        names = tuple(f"memory:{post_id}/{len(self.pictures) + n}" for n in range(len(images)))
-        self.pictures.update(zip(names, images, strict=True))
-        return names
-
-    def mentioned(self, body: str) -> tuple[str, ...]:
-        names = (m.group(1).lower() for m in _MENTION.finditer(body))
-        return tuple(dict.fromkeys(n for n in names if n in self.accounts))
-
-    def emit(self, kind: EventKind, **more: Any) -> None:
-        self.events.append(Event(str(len(self.events) + 1), kind, self.now(), **more))
-        self._wake()
-
-    def after(self, event_id: str, limit: int) -> tuple[Event, ...]:
-        start = int(event_id or 0) if event_id.isdecimal() or not event_id else -1
-        if not 0 <= start <= len(self.events):
-            raise ForumNotFound(f"there is no event {event_id}; the newest is {len(self.events)}")
-        return tuple(self._delivered(e) for e in self.events[start : start + limit])
-
-    def _delivered(self, event: Event) -> Event:
-        """A post event carries the post as it is at delivery, as on the board."""
-        return replace(event, post=self.fresh(event.post.id)) if event.post else event
-
-    def _wake(self) -> None:
-        for waiting in self._waiting:
-            waiting.set()
-
-    async def wait(self, seconds: float) -> bool:
-        """Wait until something happens; False when nothing did in time."""
-        waiting = asyncio.Event()
-        self._waiting.add(waiting)
-        try:
-            async with asyncio.timeout(seconds):  # wait_for of Python 3.11 may swallow a cancellation
-                await waiting.wait()
-        except TimeoutError:
-            return False
-        finally:
-            self._waiting.discard(waiting)
-        return True
 
 
 #: Worlds that are named by a configuration, for whoever builds a memory forum through its entry point.

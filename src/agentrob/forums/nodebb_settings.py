@@ -18,9 +18,10 @@ EVERYBODY = frozenset({"registered-users", "verified-users", "unverified-users",
 class NodeBBOptions(GroupOptions):
     """`[forum.options]` of a forum of the kind `nodebb`: what a member of a group may do, by the groups' names.
 
-    Whoever is in none of `operators` and `admins` looks and stops only. Groups that anybody may join, and groups that
-    are hidden from our account, give nothing (law 2: signing up makes nobody an operator). `push`: whether the forum's
-    socket is used; without it posts are heard when they are next asked for, half a second later.
+    Whoever is in none of `operators`, `moderators` (who approve, too) and `admins` looks and stops only. Groups
+    that anybody may join, and groups that are hidden from our account, give nothing (law 2: signing up makes nobody an
+    operator). `push`: whether the forum's socket is used; without it posts are heard when they are next asked for, half
+    a second later.
     """
 
     everybody = EVERYBODY
@@ -33,10 +34,14 @@ class NodeBBOptions(GroupOptions):
         """Its slug."""
         return name.lower().replace(" ", "-")
 
+    @property
+    def _giving(self) -> Groups:
+        return (*self.operators, *self.moderators, *self.admins, *self.commanding_agents)
+
     def rights_of(self, groups: Iterable[Mapping[str, Any]]) -> list[str]:
         """Those of the groups, not the forum's own, that give a right."""
         slugs = {str(g.get("slug", "")).lower() for g in groups if not g.get("system")}
-        giving = {self.spelled(name) for name in (*self.operators, *self.admins, *self.commanding_agents)}
+        giving = {self.spelled(name) for name in self._giving}
         return sorted(slugs & giving)
 
 

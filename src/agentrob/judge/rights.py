@@ -1,7 +1,7 @@
 """Who may do what: decided by the account as the forum vouches for it, never by anything in a text (laws 1 and 2).
 
 What a forum keeps of a robot's rights narrows the laws and never widens them: whatever stands there, commanding needs
-an operator, and no agent approves or releases.
+an operator, and no agent approves or releases. What needs an approval and may have one is neither allowed nor refused.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def may(
         return _refused("rights.robot_agent", "refuse.robot", language)
     if account.kind is AccountKind.MONITORING_AGENT:
         return _refused("rights.monitoring_agent", "refuse.monitor", language)
-    if action == "command" and (refusal := _command_refusal(account, rights or _DEFAULT, classes, language)):
-        return refusal
+    if action == "command" and (objection := _objection(account, rights or _DEFAULT, classes, language)):
+        return objection
     if action == "approve" and not _approves(account, owner, rights or _DEFAULT):
         return _refused("rights.approver", "refuse.approver", language)
     if action == "release" and not _releases(account, owner, rights or _DEFAULT):
@@ -71,9 +71,20 @@ def may(
     return Verdict(Decision.ALLOW, f"rights.{action}")
 
 
-def _command_refusal(
-    account: Account, rights: RobotRights, classes: Collection[str], language: Language
-) -> Verdict | None:
+def may_approve(
+    account: Account, author: Account, language: Language = "en", rights: RobotRights | None = None
+) -> Verdict:
+    """Whether `account` may approve or deny now what `author` asked of the robot: nobody their own, unless the robot's
+    rights say so."""
+    rights = rights or _DEFAULT
+    granted = may(account, "approve", language, rights=rights)
+    if granted.decision is Decision.ALLOW and account.id == author.id and not rights.approve_own:
+        return _refused("rights.approve_own", "refuse.approve_own", language)
+    return granted
+
+
+def _objection(account: Account, rights: RobotRights, classes: Collection[str], language: Language) -> Verdict | None:
+    """Why not, or whose leave it needs besides; None when it may."""
     if account.role.rank < Role.OPERATOR.rank:
         return _refused("rights.operator", "refuse.operator", language)
     if rights.closed_until is not None:
@@ -85,9 +96,13 @@ def _command_refusal(
         who = rights.command.get(kind, "nobody")
         if not _reaches(account, who, rights.owner):
             return _refused(f"rights.{kind}", "refuse.class", language, kind=say(f"class.{kind}", language))
-        if kind in rights.approval:
-            return _refused("rights.approval", "refuse.approval", language, kind=say(f"class.{kind}", language))
-    return None
+    asks = [say(f"class.{kind}", language) for kind in classes if kind in rights.approval]
+    if not asks:
+        return None
+    kinds = say("list.joint", language).join(asks)
+    if rights.approve not in (*Role, "owner"):
+        return _refused("rights.approval", "refuse.approval", language, kind=kinds)
+    return Verdict(Decision.NEEDS_APPROVAL, "rights.approval", say("approval.needed", language, kind=kinds))
 
 
 def _reaches(account: Account, who: str, owner: str) -> bool:

@@ -57,10 +57,11 @@ def screen(
     robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
     (law 16), `scene` a description of the place in English, where there is one. `part` is what of a text to several
     robots tells of this one's place (`agentrob.judge.addressed`), by default the whole. `rights` is what the forum
-    keeps of who may command this robot. The reason is a sentence in `language`.
+    keeps of who may command this robot; what needs an approval by them is asked for last, when nothing else objects.
+    The reason is a sentence in `language`.
     """
     granted = may(author, "command", language, rights=rights, classes=classes_of(plan))
-    if granted.decision is not Decision.ALLOW:
+    if granted.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         return granted
     for rule, reason in _objections(plan, capabilities, allow_flip, language):
         return Verdict(Decision.REFUSE, rule, reason)
@@ -74,7 +75,7 @@ def screen(
         or harm_in_scene(text, scene, plan, language)
         or doubt_of(text, language)
         or said_beside(heard, plan, language)
-        or Verdict(Decision.ALLOW, "screen.passed")
+        or (granted if granted.decision is Decision.NEEDS_APPROVAL else Verdict(Decision.ALLOW, "screen.passed"))
     )
 
 

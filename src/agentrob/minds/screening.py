@@ -102,11 +102,12 @@ def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict |
 
 
 def narrowed(by_rules: Verdict, screened: Screened | None, language: Language, required: bool = False) -> Verdict:
-    """The rules' verdict, or a refusal more. Pure: whatever a model says, what the rules do not allow stays so.
+    """The rules' verdict, or a refusal more. Pure: whatever a model says, what the rules do not allow stays so (what
+    needs an approval may still have one, so there it counts too).
 
     `required`: the owner wants no motion without a model's look; then it is asked back where none could be had.
     """
-    if by_rules.decision is not Decision.ALLOW:
+    if by_rules.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         return by_rules
     if screened is not None and screened.refusal is not None and screened.refusal.decision is not Decision.ALLOW:
         return screened.refusal

@@ -1,0 +1,100 @@
+"""What a stop ends: all that was posted earlier, whether it is on its way, waits or moves (laws 13 to 15)."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from datetime import UTC, datetime
+from typing import Any
+
+from agentrob.agent.alarm import Alarm
+from agentrob.agent.execute import STOP
+from agentrob.agent.inbox import Inbox
+from agentrob.agent.journal import Journal
+from agentrob.agent.line import Job, Line
+from agentrob.agent.stops import Stops
+from agentrob.forums.forum import Event, EventKind
+from agentrob.model import Account, Language, StopResult
+
+
+class Brake:
+    """One robot's. `stopped_at` is when the newest stop was posted: nothing of then or before moves any more.
+
+    `journal` gives None while it is not open, `spawn` begins work that nobody waits for. Whether somebody may stop is
+    asked before.
+    """
+
+    def __init__(
+        self,
+        line: Line,
+        inbox: Inbox,
+        stops: Stops,
+        alarm: Alarm,
+        journal: Callable[[], Journal | None],
+        now: Callable[[], datetime],
+        spawn: Callable[[Coroutine[Any, Any, Any]], asyncio.Task[Any]],
+    ) -> None:
+        self.stopped_at = datetime.min.replace(tzinfo=UTC)
+        self._line = line
+        self._inbox = inbox
+        self._stops = stops
+        self._alarm = alarm
+        self._now = now
+        self._spawn = spawn
+        self._journal = journal
+        self._saving: asyncio.Task[None] | None = None
+
+    async def remember(self, journal: Journal, begun: datetime) -> None:
+        """What the journal knows of stops counts too. `begun`: the agent's first start."""
+        kept = await journal.get_time("stopped") or begun
+        if self.stopped_at > kept:  # somebody stopped before we could write it down
+            self._saving = self._spawn(self._save(journal))
+        self.stopped_at = max(self.stopped_at, kept)
+
+    def heard(self, event: Event, author: Account, language: Language, halt: bool) -> None:
+        """A stop of the forum: end and cancel all that was posted earlier, and stop the robot, with nothing between."""
+        post = event.post
+        edited = event.kind is EventKind.POST_EDITED
+        at = post.created_at if post is not None and not edited else event.at
+        ended, stopping = self._end_all(author.name, at, halt)
+        if post is not None:
+            count = len(ended) + sum(coming.created_at <= at for coming in self._inbox.coming.values())
+            self._spawn(self._stops.answer(post, language, stopping, count, halt))
+        self._ring(event.at, post.topic_id if post is not None else None, ended, language)
+
+    def pulled(self, by: str, posted_at: datetime | None) -> tuple[int, asyncio.Task[StopResult | None]]:
+        """A stop past the forum ends what was posted until now; how many that were.
+
+        What is known to be posted (in line, on its way, at `posted_at`) was posted before, whatever the clocks say.
+        """
+        known = [job.command.posted_at for job in self._line] + [p.created_at for p in self._inbox.coming.values()]
+        at = max([self._now(), *known, *([posted_at] if posted_at else [])])
+        ended, stopping = self._end_all(by, at)
+        self._ring(self._now(), None, ended, "en")
+        return len(ended), stopping
+
+    def _end_all(self, by: str, at: datetime, halt: bool = False) -> tuple[list[Job], asyncio.Task[StopResult | None]]:
+        self.stopped_at = max(self.stopped_at, at)
+        ended = self._line.end_before(at, STOP)
+        stopping: asyncio.Task[StopResult | None] = self._spawn(self._stops.stop(by, at, halt))
+        for job in ended:
+            job.stop, job.stopped_by = stopping, by
+        # On disk only now that the stop is on its way: nothing delays it.
+        if (journal := self._journal()) is not None:
+            if self._saving is None or self._saving.done():
+                self._saving = self._spawn(self._save(journal))
+            if ended:
+                self._spawn(journal.end([job.command.post_id for job in ended], STOP))
+        return ended, stopping
+
+    def _ring(self, at: datetime, topic: str | None, ended: list[Job], language: Language) -> None:
+        if self._alarm.rings(at):
+            topic = topic or next((job.command.topic_id for job in ended), None)
+            self._spawn(self._alarm.tell(topic, language))
+
+    async def _save(self, journal: Journal) -> None:
+        """Many stops at once are one or two writes, so that nobody's command waits behind them."""
+        saved_at = None
+        while saved_at != self.stopped_at:
+            saved_at = self.stopped_at
+            await journal.put("stopped", saved_at.isoformat())

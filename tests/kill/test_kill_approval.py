@@ -1,0 +1,98 @@
+"""Laws 6 and 7 where a command needs an approval: its agent dies by SIGKILL between the asking and the motion.
+
+Then there is one final reply and one motion at most, what was approved is done, and nobody is asked twice.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from kill_house import ROBOT, WALK, Asked, House, check
+from kill_process import wait_for
+
+from agentrob import app
+from agentrob.board import admin, administration
+from agentrob.board.audit import SHELL
+
+pytestmark = [pytest.mark.timeout(120), pytest.mark.slow]
+JOURNAL, APPROVALS, FORUM = "agent.journal:Journal.", "agent.approvals:Approvals.", "forums.board:BoardForum."
+
+
+class AskingHouse(House):
+    """Whatever moves needs an approval, which the only person of the house may give."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        with admin.writing(app.board_settings(self.config)) as connection:
+            rights = {"approval": ("move",), "approve": "operator", "approve_own": True}
+            administration.change_robot(connection, SHELL, ROBOT, **rights)
+
+    def waits(self, asked: Asked) -> None:
+        """Until its answer says that it waits."""
+        wait_for(
+            "it waits for an approval",
+            lambda: [p for p in self.answers(asked) if p["card"] and p["card"]["state"] == "waiting"],
+            30.0,
+        )
+
+    def approve(self, asked: Asked) -> None:
+        post = self.posted(asked)
+        said = {"body": f"@{ROBOT} approve", "reply_to": post["id"]}
+        key = {"Idempotency-Key": secrets.token_hex(8)}
+        self._insist("POST", f"/topics/{post['topic_id']}/posts", json=said, headers=key)
+
+
+@pytest.fixture(scope="module")
+def asking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AskingHouse]:
+    made = AskingHouse(tmp_path_factory.mktemp("kill"))
+    yield made
+    made.close()
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where the agent dies, before it was approved (`asks`) or after, and how the command ends."""
+
+    name: str
+    target: str
+    when: str
+    asks: bool = False
+    containing: str = ""
+    end: str = "done"
+
+
+POINTS = [
+    Point("asking not noted yet", JOURNAL + "ask", "before", asks=True),
+    Point("asking noted", JOURNAL + "ask", "after", asks=True),
+    Point("to be told that it waits", FORUM + "edit", "before", asks=True, containing="state='waiting'"),
+    Point("told that it waits", FORUM + "edit", "after", asks=True, containing="state='waiting'"),
+    Point("approval heard", APPROVALS + "hear", "before"),
+    Point("approval not noted yet", JOURNAL + "decide", "before"),
+    Point("approval noted", JOURNAL + "decide", "after"),
+    Point("approval counted", APPROVALS + "hear", "after"),
+    Point("approved and first in line", "agent.line:Line.turn", "after"),
+    Point("attempt not committed yet", JOURNAL + "_begin", "before"),
+    Point("attempt committed", JOURNAL + "_begin", "after", end="interrupted"),
+]
+
+
+@pytest.mark.parametrize("point", POINTS, ids=lambda point: point.name)
+def test_laws_6_and_7_killed_between_the_asking_and_the_motion(point: Point, asking: AskingHouse) -> None:
+    target = "agentrob." + point.target
+    asking.arm("agent", {"target": target, "when": point.when, "nth": 1, "containing": point.containing})
+    asked = asking.ask(WALK)
+    if point.asks:
+        asking.died("agent")
+        asking.start("agent")
+    asking.waits(asked)
+    assert asking.motions(asked.began) == 0
+    asking.approve(asked)
+    if not point.asks:
+        asking.died("agent")
+        asking.start("agent")
+    assert check(asking, asked) == point.end
+    asking.release()
