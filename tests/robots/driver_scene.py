@@ -100,3 +100,7 @@ async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float
 
 def at_rest(state: Any) -> bool:
     return abs(state.velocity_mps[0]) < 0.05
+
+
+#: Drivers, and the name of one that runs.
+Standing = tuple[Drivers, str]
