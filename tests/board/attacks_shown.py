@@ -5,7 +5,6 @@ A page that shows one post shows many rows in it; lists are followed to their en
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import re
 from collections.abc import Iterator, Sequence
@@ -15,15 +14,17 @@ import pytest
 from pages_world import World
 
 from agentrob.board import admin as shell
-from agentrob.board import administration, audit
+from agentrob.board import administration, audit, commands, writes
 from agentrob.board.accounts import NAME
 from agentrob.board.forms import TITLE_LENGTH
 from agentrob.board.pages_posts import POSTS
+from agentrob.board.writer import Transaction
+from agentrob.board.writes import Draft
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
-#: Characters of a post that lists show; lines that a quotation has; rows that a robot's card and a record can hold.
-EXCERPT, QUOTED, ON_CARD, IN_RECORD = 140, 40, 60, 30
+#: Lines that a quotation has; rows that a robot's card and a record can hold.
+QUOTED, ON_CARD, IN_RECORD = 40, 60, 25
 #: In every post that begins a topic, so that a search finds them all.
 WORD = "wordofall"
 LISTS = ("/", "/b/talk", "/latest", "/notices", f"/search?q={WORD}", "/admin/audit", "/admin/accounts")
@@ -32,14 +33,14 @@ OTHERS = ("/u/boss", "/b/talk/new", "/search?q=<script>alert(1)</script>", "/b/r
 
 def fill(world: World, rows: Sequence[str]) -> list[str]:
     """Put each row everywhere; the pages that show them, those of robots first, since cards are soon old."""
-    world.board.add("boss", role=Role.ADMIN)
-    boss = shell.find_account(world.settings, "boss")
-    names = named(world, rows)
-    audited(world, rows)
-    threads = [thread(world, boss, some) for some in parts(rows, POSTS)]
-    titled(world, boss, rows)
-    pages = [path for thread in threads for path in thread] + posts(world, boss, rows) + records(world, boss, rows)
-    return [*robots(world, rows), *LISTS, *OTHERS, *names, *pages]
+    boss = world.board.add("boss", role=Role.ADMIN)
+    with shell.writing(world.settings) as connection:
+        t, root = Transaction(connection), administration.account_named(connection, "root")
+        pages = [*named(t, rows), *posts(t, root, rows), *records(t, boss, rows)]
+        pages += [path for some in parts(rows, POSTS) for path in thread(t, boss, some)]
+        audited(t, rows)
+        titled(t, boss, rows)  # last, so that the lists begin with them
+    return [*robots(world, rows), *LISTS, *OTHERS, *pages]
 
 
 def parts(rows: Sequence[str], most: int) -> Iterator[Sequence[str]]:
@@ -47,59 +48,44 @@ def parts(rows: Sequence[str], most: int) -> Iterator[Sequence[str]]:
 
 
 def titles(rows: Sequence[str]) -> list[str]:
-    """Rows as titles: as many in one as lists show of a post."""
+    """Rows as titles: as many in one as there is room for."""
     made = [""]
     for row in rows:
         line = re.sub(r"[\x00-\x1f\x7f-\x9f]", " ", row).strip()[:TITLE_LENGTH] or "x"
-        if made[-1] and len(made[-1]) + 1 + len(line) > EXCERPT:
+        if made[-1] and len(made[-1]) + 1 + len(line) > TITLE_LENGTH:
             made.append("")
         made[-1] = f"{made[-1]} {line}".strip()
     return made
 
 
 # -------------------------------------------------------------------- people's words
-def titled(world: World, boss: Account, rows: Sequence[str]) -> None:
+def titled(t: Transaction, boss: Account, rows: Sequence[str]) -> None:
     """As titles and as the beginnings of posts: in every list of topics and posts, and in the notices of `root`."""
-    store = world.board.services.store
-
-    async def begin(some: Sequence[str]) -> None:
-        await asyncio.gather(*(store.create_topic(boss, "talk", title, f"{title}\n\n{WORD} @root") for title in some))
-
-    for some in parts(titles(rows), 100):
-        world.board.run(begin(some))
+    for title in titles(rows):
+        writes.create_topic(t, "talk", title, Draft(boss, f"{title}\n\n{WORD} @root"))
 
 
-def thread(world: World, boss: Account, rows: Sequence[str]) -> list[str]:
+def thread(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
     """Each as a post of its own, and as the words beside a picture."""
-    store = world.board.services.store
-
-    async def write() -> str:
-        title = titles(rows)[0]
-        topic = (await store.create_topic(boss, "robots", title, rows[0])).topic.id
-        for row in rows[1:]:
-            alt = row.replace("]", "\\]").replace("\n", " ")
-            await store.reply(boss, topic, f"{row}\n\n![{alt}](/images/1) @quadruped")
-        return topic
-
-    topic = world.board.run(write())
+    topic = writes.create_topic(t, "robots", titles(rows)[0], Draft(boss, rows[0])).topic.id
+    for row in rows[1:]:
+        alt = row.replace("]", "\\]").replace("\n", " ")
+        writes.reply(t, topic, Draft(boss, f"{row}\n\n![{alt}](/images/1) @quadruped"))
     return [f"/t/{topic}", f"/t/{topic}/moderate"]
 
 
-def posts(world: World, boss: Account, rows: Sequence[str]) -> list[str]:
+def posts(t: Transaction, root: Account, rows: Sequence[str]) -> list[str]:
     """Many in one post, on each page that shows one: as it is, as text, and as the text that it had before."""
-    store = world.board.services.store
-    lines = [" ".join(row.split("\n")) for row in rows]
-
-    async def write(some: Sequence[str]) -> list[str]:
-        made = await store.create_topic(boss, "talk", "All in one", "\n".join(some))
-        topic, post = made.topic.id, made.post.id
-        await store.edit(boss, post, "\n".join([*some, "edited"]))
-        kinds = ("edit", "history", "moderate", "remove", "raw")
-        return [f"/t/{topic}?quote={post}", f"/t/{topic}", *(f"/p/{post}/{kind}" for kind in kinds)]
-
     # A line of several rows, since a quotation ends after so many lines.
-    several = [" ".join(some) for some in parts(lines, 4)]
-    return [page for some in parts(several, QUOTED) for page in world.board.run(write(some))]
+    lines = [" ".join(some).replace("\n", " ") for some in parts(rows, 4)]
+    pages = []
+    for some in parts(lines, QUOTED):
+        made = writes.create_topic(t, "talk", "All in one", Draft(root, "\n".join(some)))
+        topic, post = made.topic.id, made.post.id
+        writes.edit(t, root, post, "\n".join([*some, "edited"]), None, (), "keep")
+        pages += [f"/t/{topic}?quote={post}", f"/t/{topic}"]
+        pages += [f"/p/{post}/{kind}" for kind in ("edit", "history", "moderate", "remove", "raw")]
+    return pages
 
 
 # -------------------------------------------------------------------- robots' words
@@ -107,7 +93,7 @@ def robots(world: World, rows: Sequence[str]) -> list[str]:
     """On robots' cards: what they can do, their limits, and fields that nobody knows."""
     pages = []
     for n, some in enumerate(parts(rows, ON_CARD)):
-        name = "rover-" + chr(ord("a") + n)
+        name = "rover-" + "abcdefghjkmnpqrstuvxyz"[n]  # no two of them look alike
         world.board.add(name, kind=AccountKind.ROBOT_AGENT)
         card: dict[str, Any] = {"model": some[0], "state": some[-1], "ops": some[:40], "board": some[0]}
         card |= {"limits": {row: row for row in some[40:50]}} | {row: row for row in some[50:]}
@@ -116,13 +102,14 @@ def robots(world: World, rows: Sequence[str]) -> list[str]:
     return [*pages, "/robots"]
 
 
-def records(world: World, boss: Account, rows: Sequence[str]) -> list[str]:
+def records(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
     """In what a robot's agent tells of a command, wherever there are words."""
-    store, pages = world.board.services.store, []
+    quadruped, pages = administration.account_named(t.connection, "quadruped"), []
     for some in parts(rows, IN_RECORD):
-        post = world.board.run(store.create_topic(boss, "robots", "A command", some[0])).post.id
-        told = {"record": record([row[:200] for row in some])}
-        world.api("quadruped").put(f"/commands/{post}", json=told).raise_for_status()
+        post = writes.create_topic(t, "robots", "A command", Draft(boss, some[0])).post.id
+        told = record([row[:120] for row in some])
+        commands.check(told, "record", commands.RECORD_BYTES, commands.RECORD_DEPTH)
+        commands.keep(t, quadruped, post, None, told)
         pages.append(f"/c/{post}")
     return pages
 
@@ -140,24 +127,22 @@ def record(some: Sequence[str]) -> dict[str, Any]:
 
 
 # -------------------------------------------------------------------- names, and what admins do
-def named(world: World, rows: Sequence[str]) -> list[str]:
+def named(t: Transaction, rows: Sequence[str]) -> list[str]:
     """As names: no handle is taken, what can be a display name is shown; some of the pages of who has one."""
     shown = []
-    with shell.writing(world.settings) as connection:
-        for n, row in enumerate(rows):
-            if not NAME.fullmatch(row.strip().lower()):
-                with pytest.raises(BoardError):
-                    administration.add_account(connection, "root", row)
-            with contextlib.suppress(BoardError):
-                administration.add_account(connection, "root", f"attacker-{n:04}", display_name=row[:64])
-                shown.append(f"attacker-{n:04}")
+    for n, row in enumerate(rows):
+        if not NAME.fullmatch(row.strip().lower()):
+            with pytest.raises(BoardError):
+                administration.add_account(t.connection, "root", row)
+        with contextlib.suppress(BoardError):
+            administration.add_account(t.connection, "root", f"attacker-{n:04}", display_name=row[:64])
+            shown.append(f"attacker-{n:04}")
     assert len(shown) > len(rows) // 2
     some = shown[:: max(1, len(shown) // 8)]
     return [f"/u/{name}" for name in some] + [f"/admin/accounts/{name}" for name in some]
 
 
-def audited(world: World, rows: Sequence[str]) -> None:
+def audited(t: Transaction, rows: Sequence[str]) -> None:
     """As the reasons that moderators give."""
-    with shell.writing(world.settings) as connection:
-        for row in rows:
-            audit.note(connection, "root", "post.hide", row, reason=row[:200])
+    for row in rows:
+        audit.note(t.connection, "root", "post.hide", row, reason=row[:200])
