@@ -8,15 +8,11 @@ import os
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
-from agentrob.agent.journal import Journal
 from agentrob.agent.turn import RobotAgent
 from agentrob.config import RobotConfig
 from agentrob.forums.forum import Forum
@@ -56,23 +52,10 @@ run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket),
 """
 
 
-@cache
-def empty_journal() -> bytes:
-    """A journal that knows nothing, made once for all agents of this process: its engine makes many tables."""
-
-    async def make(folder: Path) -> bytes:
-        await (await Journal.open(folder, ROBOT)).close()
-        return (folder / "journal.sqlite").read_bytes()
-
-    with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as elsewhere:  # a loop may run here
-        return elsewhere.submit(asyncio.run, make(Path(folder))).result()
-
-
 class Driver:
     """A driver process of its own."""
 
     def __init__(self, folder: Path, settings: RobotConfig, name: str = ROBOT) -> None:
-        empty_journal()  # before any agent of this process has one open
         self.name = name
         self.socket = folder / f"{name}.sock"
         self.settings = settings
@@ -167,10 +150,6 @@ class Scene:
 
 def make_scene(driver: Driver, folder: Path, world: MemoryWorld | None = None, **settings: Any) -> Scene:
     scene = Scene(world or MemoryForum.world(), driver, folder, robot_settings(**settings))
-    journal = folder / "agents" / ROBOT / "journal.sqlite"
-    if not journal.exists():
-        journal.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        journal.write_bytes(empty_journal())
     scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
     scene.person("alice")
     scene.person("bob", Role.MEMBER)

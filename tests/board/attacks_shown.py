@@ -40,7 +40,7 @@ def fill(world: World, rows: Sequence[str]) -> list[str]:
         pages += [path for some in parts(rows, POSTS) for path in thread(t, boss, some)]
         audited(t, rows)
         titled(t, boss, rows)  # last, so that the lists begin with them
-    return [*robots(world, rows), *LISTS, *OTHERS, *pages]
+    return [*robots(world, rows), *LISTS, *OTHERS, *pages, f"{pages[-1]}/moderate"]
 
 
 def parts(rows: Sequence[str], most: int) -> Iterator[Sequence[str]]:
@@ -62,7 +62,7 @@ def titles(rows: Sequence[str]) -> list[str]:
 def titled(t: Transaction, boss: Account, rows: Sequence[str]) -> None:
     """As titles and as the beginnings of posts: in every list of topics and posts, and in the notices of `root`."""
     for title in titles(rows):
-        writes.create_topic(t, "talk", title, Draft(boss, f"{title}\n\n{WORD} @root"))
+        writes.create_topic(t, "talk", title, Draft(boss, f"@root {WORD}\n\n{title}"))
 
 
 def thread(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
@@ -71,7 +71,7 @@ def thread(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
     for row in rows[1:]:
         alt = row.replace("]", "\\]").replace("\n", " ")
         writes.reply(t, topic, Draft(boss, f"{row}\n\n![{alt}](/images/1) @quadruped"))
-    return [f"/t/{topic}", f"/t/{topic}/moderate"]
+    return [f"/t/{topic}"]
 
 
 def posts(t: Transaction, root: Account, rows: Sequence[str]) -> list[str]:
@@ -83,7 +83,7 @@ def posts(t: Transaction, root: Account, rows: Sequence[str]) -> list[str]:
         made = writes.create_topic(t, "talk", "All in one", Draft(root, "\n".join(some)))
         topic, post = made.topic.id, made.post.id
         writes.edit(t, root, post, "\n".join([*some, "edited"]), None, (), "keep")
-        pages += [f"/t/{topic}?quote={post}", f"/t/{topic}"]
+        pages.append(f"/t/{topic}?quote={post}")
         pages += [f"/p/{post}/{kind}" for kind in ("edit", "history", "moderate", "remove", "raw")]
     return pages
 
