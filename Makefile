@@ -7,6 +7,8 @@
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
+# Tests start Python by the hundred; without compiled files each would compile all that it imports.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-all test-slow check lint format lock setup setup-dev clean
 

@@ -1,8 +1,9 @@
-"""DDS domains for this test process that no other test process on this host has."""
+"""DDS domains for this test process that no other test process on this host has, and how its own processes start."""
 
 from __future__ import annotations
 
 import os
+import sys
 
 from agentrob.errors import RobotBusy
 from agentrob.hostlock import HostLock
@@ -21,6 +22,10 @@ def _take(what: str, among: range) -> tuple[int, HostLock]:
             continue
     raise RuntimeError(f"every {what} of {among} is taken by other test processes")
 
+
+# Processes that tests start by the hundred would each compile all that they import.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 # In the environment, since a test's own processes drive the same robot.
 _domain, _held_to_the_end = _take("domain", FAKE_DOMAINS)

@@ -17,12 +17,14 @@ from running_board import RunningBoard
 _AGENT = """
 import asyncio, sys
 from pathlib import Path
-from agentrob.agent.turn import RobotAgent
-from agentrob.app import log_to_stderr
-from agentrob.config import ForumConfig, RobotConfig
-from agentrob.forums.board import BoardForum
-from agentrob.minds.rules import RulesMind
-from agentrob.robots.client import DriverClient
+from agentrob.quick import quick_imports
+with quick_imports():
+    from agentrob.agent.turn import RobotAgent
+    from agentrob.app import log_to_stderr
+    from agentrob.config import ForumConfig, RobotConfig
+    from agentrob.forums.board import BoardForum
+    from agentrob.minds.rules import RulesMind
+    from agentrob.robots.client import DriverClient
 name, settings, socket, data, url, token = sys.argv[1:]
 log_to_stderr()
 async def main():

@@ -45,8 +45,10 @@ def robot_settings(**more: Any) -> RobotConfig:
 _DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.config import RobotConfig
-from agentrob.robots.driver import run_driver
+from agentrob.quick import quick_imports
+with quick_imports():
+    from agentrob.config import RobotConfig
+    from agentrob.robots.driver import run_driver
 name, settings, socket, data = sys.argv[1:]
 run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
 """

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+import in_process
 import pytest
 from typer.testing import CliRunner
 
@@ -64,6 +65,11 @@ class Field:
     def command(self, *args: str) -> subprocess.Popen[str]:
         return shell(self.folder, self.runtime, *args)
 
+    def start(self, name: str) -> Child:
+        words, env = ["driver", name, "-c", str(self.folder / "agentrob.toml")], {"AGENTROB_RUNTIME": str(self.runtime)}
+        self.drivers[name] = Child("driver", words, self.folder / f"{name}.log", env)
+        return self.drivers[name]
+
     def lock(self, name: str) -> str:
         return f"driver/fake/{self.domain}/{name}"
 
@@ -86,42 +92,49 @@ def said(process: subprocess.Popen[str]) -> tuple[str, str, int]:
     return out, errors, process.returncode
 
 
-@pytest.fixture
-def field(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
+@pytest.fixture(scope="module")
+def ground(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
+    """Everything was started and works; then board and agent are killed, and stay dead for the rest of this file."""
     names = f"a{uuid4().hex[:6]}", f"b{uuid4().hex[:6]}"
-    runtime, config = tmp_path_factory.mktemp("r"), tmp_path / "agentrob.toml"
-    domain = int(os.environ["AGENTROB_TEST_DOMAIN"])
+    folder, runtime = tmp_path_factory.mktemp("field"), tmp_path_factory.mktemp("r")
+    config, domain = folder / "agentrob.toml", int(os.environ["AGENTROB_TEST_DOMAIN"])
 
     def write(port: int) -> None:
         robots = "".join(ROBOT_CONFIG.format(name=name, domain=domain) for name in names)
-        config.write_text(CONFIG.format(data=tmp_path / "data", port=port) + robots)
+        config.write_text(CONFIG.format(data=folder / "data", port=port) + robots)
 
     write(0)
     env = {"AGENTROB_RUNTIME": str(runtime)}
-    children = [Child("board", ["board", "serve", "--config", str(config)], tmp_path / "board.log")]
+    children = [Child("board", ["board", "serve", "--config", str(config)], folder / "board.log")]
+    field = Field(folder, runtime, names, domain, {})
     try:
         write(int(children[0].wait_ready()["url"].rsplit(":", 1)[1]))
-        drivers = {
-            name: Child("driver", ["driver", name, "-c", str(config)], tmp_path / f"{name}.log", env) for name in names
-        }
-        children += drivers.values()
-        added = subprocess.run(
-            [AGENTROB, "board", "account", "add", names[0], "--kind", "robot_agent"],
-            cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT_S, check=True,
-        )  # fmt: skip
-        for driver in drivers.values():
+        for name in names:
+            field.start(name)
+        added = in_process.agentrob(folder, "board", "account", "add", names[0], "--kind", "robot_agent")
+        assert added.returncode == 0, added.stderr
+        for driver in field.drivers.values():
             driver.wait_ready()
         env["AGENTROB_TOKEN"] = added.stdout.strip()
-        agent = Child("agent", ["agent", "run", names[0], "-c", str(config)], tmp_path / "agent.log", env)
+        agent = Child("agent", ["agent", "run", names[0], "-c", str(config)], folder / "agent.log", env)
         children.append(agent)
         agent.wait_ready()
         kill(agent, children[0])
-        yield Field(tmp_path, runtime, names, domain, drivers)
+        yield field
     finally:
-        for child in children:
-            if child.alive:
-                child.process.send_signal(signal.SIGCONT)
-        end_all(children)
+        end_all([*children, *field.drivers.values()])
+
+
+@pytest.fixture
+def field(ground: Field) -> Iterator[Field]:
+    """With two drivers that live, whatever the test before did to them."""
+    for name, driver in ground.drivers.items():
+        if not driver.alive:
+            ground.start(name).wait_ready()
+    yield ground
+    for driver in ground.drivers.values():
+        if driver.alive:
+            driver.process.send_signal(signal.SIGCONT)
 
 
 def kill(*children: Child) -> None:

@@ -10,10 +10,13 @@ import threading
 from collections.abc import Coroutine, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 import httpx2
+from argon2 import PasswordHasher
 from sqlalchemy import create_engine, make_url, text
 
 from agentrob.board import accounts, admin
@@ -30,6 +33,17 @@ T = TypeVar("T")
 LIMIT_S = 10.0
 
 
+#: Passwords of tests guard nothing: hashing them is as cheap as it can be.
+accounts._hasher = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
+accounts._NOBODY = accounts._hasher.hash("nobody's")
+#: Who has an account on every board from the beginning.
+FIRST: dict[str, dict[str, Any]] = {
+    "op": {"role": Role.OPERATOR},
+    "member": {"role": Role.MEMBER},
+    "admin": {"role": Role.ADMIN},
+    "quadruped": {"kind": AccountKind.ROBOT_AGENT},
+}
+
 #: The URL of a PostgreSQL server: then every board of these tests has a database of its own there.
 POSTGRES = "AGENTROB_TEST_POSTGRES"
 
@@ -45,18 +59,50 @@ def database_for(server_url: str, folder: Path) -> str:
     return make_url(server_url).set(database=name).render_as_string(hide_password=False)
 
 
+@cache
+def fresh_database() -> tuple[bytes, dict[str, str]]:
+    """A database with the first boards and accounts, made once for all boards of this process, and their tokens."""
+    with TemporaryDirectory() as folder:
+        settings = BoardSettings.from_config(BoardConfig(), Path(folder))
+        admin.bootstrap(settings)
+        tokens = {name: had(settings, name, **options) for name, options in FIRST.items()}
+        assert settings.database_path is not None
+        return settings.database_path.read_bytes(), tokens
+
+
+def had(settings: BoardSettings, name: str, **options: Any) -> str:
+    """A new token of an account, which is made when it is not there."""
+    try:
+        account = admin.find_account(settings, name)
+    except BoardError:
+        account = admin.create_account(settings, name, **options)
+    scopes = accounts.SCOPES if account.role is Role.ADMIN else ("read", "write")
+    return admin.issue_token(settings, account, scopes=scopes)
+
+
+def prepared(settings: BoardSettings) -> dict[str, str]:
+    """The tokens of the first accounts on a board that is made when it is not there."""
+    path = settings.database_path
+    if path is not None and not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        content, tokens = fresh_database()
+        path.write_bytes(content)
+        return dict(tokens)
+    admin.bootstrap(settings)
+    return {name: had(settings, name, **options) for name, options in FIRST.items()}
+
+
 class RunningBoard:
     """A served board. `op`, `member`, `admin` and the robot agent `quadruped` have accounts from the beginning."""
 
-    def __init__(self, settings: BoardSettings, server: Server, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(
+        self, settings: BoardSettings, server: Server, loop: asyncio.AbstractEventLoop, tokens: dict[str, str]
+    ) -> None:
         self.settings = settings
         self.server = server
         self.loop = loop
-        self.tokens: dict[str, str] = {}
+        self.tokens = tokens
         self._clients: list[httpx2.Client] = []
-        for name, role in (("op", Role.OPERATOR), ("member", Role.MEMBER), ("admin", Role.ADMIN)):
-            self.have(name, role=role)
-        self.have("quadruped", kind=AccountKind.ROBOT_AGENT)
 
     @property
     def url(self) -> str:
@@ -75,12 +121,7 @@ class RunningBoard:
 
     def have(self, name: str, **options: Any) -> None:
         """An account that is there already, on a board that is served again, only gets a new token."""
-        try:
-            account = admin.find_account(self.settings, name)
-        except BoardError:
-            account = admin.create_account(self.settings, name, **options)
-        scopes = accounts.SCOPES if account.role is Role.ADMIN else ("read", "write")
-        self.tokens[name] = admin.issue_token(self.settings, account, scopes=scopes)
+        self.tokens[name] = had(self.settings, name, **options)
 
     def client(self, name: str | None = None) -> httpx2.Client:
         """A program signed in by token (or a browser that is not signed in); paths are below `/api/v1`."""
@@ -119,7 +160,7 @@ def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
     settings = replace(BoardSettings.from_config(config, folder), **options)
     if (server_url := os.environ.get(POSTGRES)) and "database" not in options:
         settings = replace(settings, database=database_for(server_url, folder))
-    admin.bootstrap(settings)
+    tokens = prepared(settings)
     ready = threading.Event()
     loops: list[asyncio.AbstractEventLoop] = []
 
@@ -132,7 +173,7 @@ def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
     thread.start()
     try:
         assert ready.wait(LIMIT_S), "the board did not start"
-        board = RunningBoard(settings, server, loops[0])
+        board = RunningBoard(settings, server, loops[0], tokens)
         try:
             yield board
         finally:

@@ -26,21 +26,26 @@ def document(board: RunningBoard) -> schemathesis.BaseSchema:
     return schemathesis.openapi.from_dict(op.get("/openapi.json").json())
 
 
+#: Requests to one operation, and to one of administration, which is forms of words: fewer find what there is to find.
+FEW, MANY = (8, 4), (40, 12)
+
+
+@pytest.mark.parametrize("examples", [FEW, pytest.param(MANY, marks=pytest.mark.slow)], ids=["few", "many"])
 @pytest.mark.parametrize("mode", [GenerationMode.POSITIVE, GenerationMode.NEGATIVE])
 def test_requests_made_from_the_document_get_what_it_says(
-    document: schemathesis.BaseSchema, board: RunningBoard, mode: GenerationMode
+    document: schemathesis.BaseSchema, board: RunningBoard, mode: GenerationMode, examples: tuple[int, int]
 ) -> None:
-    """Valid requests and invalid ones, of every operation."""
+    """Valid requests and invalid ones, of every operation; always the same ones."""
     operations = [found.ok() for found in document.exclude(path=list(STREAMS)).get_all_operations()]
     for operation in operations:
         try:
-            try_out(operation, board, mode)
+            try_out(operation, board, mode, examples["/admin/" in operation.path])
         except Unsatisfiable:
             assert mode is GenerationMode.NEGATIVE, f"{operation.label}: no request can be made from the document"
     assert len(operations) > 15
 
 
-def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: GenerationMode) -> None:
+def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: GenerationMode, examples: int) -> None:
     """Many requests to one operation, each answer checked against the document."""
     headers = {"Authorization": f"Bearer {board.tokens['quadruped' if operation.method == 'put' else 'admin']}"}
 
@@ -48,9 +53,6 @@ def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: Gen
     named = ("/admin/accounts", "/admin/accounts/{name}", "/admin/boards", "/admin/boards/{board_id}")
     unsaid = operation.path.endswith(("/images", "/frame", *named))
     excluded = [positive_data_acceptance] if unsaid else []
-
-    # Administration is forms of words: fewer examples find what there is to find.
-    examples = 6 if "/admin/" in operation.path else 20
 
     @settings(max_examples=examples, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
     @given(case=operation.as_strategy(generation_mode=mode))

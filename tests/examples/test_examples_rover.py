@@ -11,6 +11,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+import in_process
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -70,10 +71,12 @@ def test_a_command_of_the_guide_runs(command: str, env: Mapping[str, str]) -> No
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_what_the_rover_cannot_do_is_known_before_it_is_connected(env: Mapping[str, str]) -> None:
-    agentrob = Path(sys.executable).with_name("agentrob")
+def test_what_the_rover_cannot_do_is_known_before_it_is_connected(
+    installed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(installed)
     for text, rule in (("step left 1 m", "ops.direction"), ("wave", "ops.unknown")):
-        done = run(agentrob, "plan", "--model", "rover", "--json", text, env=env)
+        done = in_process.agentrob(tmp_path, "plan", "--model", "rover", "--json", text)
         assert json.loads(done.stdout)["verdict"]["rule"] == rule
 
 
@@ -96,7 +99,7 @@ def test_the_rover_answers_in_the_demo_as_the_guide_starts_it(env: Mapping[str, 
 
 # ---------------------------------------------------------------------- when something is wrong
 def plug_in(folder: Path, code: str) -> dict[str, str]:
-    """The environment in which a robot `broken` is installed that has this code."""
+    """A robot `broken` that has this code is installed in a folder; the environment for processes that find it."""
     folder.mkdir()
     (folder / "broken_robot.py").write_text(code)
     facts = folder / "broken_robot-1.0.dist-info"
@@ -115,18 +118,29 @@ def plug_in(folder: Path, code: str) -> dict[str, str]:
         ("class Broken: pass", "the robot 'broken' has no describe(settings)"),
     ],
 )
-def test_a_robot_that_is_broken_is_named_in_one_line(code: str, says: str, tmp_path: Path) -> None:
-    agentrob = Path(sys.executable).with_name("agentrob")
+def test_a_robot_that_is_broken_is_named_in_one_line(
+    code: str, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plug_in(tmp_path / "installed", code)
+    monkeypatch.syspath_prepend(tmp_path / "installed")
     for command in (["drive", "broken", "walk forward 1 m"], ["demo", "--robot", "broken", "--data", str(tmp_path)]):
-        done = run(agentrob, *command, env=plug_in(tmp_path / command[0], code), cwd=tmp_path)
+        monkeypatch.delitem(sys.modules, "broken_robot", raising=False)
+        done = in_process.agentrob(tmp_path, *command, AGENTROB_DATA=str(tmp_path / "data"))
         assert done.returncode == 1
         assert says in done.stderr.splitlines()[-1]
-        assert "Traceback" not in done.stderr
+
+
+def test_a_process_names_a_broken_robot_without_a_traceback(tmp_path: Path) -> None:
+    agentrob = Path(sys.executable).with_name("agentrob")
+    env = plug_in(tmp_path / "installed", "1 / 0")
+    done = run(agentrob, "drive", "broken", "walk forward 1 m", env=env, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "ZeroDivisionError" in done.stderr.splitlines()[-1]
+    assert "Traceback" not in done.stderr
 
 
 def test_a_robot_that_is_not_installed_is_answered_with_those_that_are(tmp_path: Path) -> None:
-    agentrob = Path(sys.executable).with_name("agentrob")
     for command in (["drive", "nosuch", "wave"], ["demo", "--robot", "nosuch"], ["plan", "--model", "nosuch", "wave"]):
-        done = run(agentrob, *command, env={"AGENTROB_DATA": str(tmp_path)}, cwd=tmp_path)
+        done = in_process.agentrob(tmp_path, *command, AGENTROB_DATA=str(tmp_path / "data"))
         assert done.returncode == 1
         assert "no robot named 'nosuch' is installed; there are: fake, g1, go2" in done.stderr

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from driver_scene import Drivers
+from driver_scene import Drivers, Standing, at_rest, until
 from guard_scene import Make
 from sim_scene import Place
 
@@ -20,6 +20,9 @@ from agentrob.robots.halt import Halt
 
 pytest.register_assert_rewrite("agentrob.robots.contract")
 
+#: So far that no walk of a file's tests ends at it.
+WIDE = {"x_min_m": -999.0, "x_max_m": 999.0, "y_min_m": -999.0, "y_max_m": 999.0}
+
 
 @pytest.fixture
 def drivers(tmp_path: Path) -> Iterator[Drivers]:
@@ -27,6 +30,27 @@ def drivers(tmp_path: Path) -> Iterator[Drivers]:
     started = Drivers(tmp_path)
     yield started
     started.close()
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Standing]:
+    """One driver for all tests that leave it running."""
+    drivers = Drivers(tmp_path_factory.mktemp("d"))
+    name, _ = drivers.start(fence=WIDE, options={"room": [-999, 999, -999, 999]})
+    yield drivers, name
+    drivers.close()
+
+
+@pytest.fixture
+async def standing(shared: Standing) -> AsyncIterator[Standing]:
+    """A driver whose robot stands, is not halted, and held by nobody."""
+    drivers, name = shared
+    yield shared
+    async with drivers.client(name) as robot:
+        await robot.stop("the end of a test")
+        if (await robot.state()).halted:
+            await robot.release("owner")
+        await until(robot, at_rest)
 
 
 @pytest.fixture

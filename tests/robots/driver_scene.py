@@ -21,9 +21,11 @@ NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.config import RobotConfig
-from agentrob.errors import RobotError
-from agentrob.robots.driver import run_driver
+from agentrob.quick import quick_imports
+with quick_imports():
+    from agentrob.config import RobotConfig
+    from agentrob.errors import RobotError
+    from agentrob.robots.driver import run_driver
 name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])
 settings = {"model": "fake", "simulated": True, "home_on_start": True, **settings}
 try:
@@ -100,3 +102,7 @@ async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float
 
 def at_rest(state: Any) -> bool:
     return abs(state.velocity_mps[0]) < 0.05
+
+
+#: Drivers, and the name of one that runs.
+Standing = tuple[Drivers, str]

@@ -16,7 +16,7 @@ from uuid import uuid4
 
 import httpx2
 import pytest
-from driver_scene import FAR, NEAR, Drivers, at_rest, moving, until
+from driver_scene import FAR, NEAR, Drivers, Standing, at_rest, moving, until
 
 from agentrob import hostlock
 from agentrob.config import RobotConfig
@@ -68,8 +68,8 @@ async def test_capabilities_and_state_say_what_is(drivers: Drivers) -> None:
             assert await robot.holder() == "somebody"
 
 
-def test_the_socket_is_only_for_its_user(drivers: Drivers) -> None:
-    name, _ = drivers.start()
+def test_the_socket_is_only_for_its_user(standing: Standing) -> None:
+    drivers, name = standing
     assert stat.S_IMODE((drivers.folder / f"{name}.sock").stat().st_mode) == 0o600
 
 
@@ -84,16 +84,16 @@ def test_the_socket_is_only_for_its_user(drivers: Drivers) -> None:
         ("/release", {"by": 7}),
     ],
 )
-async def test_what_cannot_be_read_is_refused_with_the_reason(drivers: Drivers, path: str, body: Any) -> None:
-    name, _ = drivers.start()
+async def test_what_cannot_be_read_is_refused_with_the_reason(standing: Standing, path: str, body: Any) -> None:
+    drivers, name = standing
     async with drivers.client(name) as robot:
         with pytest.raises(RobotError, match=r"must be|Input should be"):
             await robot._call("POST", path, body)
 
 
 # ------------------------------------------------------------------ law 11: one driver, one holder
-async def test_law_11_a_second_driver_is_refused_in_one_line(drivers: Drivers) -> None:
-    name, _ = drivers.start()
+async def test_law_11_a_second_driver_is_refused_in_one_line(standing: Standing) -> None:
+    drivers, name = standing
     second = drivers.spawn(name)
     out, err = second.communicate(timeout=30)
     assert second.returncode == 1
@@ -104,8 +104,8 @@ async def test_law_11_a_second_driver_is_refused_in_one_line(drivers: Drivers) -
         assert (await robot.state()).pose is not None
 
 
-async def test_law_11_only_the_holder_moves_the_robot(drivers: Drivers) -> None:
-    name, _ = drivers.start()
+async def test_law_11_only_the_holder_moves_the_robot(standing: Standing) -> None:
+    drivers, name = standing
     async with drivers.client(name) as robot, drivers.client(name) as other:
         for lease in ("", "guessed"):
             with pytest.raises(RobotError):
@@ -154,8 +154,8 @@ async def test_law_11_a_step_whose_caller_is_gone_ends_without_waiting_for_the_l
             driver.close()
 
 
-async def test_law_11_a_step_whose_lease_is_given_back_ends(drivers: Drivers) -> None:
-    name, _ = drivers.start()
+async def test_law_11_a_step_whose_lease_is_given_back_ends(standing: Standing) -> None:
+    drivers, name = standing
     async with drivers.client(name) as robot:
         async with robot.lease("hasty") as lease:
             step = asyncio.create_task(robot.step(lease, FAR, 60))
@@ -164,8 +164,8 @@ async def test_law_11_a_step_whose_lease_is_given_back_ends(drivers: Drivers) ->
         assert (result.outcome, result.reason) == (Outcome.STOPPED, "lease_lapsed")
 
 
-async def test_law_11_one_step_at_a_time(drivers: Drivers) -> None:
-    name, _ = drivers.start()
+async def test_law_11_one_step_at_a_time(standing: Standing) -> None:
+    drivers, name = standing
     async with drivers.client(name) as robot, robot.lease("eager") as lease:
         step = asyncio.create_task(robot.step(lease, FAR, 60))
         await moving(robot)
@@ -176,8 +176,8 @@ async def test_law_11_one_step_at_a_time(drivers: Drivers) -> None:
 
 
 # ------------------------------------------------------------------ stop
-async def test_law_14_a_stop_ends_the_step_and_the_lease_and_is_measured(drivers: Drivers) -> None:
-    name, _ = drivers.start()
+async def test_law_14_a_stop_ends_the_step_and_the_lease_and_is_measured(standing: Standing) -> None:
+    drivers, name = standing
     async with drivers.client(name) as robot, drivers.client(name) as passer_by:
         async with robot.lease("walker") as lease:
             step = asyncio.create_task(robot.step(lease, FAR, 60))
@@ -198,8 +198,8 @@ async def test_law_14_a_stop_ends_the_step_and_the_lease_and_is_measured(drivers
 
 
 @pytest.mark.parametrize("how", ["stop", "halt", "stop channel"])
-async def test_law_14_what_was_accepted_before_a_stop_gets_no_lease(drivers: Drivers, how: str) -> None:
-    name, _ = drivers.start()
+async def test_law_14_what_was_accepted_before_a_stop_gets_no_lease(standing: Standing, how: str) -> None:
+    drivers, name = standing
     async with drivers.client(name) as robot:
         accepted_s = time.monotonic()
         if how == "stop channel":
@@ -234,8 +234,8 @@ async def test_law_14_a_stop_ends_also_who_waits_for_the_lease(drivers: Drivers)
 
 
 @pytest.mark.parametrize("since_s", ["now", True, 1e12])
-async def test_law_14_a_time_that_would_outrun_every_stop_is_refused(drivers: Drivers, since_s: Any) -> None:
-    name, _ = drivers.start()
+async def test_law_14_a_time_that_would_outrun_every_stop_is_refused(standing: Standing, since_s: Any) -> None:
+    drivers, name = standing
     async with drivers.client(name) as robot:
         with pytest.raises(RobotError, match="'since_s' must be"):
             async with robot.lease("agent", since_s):
@@ -255,8 +255,8 @@ async def test_law_13_the_stop_channel_needs_neither_socket_nor_lease(drivers: D
 
 
 @pytest.mark.parametrize("body", [b"", b"[]", b'{"by": 7}', b"not json"])
-async def test_law_15_a_stop_counts_also_when_it_does_not_say_whose_it_is(drivers: Drivers, body: bytes) -> None:
-    name, _ = drivers.start()
+async def test_law_15_a_stop_counts_also_when_it_does_not_say_whose_it_is(standing: Standing, body: bytes) -> None:
+    drivers, name = standing
     wire = httpx2.AsyncHTTPTransport(uds=str(drivers.folder / f"{name}.sock"))
     async with drivers.client(name) as robot, robot.lease("walker") as lease:
         step = asyncio.create_task(robot.step(lease, FAR, 60))
@@ -279,9 +279,8 @@ async def test_law_13_stop_all_finds_every_driver(drivers: Drivers) -> None:
         assert (await step).reason == "stop"
 
 
-def test_law_15_silent_and_foul_callers_do_not_hold_up_a_stop(drivers: Drivers) -> None:
-    name, _ = drivers.start()
-    lock = f"driver/fake/{name}"
+def test_law_15_silent_and_foul_callers_do_not_hold_up_a_stop(standing: Standing) -> None:
+    lock = f"driver/fake/{standing[1]}"
     silent = [hostlock.connect(lock) for _ in range(10)]
     with hostlock.connect(lock) as foul:
         foul.sendall(b"\xff\xfe go \n")

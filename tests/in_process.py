@@ -1,0 +1,36 @@
+"""The command `agentrob` within the test process, as a process of its own would print and end.
+
+For words that are read, refused or answered at once; at least one test of each command starts a real process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import NamedTuple
+
+from typer.testing import CliRunner
+
+from agentrob.cli import cli
+from agentrob.errors import AgentRobError
+
+
+class Said(NamedTuple):
+    """What came of a command."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+def agentrob(folder: Path, *args: str, **env: str) -> Said:
+    """Type it in a folder. An error that is none of ours is raised: a process would show its traceback."""
+    with contextlib.chdir(folder):
+        done = CliRunner().invoke(cli, args, env=env)
+    match done.exception:
+        case None | SystemExit():
+            return Said(done.exit_code, done.stdout, done.stderr)
+        case AgentRobError() as error:
+            return Said(1, done.stdout, f"{done.stderr}agentrob: {error}\n")
+        case error:
+            raise error
