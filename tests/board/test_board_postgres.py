@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from postgres_server import open_to_all, postgres_server
+from board_processes import fresh_postgres
 from running_board import POSTGRES, database_for, running_board
 from sqlalchemy import select
 from test_board_backup import fill, told
@@ -31,11 +30,8 @@ SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "ho
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
-    with tempfile.TemporaryDirectory(prefix="pg-", dir="/tmp") as made:  # a socket's path must be short
-        folder = Path(made)
-        open_to_all(folder)
-        with postgres_server(folder) as url:
-            yield url
+    with fresh_postgres() as url:
+        yield url
 
 
 @pytest.mark.timeout(300)
