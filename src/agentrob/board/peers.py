@@ -65,8 +65,14 @@ class Peers:
         self._duty: asyncio.Task[None] | None = None
         self._asked_to_lead = False
         self._proven_s = 0.0
+        self._well = True
         self._teller = Teller(me, stage, self._connect)
         hub.tell_others, stage.changed = self._teller.announce, self._teller.changed
+
+    @property
+    def cut_off(self) -> bool:
+        """Whether the database was gone when it was last asked."""
+        return not self._well
 
     @property
     def leads(self) -> bool:
@@ -117,18 +123,14 @@ class Peers:
     async def _listen(self) -> None:
         import psycopg
 
-        well = True
         while True:
             try:
                 self._connection = self._connection or await self._listening()
-                if not well:
-                    log.info("board.heard_again")
-                well = True
                 await self._follow(self._connection)
             except (psycopg.Error, OSError, BoardError) as e:
-                if well:
+                if self._well:
                     log.error("board.cut_off", error=str(e) or "no answer from the database")
-                well = False
+                self._well = False
             finally:
                 await self._let_go()
             await asyncio.sleep(AGAIN_S)
@@ -162,7 +164,9 @@ class Peers:
             newest, clock, leads, viewers = await asked.fetchone() or (0, before, False, {})
         if abs(skew := (before + time.time()) / 2 - clock) > MAX_SKEW_S:
             raise skewed(skew)
-        self._proven_s = time.monotonic()
+        if not self._well:
+            log.info("board.heard_again")
+        self._proven_s, self._well = time.monotonic(), True
         self._stage.hear_viewers(viewers)
         self._hub.proven(newest)
         if leads and self._duty is None:

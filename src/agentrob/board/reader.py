@@ -91,10 +91,14 @@ class Reader:
     ) -> None:
         self.connection = connection
         self._sees, self._keeps = sees, keeps
+        #: Whether the database is known to be gone: then nobody waits for it, least of all the event loop.
+        self.gone: Callable[[], bool] = lambda: False
         self._kept: dict[Hashable, Any] = {}
         self._kept_at: int | None = None
 
     def rows(self, statement: Executable, **values: Any) -> Sequence[Row[Any]]:
+        if self.gone():
+            raise BoardError(503, "storage", "the database cannot be reached", "try again in a moment", 1.0)
         try:
             return self.connection.execute(statement, values).all()
         except DBAPIError as e:

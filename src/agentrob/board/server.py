@@ -93,6 +93,7 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
 
     if parts.settings.shared:
         peers = Peers(parts.settings, me, parts.hub, parts.stage, duties)
+        parts.store.reader.gone = parts.store.everything.gone = lambda: peers.cut_off
         await peers.begin()
         uploads.check_folder(parts)
         return peers.run()
