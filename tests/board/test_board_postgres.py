@@ -34,7 +34,7 @@ def server() -> Iterator[str]:
         yield url
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_tests_of_the_board_pass_on_postgresql_too(server: str) -> None:
     files = [str(HERE / f"test_board_{name}.py") for name in SAME]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not sqlite and not slow", *files]

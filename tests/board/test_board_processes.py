@@ -143,13 +143,8 @@ def test_a_right_that_is_lost_on_one_is_lost_on_the_other_at_once(forum: Forum) 
     assert [get() for _ in range(3)] == [200] * 3
     change("accounts/leaver", suspended=True)
     assert get() == 403
-    with admin.writing(forum.settings) as connection:
-        connection.execute(db.tokens.delete().where(db.tokens.c.account_id == int(_id(forum, "leaver"))))
+    admin.revoke_tokens(forum.settings, admin.find_account(forum.settings, "leaver"))
     assert get() == 401
-
-
-def _id(forum: Forum, name: str) -> str:
-    return admin.find_account(forum.settings, name).id
 
 
 # -------------------------------------------------------------------- stops
