@@ -76,8 +76,8 @@ def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: 
 
 def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
     """Put a backup into an empty database, of whichever kind. The forum must not be running."""
-    from agentrob.board.backup import restore as read
     from agentrob.board.alone import alone
+    from agentrob.board.backup import restore as read
 
     loaded = configuration.load(config)
     settings = _settings(loaded)
@@ -100,8 +100,8 @@ def migrate(
     to: Annotated[str, typer.Option(help="A revision, also an earlier one.")] = "head", config: ConfigFile = None
 ) -> None:
     """Bring the tables to the shape of this version, or back to an earlier one before going back to it."""
-    from agentrob.board.database import migrate as run
     from agentrob.board.alone import alone
+    from agentrob.board.database import migrate as run
 
     settings = _settings(configuration.load(config))
     with alone(settings):

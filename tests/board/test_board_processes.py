@@ -197,7 +197,7 @@ def test_law_16_a_process_that_cannot_hear_the_others_sends_no_beat(forum: Forum
                 pytest.fail("nothing but beats can come")
             except httpx2.ReadTimeout:
                 pass
-            assert last_s - gone_s < PROVEN_S + 0.5
+            assert last_s - gone_s < PROVEN_S + 1.0
             assert forum.as_("op", forum.b).post("/robots/quadruped/stop").status_code == 503
     again = forum.as_("quadruped", forum.b)
     wait_for(lambda: again.get("/changes").status_code == 200)

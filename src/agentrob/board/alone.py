@@ -48,8 +48,7 @@ def alone(settings: BoardSettings) -> Iterator[None]:
 def skewed(skew_s: float) -> BoardError:
     """A clock that differs from the database's by more than `MAX_SKEW_S`."""
     what = f"this host's clock is {abs(skew_s):.1f} s {'ahead of' if skew_s > 0 else 'behind'} the database's"
-    hint = f"at most {MAX_SKEW_S:g} s: let both follow a time server"
-    return BoardError(503, "clock_skew", what, hint)
+    return BoardError(503, "clock_skew", f"{what}, more than {MAX_SKEW_S:g} s: let both follow a time server")
 
 
 def being_changed(settings: BoardSettings) -> BoardError:
@@ -64,8 +63,8 @@ def _on_this_host(settings: BoardSettings) -> Iterator[None]:
     try:
         lock = HostLock("board/" + hashlib.sha256(key.encode()).hexdigest()[:16], f"the database {key}")
     except RobotBusy:
-        hint = "end it first; several processes can serve one forum on PostgreSQL only (docs/deploy.md)"
-        raise BoardError(503, "already_served", f"another process serves {key} already", hint) from None
+        what = f"another process serves {key} already; several can serve one forum on PostgreSQL only (docs/deploy.md)"
+        raise BoardError(503, "already_served", what, "end it first") from None
     with lock:
         yield
 
@@ -79,8 +78,8 @@ def _lock(settings: BoardSettings, together: bool) -> Iterator[None]:
             if not connection.execute(select(take(SERVING_LOCK))).scalar_one():
                 if together:
                     raise being_changed(settings)
-                what = f"{settings.database_shown} is served by other processes"
-                raise BoardError(503, "already_served", what, "end them first")
+                what = f"{settings.database_shown} is served by other processes: end them first"
+                raise BoardError(503, "already_served", what)
             if together:
                 _check_clock(connection)
             yield

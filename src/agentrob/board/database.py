@@ -169,8 +169,8 @@ def migrate(settings: BoardSettings, to: str = "head", *, alone: bool = False) -
 def _nobody_serves(connection: Connection) -> None:
     """Until the end of the transaction; 409 when somebody does."""
     if not connection.execute(select(func.pg_try_advisory_xact_lock(SERVING_LOCK))).scalar_one():
-        what = "the tables must change for this version, but another process serves the forum"
-        raise BoardError(409, "older_version_serves", what, "end all that serve it, then start them again")
+        what = "the tables must change for this version, but another process serves the forum: end all of them first"
+        raise BoardError(409, "older_version_serves", what)
 
 
 def unavailable(error: DBAPIError) -> BoardError:
