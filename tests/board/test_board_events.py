@@ -348,5 +348,8 @@ def test_law_16_a_hub_that_has_to_prove_that_it_hears_does_not_for_long(
         monkeypatch.setattr(events, "PROVEN_S", 0.0)
         assert not hub.hears
         hub.proven(newest - 1)
-        assert listener.closed
+        assert not listener.closed, "we wrote one while it was asked"
+        hub._last += 1
+        hub.proven(newest)
+        assert (listener.closed, hub.last_id) == (True, now(board.client("op")))
     engine.dispose()

@@ -45,8 +45,9 @@ def open_engine(settings: BoardSettings, *, writes: bool, process: str = "", pat
         except OSError as e:
             raise BoardError(503, "storage", f"cannot make the folder {path.parent}: {e.strerror}") from None
     # Whatever the database's own default: each statement sees what others have committed (`_one_writer`).
-    isolation = {"isolation_level": "READ COMMITTED"} if settings.shared else {}
-    engine = create_engine(settings.database, connect_args=connect_args(settings), **isolation)
+    # A writer asks whether its connection still is one, so that a server that was started again costs no stop.
+    options: dict[str, Any] = {"isolation_level": "READ COMMITTED", "pool_pre_ping": writes} if settings.shared else {}
+    engine = create_engine(settings.database, connect_args=connect_args(settings), **options)
     if engine.dialect.name == "sqlite":
         event.listen(engine, "connect", _set_up_sqlite)
         if writes:

@@ -167,12 +167,19 @@ class Hub:
 
     def proven(self, newest: int) -> None:
         """The other processes are heard: the database just said that its newest event is this one."""
-        if newest < self._last:  # it was put back from a backup: who resumes is told so
-            log.error("board.other_history", newest=newest, told=self._last)
-            self._last, self._last_id = newest, self.reader.newest_event_id() if self.reader else BEFORE_ALL
-            self._cut_off()
+        if newest < self._last:
+            self._look_back()
         if self._catch_up(newest):
             self._proven_s = time.monotonic()
+
+    def _look_back(self) -> None:
+        """Either we wrote one meanwhile, or the database was put back from a backup: then who resumes is told so."""
+        assert self.reader is not None
+        newest_id = self.reader.newest_event_id()
+        if event_number(newest_id) < self._last:
+            log.error("board.other_history", newest=newest_id, told=self._last_id)
+            self._last, self._last_id = event_number(newest_id), newest_id
+            self._cut_off()
 
     @property
     def hears(self) -> bool:

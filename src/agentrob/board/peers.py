@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import structlog
 
-from agentrob.board.alone import MAX_SKEW_S, being_changed, skewed
+from agentrob.board.alone import being_changed, check_clock
 from agentrob.board.database import CHANNEL, LEADING_LOCK, SERVING_LOCK, connection_words
 from agentrob.board.events import Hub
 from agentrob.board.settings import BoardSettings
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 #: How often it is proven that the others are heard, when nothing is.
 PROOF_S = 0.25
-#: A database that does not answer for so long is not heard.
-PATIENCE_S = 1.0
+#: A connection that does not answer for so long is given up for another one; the beats have ended before.
+PATIENCE_S = 2.0
 CONNECT_S = 5.0
 AGAIN_S = 0.25
 #: The database ends a connection that asks nothing for so long: its process hangs, or its host is gone, and its locks
@@ -65,14 +65,14 @@ class Peers:
         self._duty: asyncio.Task[None] | None = None
         self._asked_to_lead = False
         self._proven_s = 0.0
-        self._well = True
+        self._cut_off = False
         self._teller = Teller(me, stage, self._connect)
         hub.tell_others, stage.changed = self._teller.announce, self._teller.changed
 
     @property
     def cut_off(self) -> bool:
-        """Whether the database was gone when it was last asked."""
-        return not self._well
+        """Whether the database could not be reached, or this process must not serve it."""
+        return self._cut_off
 
     @property
     def leads(self) -> bool:
@@ -125,15 +125,29 @@ class Peers:
 
         while True:
             try:
-                self._connection = self._connection or await self._listening()
+                if self._connection is None:
+                    self._connection = await self._again()
                 await self._follow(self._connection)
             except (psycopg.Error, OSError, BoardError) as e:
-                if self._well:
-                    log.error("board.cut_off", error=str(e) or "no answer from the database")
-                self._well = False
+                if not self._cut_off:
+                    log.warning("board.not_heard", error=str(e) or "no answer from the database")
             finally:
                 await self._let_go()
             await asyncio.sleep(AGAIN_S)
+
+    async def _again(self) -> AsyncConnection[Any]:
+        """Another connection. While there is none nobody waits for the database."""
+        try:
+            connection = await self._listening()
+        except Exception as e:
+            if not self._cut_off:
+                log.error("board.cut_off", error=str(e) or "no answer from the database")
+            self._cut_off = True
+            raise
+        if self._cut_off:
+            log.info("board.heard_again")
+        self._cut_off = False
+        return connection
 
     async def _let_go(self) -> None:
         """First the duties end, then the lock on them."""
@@ -162,11 +176,8 @@ class Peers:
         async with asyncio.timeout(PATIENCE_S):
             asked = await connection.execute(_PROOF, {"leads": self.leads, "me": self.me})
             newest, clock, leads, viewers = await asked.fetchone() or (0, before, False, {})
-        if abs(skew := (before + time.time()) / 2 - clock) > MAX_SKEW_S:
-            raise skewed(skew)
-        if not self._well:
-            log.info("board.heard_again")
-        self._proven_s, self._well = time.monotonic(), True
+        check_clock(before, clock, time.time())
+        self._proven_s = time.monotonic()
         self._stage.hear_viewers(viewers)
         self._hub.proven(newest)
         if leads and self._duty is None:

@@ -15,8 +15,6 @@ from collections.abc import Awaitable, Callable
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 
-import structlog
-
 from agentrob.board.database import CHANNEL
 from agentrob.board.events import Hub
 from agentrob.board.records import Event, EventKind, from_us
@@ -52,8 +50,6 @@ _LOOKING = (
 )
 _NOT_LIVE = f"UPDATE stage SET frame = NULL, shown_us = NULL WHERE frame IS NOT NULL AND shown_us < {NOW_US} - %s"
 _GONE = f"DELETE FROM stage_viewers WHERE until_us < {NOW_US}"
-
-log = structlog.get_logger(__name__)
 
 
 class Teller:
@@ -96,8 +92,8 @@ class Teller:
                         async with asyncio.timeout(PATIENCE_S):
                             await self._tell(connection)
                         await self._woken()
-            except (psycopg.Error, OSError) as e:  # `peers` says that the database is gone
-                log.debug("board.not_told", error=str(e))
+            except (psycopg.Error, OSError):
+                pass  # `peers` says that the database is gone
             await asyncio.sleep(AGAIN_S)
 
     async def _woken(self) -> None:
