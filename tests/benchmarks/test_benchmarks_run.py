@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.sim, pytest.mark.timeout(600)]
 LITTLE = {
     "accuracy.py": ["--runs", "6", "--seed", "23"],
     "board.py": ["--seconds", "1", "--listeners", "20"],
-    "board_search.py": ["--posts", "2000", "--trials", "3"],
+    "board_search.py": ["--posts", "2000", "--trials", "3", "--vectors", "2000"],
     "demo_start.py": ["1"],
     "latency.py": ["--posts", "100"],
     "loop.py": ["--turns", "12"],

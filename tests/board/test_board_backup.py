@@ -49,6 +49,9 @@ def told(board: RunningBoard) -> list[Any]:
         posts = op.get(f"/topics/{topic}/posts").json()["items"]
         found.append([[p["id"], p["raw"], p["version"], p["removed"], p["created_at"], p["key"]] for p in posts])
     found.append(op.get("/robots/quadruped/rights", params={"board": "talk"}).json())
+    for query in ("better", "机器", "Titel"):
+        found.append([p["id"] for p in op.get("/search", params={"q": query}).json()["items"]])
+        assert len(found[-1]) == 1, query
     return found
 
 

@@ -14,10 +14,10 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from board_processes import fresh_postgres
 from running_board import POSTGRES, database_for, running_board
-from sqlalchemy import select
+from sqlalchemy import select, text
 from test_board_backup import fill, told
 
-from agentrob.board import admin, backup, schema
+from agentrob.board import admin, backup, meanings, schema, search
 from agentrob.board.database import migrate, open_engine
 from agentrob.board.settings import BoardSettings
 from agentrob.config_board import BoardConfig
@@ -25,7 +25,8 @@ from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
-SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot")
+SAME = tuple(f"board_{name}" for name in ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot"))
+SEARCH = ("board_meaning", "pages_find")
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +36,9 @@ def server() -> Iterator[str]:
 
 
 @pytest.mark.timeout(600)
-def test_the_tests_of_the_board_pass_on_postgresql_too(server: str) -> None:
-    files = [str(HERE / f"test_board_{name}.py") for name in SAME]
+@pytest.mark.parametrize("names", [SAME, SEARCH], ids=["board", "search"])
+def test_the_tests_of_the_board_pass_on_postgresql_too(server: str, names: tuple[str, ...]) -> None:
+    files = [str(HERE / f"test_{name}.py") for name in names]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not sqlite and not slow", *files]
     done = subprocess.run(
         command, env=os.environ | {POSTGRES: server}, cwd=HERE.parents[1], text=True, capture_output=True, check=False
@@ -55,13 +57,30 @@ def test_migrations_build_the_same_tables_there_and_lead_back(server: str, tmp_p
     migrate(there)
     engine = open_engine(there, writes=False)
     with engine.connect() as connection:
-        assert compare_metadata(MigrationContext.configure(connection), schema.metadata) == []
+        found = compare_metadata(MigrationContext.configure(connection), [schema.metadata, meanings.derived])
+        # The index of words is PostgreSQL's own kind of one, over an expression.
+        assert [d[1].name for d in found if d[0] != "remove_index"] == ["post_words"]
+        assert {d[1].table.name for d in found if d[0] == "remove_index"} <= {"post_words"}
     engine.dispose()
     admin.bootstrap(there)
     admin.create_account(there, "somebody")
     migrate(there, "0001")
     migrate(there)
     assert admin.find_account(there, "somebody").name == "somebody"
+
+
+def test_a_search_that_takes_too_long_is_given_up(server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    there = settings(server, tmp_path)
+    admin.bootstrap(there)
+    monkeypatch.setattr(search, "MOST_S", 0.05)
+    engine = open_engine(there, writes=False)
+    with engine.connect() as connection:
+        reader = search.finder(connection)
+        with pytest.raises(BoardError) as refused, search.given_up(reader):
+            reader.rows(text("SELECT pg_sleep(60)"))
+        assert (refused.value.status, refused.value.code) == (503, "too_broad")
+        assert search.find(reader, "anything").items == ()
+    engine.dispose()
 
 
 def test_who_writes_waits_for_who_writes_so_events_come_in_order(server: str, tmp_path: Path) -> None:

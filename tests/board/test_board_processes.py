@@ -63,7 +63,7 @@ def test_nobody_restores_or_migrates_a_forum_that_is_served(forum: Forum) -> Non
         pass
     assert caught.value.code == "already_served"
     with pytest.raises(BoardError, match="another process serves the forum"):
-        migrate(forum.settings, "0003_pages")
+        migrate(forum.settings, "0004_meanings")
     migrate(forum.settings)
 
 

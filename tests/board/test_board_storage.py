@@ -21,7 +21,7 @@ from alembic.migration import MigrationContext
 from running_board import LIMIT_S, RunningBoard, running_board
 from sqlalchemy import text
 
-from agentrob.board import admin, schema, server
+from agentrob.board import admin, meanings, schema, server
 from agentrob.board.database import migrate, open_engine
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Transaction
@@ -161,7 +161,7 @@ def test_migrations_build_exactly_the_tables_of_the_schema(settings: BoardSettin
     migrate(settings)
     engine = open_engine(settings, writes=False)
     with engine.connect() as connection:
-        found = compare_metadata(MigrationContext.configure(connection), schema.metadata)
+        found = compare_metadata(MigrationContext.configure(connection), [schema.metadata, meanings.derived])
     # The words of posts are a table of SQLite's own kind, which SQLAlchemy has no name for.
     tables = {d[1].name for d in found if isinstance(d, tuple) and d[0] == "remove_table"}
     assert len(tables) == len(found)

@@ -16,8 +16,9 @@ from agentrob.board import search
 from agentrob.board.api_admin import erase_content
 from agentrob.board.database import open_engine
 from agentrob.board.records import Page, Post
-from agentrob.board.search import around, create_index, drop_index, expression, indexed, terms
+from agentrob.board.search import around, terms
 from agentrob.board.store import MAX_SEARCHES
+from agentrob.board.words import create_index, drop_index, expression, indexed
 from agentrob.model import Role
 
 ATOM = "{http://www.w3.org/2005/Atom}"
@@ -48,6 +49,14 @@ def test_chinese_of_one_two_and_more_characters_is_found(world: World) -> None:
         assert post not in found(world, query), query
 
 
+def test_chinese_between_letters_and_numbers_is_found_as_it_is_written(world: World) -> None:
+    _, post = topic(world, "n", "请让go2机器狗前进2米然后转90度，再后退3米。")
+    for query in ("前进2米", "go2机", "go2机器狗", "前进2米然后转90", "转90度", "后退3米", "进2", "退3米。", '"2米然"'):
+        assert post in found(world, query), query
+    for query in ("前进3米", "前2米", "go2狗", "2然", "90米", "前进2米后"):
+        assert post not in found(world, query), query
+
+
 def test_words_are_found_whatever_their_case_accents_and_endings(world: World) -> None:
     _, post = topic(world, "Zebra crossing", "The café's robot WALKED past 13 tulips at 2.5 m")
     for query in ("zebra", "Cafe", "walks", "tulip", "zebra tulips", '"past 13"', "2.5", "ｗａｌｋｅｄ"):
@@ -61,6 +70,21 @@ def test_words_are_found_whatever_their_case_accents_and_endings(world: World) -
 )
 def test_what_is_no_query_is_answered_with_a_page(world: World, query: str) -> None:
     assert world.browser("bob").client.get("/search", params={"q": query}).status_code == 200
+
+
+def test_words_that_must_stand_together_are_found_however_far_into_a_post(world: World) -> None:
+    _, post = topic(world, "Long", " ".join(f"word{n} 第{n}次前进" for n in range(2000)) + " the very last words")
+    for query in ('"very last words"', '"word1998 第1998次"', "1999次前进", f"last {'word1997'}"):
+        assert post in found(world, query), query
+    for query in ('"words very last"', '"word1998 第1997次"', "前进次", f"last {'x' * 150}"):
+        assert post not in found(world, query), query
+
+
+def test_very_long_words_are_taken_and_found(world: World) -> None:
+    long, wide = "abcdefghij" * 18, "x" * 5000
+    _, post = topic(world, "n", f"see {long} and {wide} here")
+    for query in (long, f'"see {long} and"', "here"):
+        assert post in found(world, query), query
 
 
 def test_edits_and_removals_are_followed(world: World) -> None:
@@ -90,6 +114,9 @@ def test_what_is_on_a_board_one_may_not_read_is_not_found_told_or_fed(world: Wor
     assert post in found(world, "narwhal", by="alice")
     bob = world.browser("bob")
     assert found(world, "narwhal") == []
+    for words, here in (("narwhal", "staff"), ("narwhal", "nowhere"), ("narwhal", "talk")):
+        answer = world.api("bob").get("/search", params={"q": words, "board": here})
+        assert (answer.status_code, answer.json()["items"]) == (200, []), here
     for path in ("/latest", "/notices", "/feed.atom", "/u/alice"):
         assert "narwhal" not in bob.get(path).text, path
     assert bob.get("/b/staff/feed.atom").status_code == 404
@@ -104,7 +131,8 @@ def test_erased_posts_leave_no_words_behind(world: World) -> None:
     assert found(world, "axolotl", by="root") == []
     engine = open_engine(world.settings, writes=False)
     with engine.connect() as connection:
-        left = connection.execute(text("SELECT count(*) FROM post_words WHERE rowid = :id"), {"id": int(post)})
+        column = "rowid" if engine.dialect.name == "sqlite" else "post_id"
+        left = connection.execute(text(f"SELECT count(*) FROM post_words WHERE {column} = :id"), {"id": int(post)})
         assert left.scalar_one() == 0
     engine.dispose()
 
@@ -124,6 +152,7 @@ def test_posts_from_before_there_was_an_index_are_in_it(fresh_board: Callable[..
     assert "<mark>两米</mark>" in browser.get("/search", params={"q": "两米"}).text
 
 
+@pytest.mark.sqlite
 def test_a_search_that_takes_too_long_is_given_up_and_the_page_says_what_to_do(
     world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -176,6 +205,7 @@ def test_indexing_keeps_every_character_of_a_run_findable() -> None:
     assert (words.split(), chars.split()) == (["走路", "路", "go", "走"], ["走", "路"])
     assert expression(terms("路")) == 'chars : "路"'
     assert expression(terms("走路 go")) == 'words : "走路" AND words : "go"'
+    assert expression(terms("走路2米")) == 'words : "走路 路 2 米" *'
     assert around("a **bold** word here", "word") == (("a bold ", False), ("word", True), (" here", False))
 
 

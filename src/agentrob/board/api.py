@@ -41,6 +41,7 @@ from agentrob.board.reader import MAX_LIMIT, event_number, not_found
 from agentrob.board.records import Written
 from agentrob.board.search import MAX_QUERY
 from agentrob.board.services import Services, services
+from agentrob.board.store import SearchMode
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
 
@@ -168,17 +169,27 @@ async def find(request: Request, who: Reading, key: Annotated[str, Query(pattern
     return out(Items(items=(shaper(request, who.account).post(found),) if found else ()))
 
 
-@router.get("/search", response_model=Paged[PostOut])
+@router.get("/search/modes", response_model=Items[SearchMode])
+async def search_modes(request: Request, who: Reading) -> Response:
+    """How posts can be searched for: by their `words`, and by their `meaning` where this forum has it."""
+    return out(Items[SearchMode](items=services(request).store.search_modes))
+
+
+@router.get("/search", response_model=Paged[PostOut], responses=NOT_FOUND)
 async def search(
     request: Request,
     who: Reading,
     q: Words,
     board: Annotated[str | None, Query(pattern=rf"^{BOARD_ID.pattern}$", description="only on this board")] = None,
+    mode: Annotated[SearchMode, Query(description="by words, or by meaning where this forum has it")] = "words",
     cursor: Cursor = None,
     limit: Limit = 20,
 ) -> Response:
-    """Posts that have all the words of `q`, newest first; words between double quotes must stand together."""
-    page = await services(request).store.search(q, cursor, limit, board)
+    """Posts that have all the words of `q`, newest first; words between double quotes must stand together.
+
+    By meaning: posts that say something like `q`, in any language, most alike first, 100 at most.
+    """
+    page = await services(request).store.search(q, cursor, limit, board, mode)
     return out(Paged(items=tuple(map(shaper(request, who.account).post, page.items)), next=page.next))
 
 

@@ -25,6 +25,7 @@ from sqlalchemy.exc import DBAPIError, IntegrityError
 
 from agentrob import __version__
 from agentrob.board import schema as db
+from agentrob.board import words
 from agentrob.board.database import migrate, open_engine, unavailable
 from agentrob.board.images import path_of
 from agentrob.board.settings import BoardSettings
@@ -66,6 +67,7 @@ def restore(settings: BoardSettings, source: Path) -> dict[str, int]:
             if counts != manifest["tables"]:
                 raise BoardError(422, "bad_backup", f"{source} is not whole: {counts}, said {manifest['tables']}")
             _go_on_counting(connection)
+            words.fill_index(connection)
             counts["pictures"] = _restore_pictures(tar, connection, settings.images_dir)
     except (OSError, EOFError, zlib.error, tarfile.TarError, KeyError, ValueError, IntegrityError) as e:
         raise BoardError(422, "bad_backup", f"{source} cannot be read as a backup: {e}") from e

@@ -16,6 +16,7 @@ from agentrob.board.forms import Composed
 from agentrob.board.records import Page, Post, Topic
 from agentrob.board.render import render
 from agentrob.board.services import Services, services
+from agentrob.board.store import SearchMode
 from agentrob.board.templating import go, show
 from agentrob.errors import BoardError
 
@@ -30,16 +31,19 @@ NAMES = 8
 
 # ------------------------------------------------------------------ search and latest
 @router.get("/search")
-async def search_page(request: Request, viewer: Reading, q: str = "", after: str | None = None) -> Response:
+async def search_page(
+    request: Request, viewer: Reading, q: str = "", after: str | None = None, by: SearchMode = "words"
+) -> Response:
     known, problem, status = services(request), "", 200
     page: Page[Post] = Page(())
     try:
         query = search.checked(q)
-        page = await known.store.search(query, after)
+        page = await known.store.search(query, after, mode=by)
     except BoardError as e:
         query, problem, status = q[: search.MAX_QUERY], forms.problem(e), e.status
     found = [(topic, post, search.around(post.raw, query)) for topic, post in _with_topics(known, page.items)]
     data: dict[str, Any] = {"query": query, "found": found, "next": page.next, "problem": problem}
+    data |= {"by": by, "modes": known.store.search_modes}
     return show(request, viewer, "search.html", data, status=status, here="search")
 
 

@@ -1,9 +1,7 @@
 """Full-text search, newest first: words in any language, Chinese of one character or more.
 
-On SQLite it stands on an FTS5 table. Its tokenizer splits text at what is no letter, so a run of Chinese, Japanese or
-Korean would be one long word; such runs are therefore written as overlapping pairs (`机器人` as `机器 器人 人`), and a
-search for them as a phrase of pairs. The characters by themselves stand in a column of their own. On other databases
-posts are looked through for the words (`ILIKE`): right, but not quick.
+It stands on the index of `words`, which SQLite and PostgreSQL have. On another database posts are looked through for
+the words: right, but not quick.
 """
 
 from __future__ import annotations
@@ -15,12 +13,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Connection, and_, bindparam, select, text
+from sqlalchemy import Connection, and_, select, text
 
 from agentrob.board import schema as db
 from agentrob.board.reader import Reader, from_cursor, to_cursor
 from agentrob.board.records import Page, Post
 from agentrob.board.render import unmarked
+from agentrob.board.words import INDEXED, index_query
 from agentrob.errors import BoardError
 
 #: Characters and words of a query that count.
@@ -29,77 +28,20 @@ MAX_QUERY, MAX_WORDS = 200, 12
 MOST_S = 1.0
 #: Steps of SQLite's machine between two looks at the clock.
 STEPS = 20_000
-_PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
-_CREATE = (
-    "CREATE VIRTUAL TABLE post_words USING fts5(words, chars, tokenize = 'porter unicode61 remove_diacritics 2')",
-    # Whoever erases a post erases its words, without having to know of this table.
-    "CREATE TRIGGER post_words_erased AFTER UPDATE OF raw ON posts WHEN new.raw = '' "
-    "BEGIN DELETE FROM post_words WHERE rowid = new.id; END",
-)
-_BATCH = 1000
-
-
-# -------------------------------------------------------------------- the index
-def create_index(connection: Connection) -> None:
-    """Make the index of all posts there are; nothing where the database has no FTS5."""
-    if connection.dialect.name != "sqlite":
-        return
-    for statement in _CREATE:
-        connection.execute(text(statement))
-    after = 0
-    query = (
-        "SELECT p.id, p.raw, t.title, (SELECT min(id) FROM posts WHERE topic_id = t.id) AS first FROM posts p "
-        "JOIN topics t ON t.id = p.topic_id WHERE p.id > :after ORDER BY p.id LIMIT :most"
-    )
-    while rows := connection.execute(text(query), {"after": after, "most": _BATCH}).all():
-        for row in rows:
-            add(connection, row.id, row.raw, row.title if row.id == row.first else "")
-        after = rows[-1].id
-
-
-def drop_index(connection: Connection) -> None:
-    if connection.dialect.name == "sqlite":
-        connection.execute(text("DROP TRIGGER post_words_erased"))
-        connection.execute(text("DROP TABLE post_words"))
-
-
-def add(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
-    """A new post; the first one of a topic is found by the title too."""
-    if connection.dialect.name == "sqlite":
-        words, chars = indexed(f"{title}\n{raw}" if title else raw)
-        values = {"id": post_id, "words": words, "chars": chars}
-        connection.execute(text("INSERT INTO post_words (rowid, words, chars) VALUES (:id, :words, :chars)"), values)
-
-
-def change(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
-    """An edited post."""
-    if connection.dialect.name == "sqlite":
-        connection.execute(text("DELETE FROM post_words WHERE rowid = :id"), {"id": post_id})
-        add(connection, post_id, raw, title)
-
-
-def indexed(words: str) -> tuple[str, str]:
-    """A text as it is given to the index: its words, and its Chinese, Japanese and Korean characters."""
-    plain = unicodedata.normalize("NFKC", words)
-    chars = dict.fromkeys("".join(_PAIRED.findall(plain)))
-    return _PAIRED.sub(lambda run: f" {' '.join(_pairs(run[0]))} ", plain), " ".join(chars)
-
-
-def _pairs(run: str) -> Iterator[str]:
-    """Each character with the next one; the last alone, so that a word that goes on in letters (`走2`) is found."""
-    return (run[n : n + 2] for n in range(len(run)))
 
 
 # -------------------------------------------------------------------- searching
 def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = None) -> Reader:
     """A reader to search with, on a connection of its own."""
     if connection.dialect.name == "postgresql":
-        connection.execute(text(f"SET statement_timeout = {MOST_S * 1000:.0f}"))
+        # A plan for any words at all would look through every post for a rare one, or sort half of them for a common.
+        for setting in (f"statement_timeout = {MOST_S * 1000:.0f}", "plan_cache_mode = force_custom_plan", "jit = off"):
+            connection.execute(text(f"SET {setting}"))
     return Reader(connection, sees, keeps=True)
 
 
 @contextmanager
-def _given_up(reader: Reader) -> Iterator[None]:
+def given_up(reader: Reader) -> Iterator[None]:
     """Ends a statement that takes longer than `MOST_S`: 503 with what to do."""
     end_s = time.monotonic() + MOST_S
     raw: Any = reader.connection.connection.dbapi_connection
@@ -130,15 +72,22 @@ def find(
     if not words:
         return Page(())
     before = from_cursor(cursor) if cursor else 2**62
+    with given_up(reader):
+        ids = _find(reader, words, before, boards_seen(reader, board_id), limit + 1)
+    return Page(in_order(reader, ids[:limit]), to_cursor(ids[limit - 1]) if len(ids) > limit else None)
+
+
+def boards_seen(reader: Reader, board_id: str | None) -> list[str]:
+    """Where whoever asks may look: on one board, or on all that they see."""
     seen = reader.seen()
     boards = [b.id for b in reader.all_boards()] if seen is None else sorted(seen)
-    boards = [board for board in boards if board_id in (None, board)]
-    search = _by_index if reader.connection.dialect.name == "sqlite" else _by_looking
-    with _given_up(reader):
-        ids = search(reader, words, before, boards, limit + 1)
-    found = {int(post.id): post for post in reader.posts_by_id(ids[:limit])}
-    posts = tuple(found[i] for i in ids[:limit] if i in found)
-    return Page(posts, to_cursor(ids[limit - 1]) if len(ids) > limit else None)
+    return [board for board in boards if board_id in (None, board)]
+
+
+def in_order(reader: Reader, ids: Sequence[int]) -> tuple[Post, ...]:
+    """The posts in the order in which they were found."""
+    found = {int(post.id): post for post in reader.posts_by_id(ids)}
+    return tuple(found[i] for i in ids if i in found)
 
 
 def terms(query: str) -> list[str]:
@@ -148,27 +97,12 @@ def terms(query: str) -> list[str]:
     return [word for word in found if any(c.isalnum() for c in word)][:MAX_WORDS]
 
 
-def expression(words: Sequence[str]) -> str:
-    """The words in FTS5's language: each a phrase."""
-    return " AND ".join(_phrase(word) for word in words)
-
-
-def _phrase(word: str) -> str:
-    if len(word) == 1 and _PAIRED.fullmatch(word):
-        return f'chars : "{word}"'
-    # In a mixed word (`go2机器人`) a run may go on after what is searched for: its last character is left to its pair.
-    mixed = _PAIRED.sub(lambda run: f" {' '.join(p for p in _pairs(run[0]) if len(p) == 2 or len(run[0]) == 1)} ", word)
-    return f'words : "{mixed.strip()}"'
-
-
-def _by_index(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:
-    statement = text(
-        "SELECT w.rowid AS id FROM post_words w CROSS JOIN posts p ON p.id = w.rowid "
-        "CROSS JOIN topics t ON t.id = p.topic_id WHERE w.post_words MATCH :wanted AND w.rowid < :before "
-        "AND NOT p.removed AND t.board_id IN :boards ORDER BY w.rowid DESC LIMIT :most"
-    ).bindparams(bindparam("boards", expanding=True))
-    values: dict[str, Any] = {"wanted": expression(words), "before": before, "boards": list(boards), "most": most}
-    return [row.id for row in reader.rows(statement, **values)]
+def _find(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:
+    dialect = reader.connection.dialect.name
+    if dialect not in INDEXED:
+        return _by_looking(reader, words, before, boards, most)
+    asked = index_query(dialect, words, before, boards, most)
+    return [row.id for row in reader.rows(asked[0], **asked[1])] if asked else []
 
 
 def _by_looking(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:

@@ -35,6 +35,7 @@ from agentrob.board.settings import BoardSettings, address_of
 from agentrob.board.stage import Stage
 from agentrob.board.store import Store
 from agentrob.errors import BoardError
+from agentrob.meaning import Encoder, require_model
 from agentrob.webhook import Receiver
 
 log = structlog.get_logger(__name__)
@@ -45,6 +46,8 @@ EXPIRE_S = 3600.0
 def create_app(settings: BoardSettings) -> FastAPI:
     """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
     told = hooks.receivers(settings)
+    if settings.encoder is Encoder:
+        require_model()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -96,12 +99,18 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
         parts.store.reader.gone = parts.store.everything.gone = lambda: peers.cut_off
         await peers.begin()
         uploads.check_folder(parts)
-        return peers.run()
+        following = peers.run()
+    else:
+        following = _alone(parts.hub, duties)
 
-    async def alone() -> None:
-        await asyncio.gather(parts.hub.follow(), duties(False))
+    async def work() -> None:  # each process keeps by itself what the posts mean
+        await asyncio.gather(following, parts.store.follow_meanings())
 
-    return alone()
+    return work()
+
+
+async def _alone(hub: Hub, duties: Callable[[bool], Coroutine[Any, Any, None]]) -> None:
+    await asyncio.gather(hub.follow(), duties(False))
 
 
 def end_streams(app: FastAPI) -> None:

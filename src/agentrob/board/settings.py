@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 from agentrob.config_board import BoardConfig, BoardLimitsConfig
 from agentrob.config_service import HookOutConfig
 from agentrob.errors import ConfigError
+from agentrob.meaning import Encoder, Encodes
 
 PROPOSED_PORT = 8088
 NO_LIMITS = BoardLimitsConfig(posts=0, commands=0, uploads=0, sign_ups=0)
@@ -21,7 +22,7 @@ class BoardSettings:
     """`database` is a SQLAlchemy URL, `base_url` what browsers see (no slash at its end; https makes cookies Secure).
 
     `sign_up`: anybody may make an account (as `member`). `public_read`: reading needs no sign-in. `trusted_proxies` may
-    say whose request it is.
+    say whose request it is. `encoder` makes what gives texts their vectors, for search by meaning.
     """
 
     database: str
@@ -36,6 +37,7 @@ class BoardSettings:
     trusted_proxies: tuple[str, ...] = ()
     busy_timeout_s: float = 2.0
     hooks: Mapping[str, HookOutConfig] = field(default_factory=dict)
+    encoder: Callable[[], Encodes] | None = None
 
     @classmethod
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
@@ -58,7 +60,7 @@ class BoardSettings:
         images = data_dir / "board" / "images"
         return cls(
             database, host, port, base_url, images, board.title, sign_up, board.public_read, limits, proxies,
-            hooks=board.hooks,
+            hooks=board.hooks, encoder=Encoder if board.semantic else None,
         )  # fmt: skip
 
     @property

@@ -11,6 +11,7 @@ import asyncio
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
+from functools import partial
 from typing import Any, Literal
 
 from sqlalchemy.exc import DBAPIError
@@ -24,6 +25,7 @@ from agentrob.board.writer import Job, T, Writer
 from agentrob.errors import BoardError
 from agentrob.model import Account
 
+SearchMode = Literal["words", "meaning"]
 #: More searches than this do not wait for the one that runs.
 MAX_SEARCHES = 20
 #: A read that takes longer is given up, on PostgreSQL: the event loop waits for it.
@@ -51,10 +53,17 @@ class Store:
         except DBAPIError as e:
             raise unavailable(e) from e
         self._searches, self._searching = 0, ThreadPoolExecutor(1, "board-search")
+        self._follower = None
+        if settings.encoder is not None:
+            from agentrob.board.meanings import Follower  # numpy, for those who want it
+
+            self._follower = Follower(settings.encoder(), Reader(self._engines[0].connect()))
         self.writer = Writer(self._engines[1], published)
 
     def close(self) -> None:
         """Finish what is being written and close the database."""
+        if self._follower is not None:
+            self._follower.close()
         self.writer.close()
         self._searching.shutdown(cancel_futures=True)
         for reader in (self._finder, self.reader):
@@ -121,21 +130,47 @@ class Store:
         return self.reader.events(self.reader.known_event(after), limit, topic_id)
 
     # ---------------------------------------------------------------- search, awaited
+    @property
+    def search_modes(self) -> tuple[SearchMode, ...]:
+        return ("words",) if self._follower is None else ("words", "meaning")
+
     async def search(
-        self, query: str, cursor: str | None = None, limit: int = 20, board_id: str | None = None
+        self,
+        query: str,
+        cursor: str | None = None,
+        limit: int = 20,
+        board_id: str | None = None,
+        mode: SearchMode = "words",
     ) -> Page[Post]:
-        """Posts with all the words, newest first. In a thread of its own, one after another: nothing else waits for it,
-        least of all a stop (law 15). 503 when it takes too long or too many wait.
+        """Posts with all the words, newest first, or most alike in meaning first. In a thread of its own, one after
+        another: nothing else waits for it, least of all a stop (law 15). 404 for what this forum has not, 503 when it
+        takes too long or too many wait.
         """
+        find = self._finder_by(mode)
         if self._searches >= MAX_SEARCHES:
             raise BoardError(503, "overloaded", "too many searches are waiting", "try again in a moment", 2.0)
         self._searches += 1
         try:
             seeing = copy_context().run  # what whoever asks may see
-            running = self._searching.submit(seeing, search.find, self._finder, query, cursor, limit, board_id)
+            running = self._searching.submit(seeing, find, query, cursor, limit, board_id)
             return await asyncio.wrap_future(running)
         finally:
             self._searches -= 1
+
+    def _finder_by(self, mode: SearchMode) -> Callable[..., Page[Post]]:
+        if mode == "words":
+            return partial(search.find, self._finder)
+        if self._follower is None:
+            hint = "search for words; its owner may install agentrob[semantic] and set board.semantic = true"
+            raise BoardError(404, "no_meaning", "this forum has no search by meaning", hint)
+        from agentrob.board import alike
+
+        return partial(alike.find, self._finder, self._follower.meanings)
+
+    async def follow_meanings(self) -> None:
+        """Keep up with what the posts mean, where this forum is searched by meaning; until cancelled."""
+        if self._follower is not None:
+            await self._follower.run(self.do)
 
     # ---------------------------------------------------------------- writes, awaited
     async def do(self, job: Job[T]) -> T:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from sqlalchemy import Connection, insert, select, update
 
-from agentrob.board import audit, limits, notices, search
+from agentrob.board import audit, limits, notices, words
 from agentrob.board import schema as db
 from agentrob.board.reader import Reader, not_found, row_id
 from agentrob.board.records import Board, Event, EventKind, Image, Post, Topic, Written, from_us
@@ -129,7 +129,7 @@ def edit(
         values["card"] = card
     t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
     _attach(t.connection, int(post.id), editor, images, first=len(post.images))
-    search.change(t.connection, int(post.id), body, reader.title_begun_by(post))
+    words.change(t.connection, int(post.id), body, reader.title_begun_by(post))
     add_event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
     return reader.post(post.id)
 
@@ -208,7 +208,7 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str =
     newest = {"last_post_id": post_id, "last_post_us": at, "posts": topics.posts + 1}
     t.connection.execute(update(db.topics).where(topics.id == topic_id).values(**newest))
     _attach(t.connection, post_id, draft.author, draft.images)
-    search.add(t.connection, post_id, draft.body, title)
+    words.add(t.connection, post_id, draft.body, title)
     notices.tell(t, post_id, draft.author)
     add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))

@@ -174,6 +174,18 @@ class BoardForum:
         params = {"q": query, **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
         return await self._call("GET", "/search", partial(_page, _post), params=params)
 
+    async def finds_meaning(self) -> bool:
+        try:
+            return await self._call("GET", "/search/modes", lambda found: "meaning" in found["items"])
+        except ForumUnoffered:  # a board of before
+            return False
+
+    async def search_meaning(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        params = {"q": query, "mode": "meaning", **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
+        return await self._call("GET", "/search", partial(_page, _post), params=params)
+
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
         """By an admin; the secret is a bearer token."""
         new = {"name": name, "kind": str(kind), "display_name": display_name}
@@ -226,8 +238,9 @@ async def _raise_for(response: httpx2.Response) -> None:
         return
     await response.aread()
     said = _problem(response)
-    if response.status_code == 405 or (response.status_code == 404 and _code(response) == "not_found"):
-        raise ForumUnoffered(f"this board does not have it: {said}")  # no such path: a board of before, or another one
+    unoffered = response.status_code == 404 and _code(response) in ("not_found", "no_meaning")
+    if response.status_code == 405 or unoffered:
+        raise ForumUnoffered(f"this board does not have it: {said}")  # or no such path: one of before, or another one
     match response.status_code:
         case 401 | 403:
             raise ForumDenied(said)

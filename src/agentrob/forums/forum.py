@@ -1,9 +1,9 @@
 """What an agent needs of a forum: small protocols that every adapter fulfils.
 
 A forum is a `Reader`, a `Writer`, `Accounts` and `Events`; one that also has pages for robots is a `Stage`. What not
-every forum has are protocols of their own (`Searcher`, `Registrar`, `Permissions`, `Notices`): a forum that lacks one
-has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise `agentrob.errors.ForumError`
-subclasses, never the transport's own.
+every forum has are protocols of their own (`Searcher`, `MeaningSearcher`, `Registrar`, `Permissions`, `Notices`): one
+that lacks it has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise
+`agentrob.errors.ForumError` subclasses, never the transport's own.
 """
 
 from __future__ import annotations
@@ -234,7 +234,22 @@ class Searcher(Protocol):
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        """Posts that have all words of the query, newest first; by meaning where the forum can."""
+        """Posts that have all words of the query, newest first."""
+        ...
+
+
+@runtime_checkable
+class MeaningSearcher(Protocol):
+    """A forum that finds posts by what they mean, where it has a model that knows it."""
+
+    async def finds_meaning(self) -> bool:
+        """Whether it has one now."""
+        ...
+
+    async def search_meaning(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        """Posts that say something like the query, most alike first. `ForumUnoffered` without a model."""
         ...
 
 

@@ -19,8 +19,9 @@ from datetime import UTC, datetime, timedelta
 from typing import Any, TypeVar
 
 from agentrob.config import ForumConfig
-from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
+from agentrob.meaning import LEAST, Encodes, alike
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 T = TypeVar("T")
@@ -33,7 +34,7 @@ class MemoryWorld:
 
     `max_edits` limits edits per post, `live=False` has no event stream (agents must poll, every `fastest_poll_s` at
     most). `reachable = False` makes every call and every open stream of everybody fail with `ForumUnreachable` until it
-    is set back; `limited_s > 0` makes writes fail with `ForumLimited`.
+    is set back; `limited_s > 0` makes writes fail with `ForumLimited`. With an `encoder` it is searched by meaning too.
     """
 
     max_edits: int | None = None
@@ -41,6 +42,7 @@ class MemoryWorld:
     fastest_poll_s: float = 0.0
     clock_offset_s: float = 0.0
     limited_s: float = 0.0
+    encoder: Encodes | None = None
     boards: dict[str, Board] = field(default_factory=lambda: {"robots": Board("robots", "Robots")})
     accounts: dict[str, Account] = field(default_factory=dict)
     topics: dict[str, Topic] = field(default_factory=dict)
@@ -311,6 +313,24 @@ class MemoryForum:
             if board_id in (None, p.board_id) and not p.removed and all(w in p.raw.casefold() for w in words)
         ]
         return _page(found, cursor, limit)
+
+    async def finds_meaning(self) -> bool:
+        return self._up().encoder is not None
+
+    async def search_meaning(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        """Posts whose vectors are like the query's; they are made anew for each search."""
+        world = self._up()
+        if world.encoder is None:
+            raise ForumUnoffered("this forum has no model for a search by meaning")
+        if board_id is not None:
+            self._board(board_id)
+        posts = [p for p in reversed(world.posts.values()) if board_id in (None, p.board_id) and not p.removed]
+        wanted, *vectors = await asyncio.to_thread(world.encoder.encode, [query, *(p.raw for p in posts)])
+        likeness = [(alike(wanted, vector), p.id) for p, vector in zip(posts, vectors, strict=True)]
+        found = sorted((entry for entry in likeness if entry[0] >= LEAST), key=lambda entry: -entry[0])
+        return _page([self._seen(post_id) for _, post_id in found], cursor, limit)
 
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
         """By an admin. The secret of an account of this forum is its name."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
@@ -116,6 +116,13 @@ class SearchPosts(Arguments):
     cursor: Cursor = None
     limit: Annotated[int, Field(ge=1, le=50)] = 10
     max_chars: Annotated[int, Field(ge=100, le=70_000)] = 400
+
+
+class SearchPostsByMeaning(SearchPosts):
+    """Posts that have the words, newest first; by meaning: that say something like it, in any language, most alike
+    first."""
+
+    mode: Literal["words", "meaning"] = "words"
 
 
 class UploadMedia(Arguments):

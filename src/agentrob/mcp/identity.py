@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from agentrob.errors import ForumDenied, ForumError
-from agentrob.forums.forum import Forum
+from agentrob.forums.forum import Forum, MeaningSearcher
 from agentrob.mcp.envelope import ToolError
 from agentrob.mcp.feed import Feed
 from agentrob.mcp.media import MediaShelf
@@ -42,6 +42,7 @@ class Identity:
     def __post_init__(self) -> None:
         self.feed = Feed(self.forum)
         self._me: Account | None = None
+        self._meaning: bool | None = None
 
     async def me(self) -> Account:
         """The account as it was when first asked; the forum holds its rights against every write itself."""
@@ -49,6 +50,16 @@ class Identity:
             self._me = await self.forum.me()
             self.name = self._me.name
         return self._me
+
+    async def finds_meaning(self) -> bool:
+        """Whether this forum is searched by meaning too; what it said first is remembered."""
+        if self._meaning is None:
+            forum = self.forum
+            try:
+                self._meaning = isinstance(forum, MeaningSearcher) and await forum.finds_meaning()
+            except ForumError:
+                return False
+        return self._meaning
 
     async def once(self, key: str | None, write: Callable[[], Awaitable[Any]]) -> tuple[Any, bool]:
         """A write that is done once under a key, also when two send it at the same time; what it gave, and whether it

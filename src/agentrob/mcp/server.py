@@ -31,7 +31,7 @@ from agentrob.mcp.arguments import Arguments, input_schema
 from agentrob.mcp.envelope import SCHEMA, ToolError, as_tool_error, error_body, failure, new_trace_id, success
 from agentrob.mcp.identity import Accounts, Identity
 from agentrob.mcp.prompts import PROMPTS, filled
-from agentrob.mcp.tools import BY_NAME, Call, Tool, allowed
+from agentrob.mcp.tools import BY_NAME, Call, Tool, allowed, as_offered
 from agentrob.mcp.watch import Watch
 
 log = structlog.get_logger(__name__)
@@ -87,7 +87,8 @@ class ForumServer:
 
     # ---------------------------------------------------------------- tools
     async def list_tools(self, ctx: Context, params: Any) -> types.ListToolsResult:
-        return types.ListToolsResult(tools=[_described(t) for t in self._allowed(ctx)])
+        who = self._identify(ctx)
+        return types.ListToolsResult(tools=[_described(await as_offered(t, who)) for t in self._allowed(ctx)])
 
     async def call_tool(self, ctx: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
         said = await self._said(ctx, params.name, params.arguments or {})
@@ -131,7 +132,7 @@ class ForumServer:
         tool = next((t for t in tools if t.name == name), None)
         if tool is None:
             raise self._refused(name, tools)
-        given = _validated(tool, arguments)
+        given = _validated(await as_offered(tool, who), arguments)
         call = Call(who, trace_id, self._accounts, tools, functools.partial(self._subscribe_legacy, ctx, who))
         result = await tool.run(call, given)
         if tool.name == "login_account" and ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS:

@@ -5,11 +5,20 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from agentrob.errors import ForumUnoffered
-from agentrob.forums.forum import Event, EventKind, Notices, Page, Permissions, Registrar, Searcher
+from agentrob.forums.forum import (
+    Event,
+    EventKind,
+    MeaningSearcher,
+    Notices,
+    Page,
+    Permissions,
+    Registrar,
+    Searcher,
+)
 from agentrob.mcp import arguments as a
 from agentrob.mcp import results as r
 from agentrob.mcp.convert import account_info, board_info, card, post_info, topic_info
@@ -111,12 +120,16 @@ def _next(tool: str, place: str, page: Page[Any]) -> str | None:
 
 
 async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
-    forum = call.who.forum
-    if not isinstance(forum, Searcher):
-        raise ForumUnoffered("this forum cannot be searched")
-    place = f"{args.board_id or ''}\n{args.query}"
+    forum, by_meaning = call.who.forum, isinstance(args, a.SearchPostsByMeaning) and args.mode == "meaning"
+    if by_meaning and isinstance(forum, MeaningSearcher):
+        find = forum.search_meaning
+    elif isinstance(forum, Searcher) and not by_meaning:
+        find = forum.search
+    else:
+        raise ForumUnoffered("this forum cannot be searched so")
+    place = f"{args.board_id or ''}\n{'meaning' if by_meaning else ''}\n{args.query}"
     cursor = place_in(unseal("search_posts", place, args.cursor))
-    page = await forum.search(args.query, board_id=args.board_id, cursor=cursor, limit=args.limit)
+    page = await find(args.query, board_id=args.board_id, cursor=cursor, limit=args.limit)
     return r.Found(
         posts=_cut(page.items, args.max_chars), next=_next("search_posts", place, page), untrusted=r.UNTRUSTED
     )
@@ -254,6 +267,14 @@ TOOLS = (
          idempotent=True),
 )  # fmt: skip
 BY_NAME = {tool.name: tool for tool in TOOLS}
+
+
+_BY_MEANING = replace(BY_NAME["search_posts"], arguments=a.SearchPostsByMeaning)
+
+
+async def as_offered(tool: Tool, who: Identity) -> Tool:
+    """The tool as this account's forum has it."""
+    return _BY_MEANING if tool.name == _BY_MEANING.name and await who.finds_meaning() else tool
 
 
 def allowed(who: Identity, switching: bool) -> tuple[Tool, ...]:

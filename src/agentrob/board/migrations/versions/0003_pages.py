@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
-from agentrob.board.search import create_index, drop_index
+from agentrob.board.words import create_index, drop_index
 
 revision = "0003_pages"
 down_revision = "0002_rights"
@@ -44,10 +44,12 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(["robot_id"], ["accounts.id"], name=op.f("fk_commands_robot_id")),
         sa.PrimaryKeyConstraint("post_id", "robot_id", name=op.f("pk_commands")),
     )
-    create_index(op.get_bind())
+    if op.get_bind().dialect.name == "sqlite":  # PostgreSQL got its index later
+        create_index(op.get_bind())
 
 
 def downgrade() -> None:
-    drop_index(op.get_bind())
+    if op.get_bind().dialect.name == "sqlite":
+        drop_index(op.get_bind())
     for table in ("commands", "notices_seen", "notices"):
         op.drop_table(table)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0004_processes"
-down_revision = "0003_pages"
+revision = "0005_processes"
+down_revision = "0004_meanings"
 branch_labels = None
 depends_on = None
 

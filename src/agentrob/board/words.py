@@ -1,0 +1,221 @@
+"""The index of the words of posts: an FTS5 table on SQLite, the very same tokens under a GIN index on PostgreSQL.
+
+FTS5's tokenizer splits text at what is no letter, so a run of Chinese, Japanese or Korean would be one long word. Such
+runs are therefore written as overlapping pairs (`机器人` as `机器 器人 人`), and looked for as a phrase of pairs. The
+characters by themselves stand apart. PostgreSQL gets the tokens that FTS5 makes (in memory), so that both find the
+same: which a post has as a `tsvector`, and all in their order in a line of text, for what must stand together. (Its own
+positions in a `tsvector` end at 16,383, and at 256 of a word.)
+"""
+
+from __future__ import annotations
+
+import re
+import sqlite3
+import threading
+import unicodedata
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from sqlalchemy import Connection, String, TextClause, bindparam, text
+
+_PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
+_FTS5 = "USING fts5(words, chars, tokenize = 'porter unicode61 remove_diacritics 2'"
+#: Whoever erases a post erases its words, without having to know of this table.
+_CREATE = {
+    "sqlite": (
+        f"CREATE VIRTUAL TABLE post_words {_FTS5})",
+        "CREATE TRIGGER post_words_erased AFTER UPDATE OF raw ON posts WHEN new.raw = '' "
+        "BEGIN DELETE FROM post_words WHERE rowid = new.id; END",
+    ),
+    "postgresql": (
+        "CREATE TABLE post_words (post_id bigint PRIMARY KEY, tokens tsvector NOT NULL, words text NOT NULL)",
+        "CREATE FUNCTION post_words_erased() RETURNS trigger LANGUAGE plpgsql AS "
+        "$$ BEGIN DELETE FROM post_words WHERE post_id = NEW.id; RETURN NULL; END $$",
+        "CREATE TRIGGER post_words_erased AFTER UPDATE OF raw ON posts "
+        "FOR EACH ROW WHEN (NEW.raw = '') EXECUTE FUNCTION post_words_erased()",
+    ),
+}
+#: The databases that have it.
+INDEXED = frozenset(_CREATE)
+#: When all posts there are have their words. A pending list (`fastupdate`) would be looked through by every search.
+_COMPLETE = {
+    "postgresql": (
+        "CREATE INDEX ix_post_words_tokens ON post_words USING gin (tokens) WITH (fastupdate = off)",
+        "ANALYZE post_words",
+    )
+}
+_DROP = {
+    "sqlite": ("DROP TRIGGER post_words_erased", "DROP TABLE post_words"),
+    "postgresql": (
+        "DROP TRIGGER post_words_erased ON posts",
+        "DROP FUNCTION post_words_erased()",
+        "DROP TABLE post_words",
+    ),
+}
+_ADD = {
+    "sqlite": text("INSERT INTO post_words (rowid, words, chars) VALUES (:id, :words, :chars)"),
+    "postgresql": text(
+        "INSERT INTO post_words (post_id, tokens, words) "
+        "VALUES (:id, array_to_tsvector(CAST(:tokens AS text[])), :words)"
+    ),
+}
+_FORGET = {
+    "sqlite": text("DELETE FROM post_words WHERE rowid = :id"),
+    "postgresql": text("DELETE FROM post_words WHERE post_id = :id"),
+}
+_ALL_POSTS = text(
+    "SELECT p.id, p.raw, t.title, (SELECT min(id) FROM posts WHERE topic_id = t.id) AS first FROM posts p "
+    "JOIN topics t ON t.id = p.topic_id WHERE p.id > :after AND p.raw <> '' ORDER BY p.id LIMIT :most"
+)
+_BATCH = 1000
+#: Characters of a token that count on PostgreSQL, whose index takes none of more than 2 kB.
+_LONGEST = 100
+_VISIBLE = "NOT p.removed AND t.board_id IN :boards"
+_FIND_SQLITE = text(
+    "SELECT w.rowid AS id FROM post_words w CROSS JOIN posts p ON p.id = w.rowid "
+    "CROSS JOIN topics t ON t.id = p.topic_id WHERE w.post_words MATCH :wanted AND w.rowid < :before "
+    f"AND {_VISIBLE} ORDER BY w.rowid DESC LIMIT :most"
+).bindparams(bindparam("boards", expanding=True, type_=String))
+
+
+# -------------------------------------------------------------------- keeping it
+def create_index(connection: Connection) -> None:
+    """Make the index, and fill it from all posts there are; nothing on a database that is neither of the two."""
+    dialect = connection.dialect.name
+    if dialect in _CREATE:
+        _execute(connection, _CREATE[dialect])
+        fill_index(connection)
+        _execute(connection, _COMPLETE.get(dialect, ()))
+
+
+def fill_index(connection: Connection) -> None:
+    """The words of all posts there are, into an index that has none yet."""
+    after, dialect = 0, connection.dialect.name
+    if dialect not in INDEXED:
+        return
+    while rows := connection.execute(_ALL_POSTS, {"after": after, "most": _BATCH}).all():
+        found = [_row(dialect, r.id, r.raw, r.title if r.id == r.first else "") for r in rows]
+        connection.execute(_ADD[dialect], found)
+        after = rows[-1].id
+
+
+def drop_index(connection: Connection) -> None:
+    _execute(connection, _DROP.get(connection.dialect.name, ()))
+
+
+def _execute(connection: Connection, statements: Sequence[str]) -> None:
+    for statement in statements:
+        connection.execute(text(statement))
+
+
+def add(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
+    """A new post; the first one of a topic is found by the title too."""
+    if (statement := _ADD.get(connection.dialect.name)) is not None:
+        connection.execute(statement, _row(connection.dialect.name, post_id, raw, title))
+
+
+def change(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
+    """An edited post."""
+    if (forget := _FORGET.get(connection.dialect.name)) is not None:
+        connection.execute(forget, {"id": post_id})
+        add(connection, post_id, raw, title)
+
+
+def _row(dialect: str, post_id: int, raw: str, title: str) -> dict[str, Any]:
+    words, chars = indexed(f"{title}\n{raw}" if title else raw)
+    if dialect == "sqlite":
+        return {"id": post_id, "words": words, "chars": chars}
+    tokens = _tokens.of(words)
+    return {"id": post_id, "tokens": list({*tokens, *_tokens.of(chars)}), "words": f" {' '.join(tokens)} "}
+
+
+def indexed(words: str) -> tuple[str, str]:
+    """A text as it is given to the index: its words, and its Chinese, Japanese and Korean characters."""
+    plain = unicodedata.normalize("NFKC", words)
+    chars = dict.fromkeys("".join(_PAIRED.findall(plain)))
+    return _PAIRED.sub(lambda run: f" {' '.join(_pairs(run[0]))} ", plain), " ".join(chars)
+
+
+def _pairs(run: str) -> Iterator[str]:
+    """Each character with the next one; the last alone, so that a word that goes on in letters (`走2`) is found."""
+    return (run[n : n + 2] for n in range(len(run)))
+
+
+class _Tokens:
+    """Takes texts apart as SQLite's index does, in a table of one row in memory."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._memory: sqlite3.Connection | None = None
+
+    def of(self, words: str) -> list[str]:
+        """The tokens in their order; of long ones the beginning."""
+        with self._lock:
+            memory = self._memory = self._memory or self._open()
+            memory.execute("INSERT INTO one (rowid, words) VALUES (1, ?)", (words.replace("\0", " "),))
+            found = memory.execute("SELECT term FROM tokens ORDER BY offset").fetchall()
+            memory.execute("INSERT INTO one (one) VALUES ('delete-all')")
+        return [term[:_LONGEST] for (term,) in found]
+
+    @staticmethod
+    def _open() -> sqlite3.Connection:
+        memory = sqlite3.connect(":memory:", check_same_thread=False, isolation_level=None)
+        memory.execute(f"CREATE VIRTUAL TABLE one {_FTS5}, content = '')")
+        memory.execute("CREATE VIRTUAL TABLE tokens USING fts5vocab(one, 'instance')")
+        return memory
+
+
+_tokens = _Tokens()
+
+
+# -------------------------------------------------------------------- asking it
+def index_query(
+    dialect: str, words: Sequence[str], before: int, boards: Sequence[str], most: int
+) -> tuple[TextClause, dict[str, Any]] | None:
+    """The statement that finds the posts with all the words, newest first, and its values; None for nothing to find."""
+    if dialect == "sqlite":
+        values = {"wanted": expression(words), "before": before, "boards": list(boards), "most": most}
+        return _FIND_SQLITE, values
+    tokens: dict[str, None] = {}
+    together: dict[str, str] = {}
+    for n, (said, goes_on) in enumerate(map(_split, words)):
+        *ended, last = _tokens.of(said) or [""]
+        tokens |= dict.fromkeys(f"'{token}'" for token in ended)
+        tokens |= {f"'{last}'{':*' if goes_on else ''}": None} if last else {}
+        if ended:
+            together[f"phrase{n}"] = f" {' '.join([*ended, last])}{'' if goes_on else ' '}"
+    if not tokens:
+        return None
+    has = "".join(f"AND strpos(w.words, :{name}) > 0 " for name in together)
+    statement = text(
+        "SELECT w.post_id AS id FROM post_words w JOIN posts p ON p.id = w.post_id "
+        "JOIN topics t ON t.id = p.topic_id WHERE w.tokens @@ CAST(:wanted AS tsquery) "
+        f"{has}AND w.post_id < :before AND {_VISIBLE} ORDER BY w.post_id DESC LIMIT :most"
+    ).bindparams(bindparam("boards", expanding=True, type_=String))
+    return statement, {"wanted": " & ".join(tokens), "before": before, "boards": list(boards), "most": most, **together}
+
+
+def expression(words: Sequence[str]) -> str:
+    """The words in FTS5's language: each a phrase."""
+    return " AND ".join(map(_phrase, words))
+
+
+def _phrase(word: str) -> str:
+    if len(word) == 1 and _PAIRED.fullmatch(word):
+        return f'chars : "{word}"'
+    said, goes_on = _split(word)
+    return f'words : "{said}"{" *" if goes_on else ""}'
+
+
+def _split(word: str) -> tuple[str, bool]:
+    """A word of a query as the index has it, and whether its last token may be the beginning of one.
+
+    A run at its end may go on after what is searched for: its last character is left to its pair.
+    """
+
+    def pairs(run: re.Match[str]) -> str:
+        found = list(_pairs(run[0]))
+        return f" {' '.join(found[:-1] if run.end() == len(word) and len(found) > 1 else found)} "
+
+    goes_on = len(word) > 1 and bool(_PAIRED.match(word[-1])) and not _PAIRED.match(word[-2])
+    return _PAIRED.sub(pairs, word).strip(), goes_on
