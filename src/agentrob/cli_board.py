@@ -59,17 +59,11 @@ def init(
         link = administration.link(connection, SHELL, admin, "password")
         invite = administration.invite(connection, SHELL, Role.MEMBER, invites, 30) if invites else ""
     made.write(config, "Written by agentrob init. docs/deploy.md says what else may stand here.")
-    typer.echo(f"configuration: {config}\ndatabase: {_without_password(settings.database)}")
+    typer.echo(f"configuration: {config}\ndatabase: {settings.database_shown}")
     typer.echo(f"set the password of {admin}, once, within a day: {settings.base_url}{link}")
     if invite:
         typer.echo(f"invite {invites} members within 30 days: {settings.base_url}{invite}")
     typer.echo(f"then: agentrob board serve --config {config}")
-
-
-def _without_password(url: str) -> str:
-    from sqlalchemy import make_url
-
-    return make_url(url).render_as_string(hide_password=True)
 
 
 # ---------------------------------------------------------------------- backup
@@ -82,12 +76,12 @@ def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: 
 
 def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
     """Put a backup into an empty database, of whichever kind. The forum must not be running."""
+    from agentrob.board.alone import alone
     from agentrob.board.backup import restore as read
-    from agentrob.board.server import only_server_of
 
     loaded = configuration.load(config)
     settings = _settings(loaded)
-    with only_server_of(settings):
+    with alone(settings):
         typer.echo(_counted(read(settings, file)))
 
 
@@ -106,12 +100,12 @@ def migrate(
     to: Annotated[str, typer.Option(help="A revision, also an earlier one.")] = "head", config: ConfigFile = None
 ) -> None:
     """Bring the tables to the shape of this version, or back to an earlier one before going back to it."""
+    from agentrob.board.alone import alone
     from agentrob.board.database import migrate as run
-    from agentrob.board.server import only_server_of
 
     settings = _settings(configuration.load(config))
-    with only_server_of(settings):
-        run(settings, to)
+    with alone(settings):
+        run(settings, to, alone=True)
     typer.echo(f"the tables are at {to}")
 
 

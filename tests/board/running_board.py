@@ -140,7 +140,7 @@ class RunningBoard:
             with engine.begin() as connection:
                 session = accounts.new_session(connection, int(account.id))
             engine.dispose()
-            client.cookies.set(f"agentrob_{self.settings.port}", session, domain="127.0.0.1")
+            client.cookies.set(self.settings.cookie, session, domain="127.0.0.1")
         return client
 
     def run(self, coroutine: Coroutine[Any, Any, T]) -> T:

@@ -13,10 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from running_board import RunningBoard
+from sqlalchemy import select
 from starlette.responses import Response
 
-from agentrob.board import access, accounts, admin
-from agentrob.board.attempts import PER_ADDRESS, PER_NAME, WINDOW_S, Attempts
+from agentrob.board import access, accounts, admin, attempts
+from agentrob.board import schema as db
+from agentrob.board.attempts import PER_ADDRESS, PER_NAME, SIGN_UP_WINDOW_S, WINDOW_S
 from agentrob.board.settings import BoardSettings, is_loopback, parse_listen
 from agentrob.config_board import BoardConfig
 from agentrob.errors import BoardError, ConfigError
@@ -152,7 +154,7 @@ def test_signing_in_by_password(board: RunningBoard) -> None:
     board.add("alice", password="correct horse")
     session = board.run(access.sign_in(board.services, " Alice ", "correct horse", "10.0.0.1"))
     browser = board.browser()
-    browser.cookies.set(f"agentrob_{board.settings.port}", str(session), domain="127.0.0.1")
+    browser.cookies.set(board.settings.cookie, str(session), domain="127.0.0.1")
     assert browser.get("/api/v1/me").json()["name"] == "alice"
 
 
@@ -167,44 +169,60 @@ def test_a_wrong_name_and_a_wrong_password_look_the_same(board: RunningBoard, na
     assert (caught.value.status, str(caught.value)) == (401, "that name or password is wrong")
 
 
-def test_guessing_is_stopped_with_the_time_to_wait() -> None:
-    now = [0.0]
-    attempts = Attempts(lambda: now[0])
-    for _ in range(PER_NAME):
-        attempts.count("Op", "1.1.1.1")
+def tried(board: RunningBoard, name: str, address: str, times: int = 1) -> None:
+    """Attempts to sign in that went wrong, whichever process took them."""
+    with admin.writing(board.settings) as connection:
+        for _ in range(times):
+            attempts.count(connection, name, address)
+
+
+def test_guessing_is_stopped_with_the_time_to_wait(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [accounts.now_us()]
+    monkeypatch.setattr(attempts, "now_us", lambda: now[0])
+    tried(board, " Guessed", "1.1.1.1", PER_NAME)
     with pytest.raises(BoardError) as caught:
-        attempts.count("op", "2.2.2.2")
+        tried(board, "guessed ", "2.2.2.2")
     assert (caught.value.status, caught.value.retry_after_s) == (429, WINDOW_S)
-    attempts.count("other", "1.1.1.1")
-    now[0] = WINDOW_S
-    attempts.count("op", "2.2.2.2")
+    tried(board, "other", "1.1.1.1")
+    now[0] += int(WINDOW_S * 1_000_000)
+    tried(board, "guessed", "2.2.2.2")
 
 
-def test_guessing_names_from_one_address_is_stopped() -> None:
-    attempts = Attempts(lambda: 0.0)
+def test_guessing_names_from_one_address_is_stopped(board: RunningBoard) -> None:
     for n in range(PER_ADDRESS):
-        attempts.count(f"name{n}", "1.1.1.1")
+        tried(board, f"name{n}", "3.3.3.3")
     with pytest.raises(BoardError):
-        attempts.count("one-more", "1.1.1.1")
-    attempts.count("one-more", "2.2.2.2")
+        tried(board, "one-more", "3.3.3.3")
+    tried(board, "one-more", "4.4.4.4")
 
 
-def test_newcomers_do_not_shut_out_each_other() -> None:
-    attempts = Attempts(lambda: 0.0)
+def test_newcomers_do_not_shut_out_each_other(board: RunningBoard) -> None:
     for n in range(PER_NAME * 2):
-        attempts.count("", f"10.0.0.{n}")
-    for _ in range(PER_ADDRESS):
-        attempts.count("", "1.1.1.1")
+        tried(board, "", f"10.9.0.{n}")
+    tried(board, "", "5.5.5.5", PER_ADDRESS)
     with pytest.raises(BoardError):
-        attempts.count("", "1.1.1.1")
+        tried(board, "", "5.5.5.5")
 
 
-def test_a_right_password_starts_the_count_anew() -> None:
-    attempts = Attempts(lambda: 0.0)
-    for n in range(PER_NAME * 2):
-        attempts.count("op", str(n))
-        attempts.forget("op")
-    assert attempts.count("op", "x") is None
+def test_a_right_password_starts_the_count_anew(board: RunningBoard) -> None:
+    board.add("forgetting", password="correct horse")
+    for n in range(3):
+        tried(board, "forgetting", f"10.8.{n}.1", PER_NAME - 1)
+        assert board.run(access.sign_in(board.services, "forgetting", "correct horse", f"10.8.{n}.2"))
+
+
+def test_attempts_are_kept_for_an_hour_only_and_without_names_and_addresses(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried(board, "somebody", "6.6.6.6")
+    with admin.writing(board.settings) as connection:
+        rows = connection.execute(select(db.attempts).order_by(db.attempts.c.id.desc()).limit(2)).all()
+        assert not [row for row in rows if "somebody" in row.key or "6.6.6.6" in row.key]
+        later = accounts.now_us() + int(SIGN_UP_WINDOW_S * 1_000_000)
+        monkeypatch.setattr(attempts, "now_us", lambda: later)
+        attempts.count(connection, "", "7.7.7.7")
+        left = set(connection.execute(select(db.attempts.c.key)).scalars())
+    assert left.isdisjoint(row.key for row in rows)
 
 
 def test_a_link_signs_in_once(board: RunningBoard) -> None:

@@ -193,7 +193,7 @@ def test_going_back_is_refused_where_it_would_open_a_board(fresh_board: Callable
     board = fresh_board()
     chief(board).patch("/admin/boards/talk", json={"read_role": "operator", "post_role": "operator"}).raise_for_status()
     with pytest.raises(BoardError, match="keep a board to operators"):
-        migrate(board.settings, "0001")
+        migrate(board.settings, "0001", alone=True)
     with pytest.raises(BoardError, match="no revision"):
-        migrate(board.settings, "nonsense")
+        migrate(board.settings, "nonsense", alone=True)
     assert board.client("op").get("/boards").status_code == 200

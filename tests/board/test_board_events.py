@@ -16,7 +16,10 @@ import httpx2
 import pytest
 from running_board import LIMIT_S, RunningBoard, running_board
 
-from agentrob.board import admin
+from agentrob.board import admin, events
+from agentrob.board.database import open_engine
+from agentrob.board.events import Hub
+from agentrob.board.reader import Reader, event_number
 from agentrob.board.records import EventKind
 from agentrob.errors import BoardError
 
@@ -327,3 +330,26 @@ def test_robot_events_say_who_pressed(board: RunningBoard) -> None:
         (EventKind.ROBOT_STOP, "quadruped", "op"),
         (EventKind.ROBOT_RESET, "quadruped", "op"),
     ]
+
+
+def test_law_16_a_hub_that_has_to_prove_that_it_hears_does_not_for_long(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And one whose database was put back from a backup cuts everybody off: they are told so when they resume."""
+    post_topic(board.client("op"))
+    engine = open_engine(board.settings, writes=False)
+    with engine.connect() as connection:
+        hub = Hub(board.url)
+        hub.start(Reader(connection))
+        newest, listener = event_number(hub.last_id), hub.listen()
+        assert hub.hears, "the only process hears itself"
+        hub.proven(newest)
+        assert (hub.hears, listener.closed) == (True, False)
+        monkeypatch.setattr(events, "PROVEN_S", 0.0)
+        assert not hub.hears
+        hub.proven(newest - 1)
+        assert not listener.closed, "we wrote one while it was asked"
+        hub._last += 1
+        hub.proven(newest)
+        assert (listener.closed, hub.last_id) == (True, now(board.client("op")))
+    engine.dispose()

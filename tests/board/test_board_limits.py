@@ -11,8 +11,7 @@ import pytest
 from running_board import RunningBoard
 from test_board_rights import chief, jpeg, topic_on
 
-from agentrob.board import access, admin
-from agentrob.board.attempts import Attempts
+from agentrob.board import access, accounts, admin, attempts
 from agentrob.board.settings import NO_LIMITS, BoardSettings
 from agentrob.config import parse
 from agentrob.config_board import BoardConfig, BoardLimitsConfig
@@ -95,16 +94,17 @@ def test_sign_ups_from_one_address_are_bounded_and_failed_ones_do_not_count(stri
     assert sign_up("newcomer3", "10.2.2.2")
 
 
-def test_sign_ups_have_room_again_after_an_hour() -> None:
-    now = [0.0]
-    attempts = Attempts(lambda: now[0])
-    attempts.count_sign_up("a", 1)
-    now[0] = 3599.0
-    with pytest.raises(BoardError):
-        attempts.count_sign_up("a", 1)
-    now[0] = 3600.0
-    attempts.count_sign_up("a", 1)
-    attempts.count_sign_up("b", 0)
+def test_sign_ups_have_room_again_after_an_hour(strict: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [accounts.now_us()]
+    monkeypatch.setattr(attempts, "now_us", lambda: now[0])
+    with admin.writing(strict.settings) as connection:
+        attempts.count_sign_up(connection, "a", 1)
+        now[0] += 3599_000_000
+        with pytest.raises(BoardError):
+            attempts.count_sign_up(connection, "a", 1)
+        now[0] += 1_000_000
+        attempts.count_sign_up(connection, "a", 1)
+        attempts.count_sign_up(connection, "b", 0)
 
 
 def test_the_page_says_the_limit_and_keeps_the_text(strict: RunningBoard) -> None:
@@ -249,9 +249,9 @@ def test_a_stranger_s_forwarded_header_does_not_slip_past_the_throttle(
     browser = board.browser()
     csrf = re.search(r'name="csrf" value="([^"]*)"', browser.get("/sign-in").text)
     assert csrf
-    board.services.attempts.__init__()  # type: ignore[misc]
-    for n in range(29):
-        board.services.attempts.count(f"name{n}", "127.0.0.1")
+    with admin.writing(board.settings) as connection:
+        for n in range(29):
+            attempts.count(connection, f"name{n}", "127.0.0.1")
     statuses = []
     for n in range(2):
         form = {"csrf": csrf[1], "name": f"who{n}", "password": "wrong words"}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from postgres_server import open_to_all, postgres_server
+from board_processes import fresh_postgres
 from running_board import POSTGRES, database_for, running_board
 from sqlalchemy import select, text
 from test_board_backup import fill, told
@@ -32,14 +31,11 @@ SEARCH = ("board_meaning", "pages_find")
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
-    with tempfile.TemporaryDirectory(prefix="pg-", dir="/tmp") as made:  # a socket's path must be short
-        folder = Path(made)
-        open_to_all(folder)
-        with postgres_server(folder) as url:
-            yield url
+    with fresh_postgres() as url:
+        yield url
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("names", [SAME, SEARCH], ids=["board", "search"])
 def test_the_tests_of_the_board_pass_on_postgresql_too(server: str, names: tuple[str, ...]) -> None:
     files = [str(HERE / f"test_{name}.py") for name in names]

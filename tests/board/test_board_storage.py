@@ -244,5 +244,6 @@ def test_a_second_server_of_the_same_data_is_refused_and_the_first_ends_cleanly(
         with pytest.raises(BoardError) as caught:
             server.serve(settings)
         assert caught.value.code == "already_served"
+        assert "PostgreSQL only" in str(caught.value)
         first.send_signal(getattr(signal, signal_name))
         assert first.wait(LIMIT_S) == 0

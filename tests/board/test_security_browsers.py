@@ -17,7 +17,7 @@ from pages_world import PASSWORD, World, running_world
 from PIL import Image
 from test_board_rights import jpeg
 
-from agentrob.board import access, admin
+from agentrob.board import access, admin, attempts
 from agentrob.board.attempts import PER_NAME
 from agentrob.errors import BoardError
 
@@ -88,7 +88,7 @@ def _audit_rows(world: World) -> int:
 # -------------------------------------------------------------------- sessions
 def test_a_session_that_somebody_else_chose_is_not_the_one_that_is_signed_in(world: World) -> None:
     chosen = "A" * 43
-    browser, name = world.browser(), f"agentrob_{world.settings.port}"
+    browser, name = world.browser(), world.settings.cookie
     browser.client.cookies.set(name, chosen, domain="127.0.0.1")
     browser.send("/sign-in", name="bob", password=PASSWORD)
     assert browser.client.get("/api/v1/me").json()["name"] == "bob"
@@ -98,7 +98,7 @@ def test_a_session_that_somebody_else_chose_is_not_the_one_that_is_signed_in(wor
 
 
 def test_signing_out_voids_the_cookie_and_not_only_forgets_it(world: World) -> None:
-    browser, name = world.browser("bob"), f"agentrob_{world.settings.port}"
+    browser, name = world.browser("bob"), world.settings.cookie
     (secret,) = {str(c.value) for c in browser.client.cookies.jar if c.name == name}
     browser.send("/sign-out", "/u/bob")
     assert httpx2.get(world.base + "/api/v1/me", cookies={name: secret}).status_code == 401
@@ -107,8 +107,9 @@ def test_signing_out_voids_the_cookie_and_not_only_forgets_it(world: World) -> N
 def test_guessing_a_password_at_the_page_is_stopped_also_for_who_is_signed_in(world: World) -> None:
     world.board.add("guessed", password=PASSWORD)
     browser = world.browser("guessed")
-    for n in range(PER_NAME - 1):
-        world.board.services.attempts.count("guessed", f"10.0.1.{n}")
+    with admin.writing(world.settings) as connection:
+        for n in range(PER_NAME - 1):
+            attempts.count(connection, "guessed", f"10.0.1.{n}")
     tries = [browser.send("/password", old="wrong words", password="another password") for _ in range(2)]
     assert [t.status_code for t in tries] == [401, 429]
     with pytest.raises(BoardError) as caught:

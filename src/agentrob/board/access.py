@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fastapi import Request
 from starlette.responses import Response
 
-from agentrob.board import accounts, administration, sight
+from agentrob.board import accounts, administration, attempts, sight
 from agentrob.board.services import Services, services
 from agentrob.board.writer import Transaction
 from agentrob.errors import BoardError
@@ -55,7 +55,7 @@ def _viewer(request: Request) -> Viewer:
         if found is None:
             raise BoardError(401, "bad_token", "that token is not valid", "Authorization: Bearer <token>")
         return Viewer(found[0], "", token, by_token=True, scopes=found[1])
-    secret = request.cookies.get(cookie_name(parts), "")
+    secret = request.cookies.get(parts.settings.cookie, "")
     if not _SECRET.fullmatch(secret):
         secret = accounts.new_secret()
         return Viewer(None, csrf_token(secret), secret)
@@ -146,13 +146,18 @@ async def sign_in(services: Services, name: str, password: str, address: str) ->
 
 
 async def _check_password(services: Services, name: str, password: str, address: str) -> None:
-    services.attempts.count(name, address)
+    await _count(services, name, address)
     row = services.store.reader.first(accounts.password_of(name))
     async with services.hashing:
         right = await asyncio.to_thread(accounts.verify_password, row.password_hash if row else None, password)
     if row is None or not right:
         raise BoardError(401, "wrong_password", "that name or password is wrong", "try again, or ask an admin")
-    services.attempts.forget(name)
+    await services.store.do(lambda t: attempts.forget(t.connection, name))
+
+
+async def _count(services: Services, name: str, address: str) -> None:
+    attempts.refuse(services.store.reader, name, address)  # a flood is refused without a write
+    await services.store.do(lambda t: attempts.count(t.connection, name, address))
 
 
 async def sign_up(services: Services, name: str, password: str, address: str, invite: str = "") -> str:
@@ -160,28 +165,24 @@ async def sign_up(services: Services, name: str, password: str, address: str, in
     invite, 404 when the invite is void, 409 when the name is taken, 422, 429."""
     if not services.settings.sign_up and not invite:
         raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself", "ask an admin")
-    services.attempts.count("", address)
+    await _count(services, "", address)
     name = accounts.checked_name(name)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
 
     def make(t: Transaction) -> str:
+        if not invite:  # one that fails is undone with the rest
+            attempts.count_sign_up(t.connection, address, services.settings.limits.sign_ups)
         role = administration.spend_invite(t.connection, invite) if invite else Role.MEMBER
         made = administration.add_account(t.connection, name, name, role=role, password_hash=password_hash)
         return accounts.new_session(t.connection, int(made.id))
 
-    if not invite:
-        services.attempts.count_sign_up(address, services.settings.limits.sign_ups)
-    try:
-        return await services.store.do(make)
-    except BoardError:
-        services.attempts.forget_sign_up(address)
-        raise
+    return await services.store.do(make)
 
 
 async def new_password(services: Services, secret: str, password: str, address: str) -> str:
     """Spend a one-time link for a new password: a session; all others end. 404 for a void link, 422, 429."""
-    services.attempts.count("", address)
+    await _count(services, "", address)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
     return await services.store.do(lambda t: accounts.spend_password_link(t.connection, secret, password_hash))
@@ -203,13 +204,13 @@ async def enter(services: Services, secret: str) -> str:
 async def sign_out(services: Services, viewer: Viewer, response: Response) -> None:
     """End the session and drop its cookie."""
     await services.store.do(lambda t: accounts.end_session(t.connection, viewer.secret))
-    response.delete_cookie(cookie_name(services), path="/", secure=services.settings.secure, httponly=True)
+    response.delete_cookie(services.settings.cookie, path="/", secure=services.settings.secure, httponly=True)
 
 
 def set_session(response: Response, services: Services, session: str) -> None:
     """Put the session's cookie on the response."""
     response.set_cookie(
-        cookie_name(services),
+        services.settings.cookie,
         session,
         max_age=accounts.SESSION_DAYS * 24 * 3600,
         path="/",
@@ -227,12 +228,6 @@ def keep(response: Response, services: Services, viewer: Viewer) -> None:
     """
     if viewer.account is None and not viewer.by_token and viewer.secret:
         set_session(response, services, viewer.secret)
-
-
-def cookie_name(services: Services) -> str:
-    """With the port in it, since browsers share cookies between the ports of a host; bound to the host by https."""
-    name = f"agentrob_{services.settings.port}"
-    return f"__Host-{name}" if services.settings.secure else name
 
 
 def csrf_token(secret: str) -> str:

@@ -132,7 +132,7 @@ async def reset(request: Request, name: str, by: Member, key: Key = None) -> Res
 
 def _robot(parts: Services, account: Account) -> RobotOut:
     now = parts.stage.robot(account.name)
-    return robot_out(now.name, now.card, now.seen_at, now.viewers, parts.stage.live_frame(account.name) is not None)
+    return robot_out(now.name, now.card, now.seen_at, now.watched, parts.stage.live_frame(account.name) is not None)
 
 
 def _check_card(card: dict[str, Any]) -> None:

@@ -34,7 +34,7 @@ from agentrob.errors import BoardError
 FORMAT = 1
 _BATCH = 1000
 #: Parents before those that point to them; posts before posts that reply to them come by id.
-_TABLES = db.metadata.sorted_tables
+_TABLES = [table for table in db.metadata.sorted_tables if table.info != db.FLEETING]
 
 
 def backup(settings: BoardSettings, target: Path) -> dict[str, int]:
@@ -55,10 +55,12 @@ def restore(settings: BoardSettings, source: Path) -> dict[str, int]:
     409 when the database has accounts already, 422 when the file is no backup of a version that this one can read.
     Nobody may serve the database meanwhile: that is for the caller to see to.
     """
-    migrate(settings)
+    migrate(settings, alone=True)
     engine = open_engine(settings, writes=True)
     try:
         with tarfile.open(source) as tar, engine.begin() as connection:
+            if engine.dialect.name == "postgresql":  # reading pictures may take long
+                connection.exec_driver_sql("SET LOCAL idle_in_transaction_session_timeout = 0")
             manifest = _manifest(tar, connection, source)
             _must_be_empty(connection)
             counts = {table.name: _load_table(tar, connection, table) for table in _TABLES}

@@ -7,6 +7,7 @@ last id it got; nothing is ever dropped from the middle of a stream.
 from __future__ import annotations
 
 import asyncio
+import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,6 +32,8 @@ MAX_PER_ACCOUNT = 50
 MAX_ANONYMOUS = MAX_LISTENERS // 2
 #: How often is looked for what another process wrote: on SQLite, where that takes microseconds, and elsewhere.
 FOLLOW_S, FOLLOW_ELSEWHERE_S = 0.02, 0.1
+#: Where other processes take stops too, a beat is sent only so long after it was proven that they are heard.
+PROVEN_S = 1.0
 
 log = structlog.get_logger(__name__)
 
@@ -126,6 +129,9 @@ class Hub:
         self.reader: Reader | None = None
         self._listeners: set[Listener] = set()
         self._last, self._last_id = 0, BEFORE_ALL
+        self._proven_s: float | None = None
+        #: Tells other processes of an event that could not be written.
+        self.tell_others: Callable[[Event], None] = lambda event: None
 
     def start(self, reader: Reader) -> None:
         """Begin after the newest event there is."""
@@ -136,8 +142,7 @@ class Hub:
     def close(self) -> None:
         """End all streams now, so that the server can end."""
         self.closed = True
-        for listener in list(self._listeners):
-            listener.close()
+        self._cut_off()
 
     def published(self, event_ids: list[int]) -> None:
         """Tell all listeners of the events up to these. Called by the writer after each commit."""
@@ -160,7 +165,29 @@ class Hub:
                     log.error("board.events_unreadable", error=str(e))
                 seen, well = None, False
 
-    def _catch_up(self, newest: int) -> None:
+    def proven(self, newest: int) -> None:
+        """The other processes are heard: the database just said that its newest event is this one."""
+        if newest < self._last:
+            self._look_back()
+        if self._catch_up(newest):
+            self._proven_s = time.monotonic()
+
+    def _look_back(self) -> None:
+        """Either we wrote one meanwhile, or the database was put back from a backup: then who resumes is told so."""
+        assert self.reader is not None
+        newest_id = self.reader.newest_event_id()
+        if event_number(newest_id) < self._last:
+            log.error("board.other_history", newest=newest_id, told=self._last_id)
+            self._last, self._last_id = event_number(newest_id), newest_id
+            self._cut_off()
+
+    @property
+    def hears(self) -> bool:
+        """Whether a stop that any process takes now is heard here. Without it there is no beat, and after 2 s of
+        silence robots stop by themselves (law 16). A process that is the only one always hears itself."""
+        return self._proven_s is None or time.monotonic() - self._proven_s < PROVEN_S
+
+    def _catch_up(self, newest: int) -> bool:
         assert self.reader is not None
         try:
             while self._last < newest and (events := self.reader.events(self._last, 100)):
@@ -170,14 +197,24 @@ class Hub:
         except BoardError as e:
             # Everybody must hear of what is in the database: cut them all off, and they resume.
             log.error("board.events_unreadable", error=str(e))
-            for listener in list(self._listeners):
-                listener.close()
+            self._cut_off()
+            return False
+        return True
+
+    def _cut_off(self) -> None:
+        for listener in list(self._listeners):
+            listener.close()
 
     def announce(self, event: Event) -> None:
         """Tell all listeners of an event that could not be written (a stop must get through in any case).
 
         Its id is that of the newest written event, so that resuming after it misses nothing.
         """
+        self._tell(event, written=False)
+        self.tell_others(event)
+
+    def hear_unwritten(self, event: Event) -> None:
+        """Tell all listeners of one that another process could not write."""
         self._tell(event, written=False)
 
     def listen(
@@ -263,7 +300,7 @@ class EventStream(Response):
                 if happening.number > self._after or not happening.written:
                     await streams.part(send, self._bytes(happening))
                     self._after = max(self._after, happening.number)
-            elif not self._listener.closed:
+            elif not self._listener.closed and self._hub.hears:
                 await streams.part(send, _heartbeat())
 
     def _bytes(self, happening: Happening) -> bytes:

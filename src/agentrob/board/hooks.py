@@ -23,11 +23,16 @@ def receivers(settings: BoardSettings) -> Sequence[Receiver]:
     return [Receiver(name, hook.url, read_secret(hook.secret_env)) for name, hook in settings.hooks.items()]
 
 
-async def run(hub: Hub, to: Sequence[Receiver]) -> None:
-    """Tell each of them, signed and again until it is taken, until the hub is closed."""
+async def run(hub: Hub, to: Sequence[Receiver], taken_over: bool = False) -> None:
+    """Tell each of them, signed and again until it is taken, until the hub is closed.
+
+    `taken_over`: another process did before, and may have ended in the middle of it.
+    """
     if not to:
         return
     outbox = Outbox(to)
+    if taken_over:
+        outbox.tell("board.changed", {})
     delivering = asyncio.create_task(outbox.run())
     try:
         while not hub.closed:

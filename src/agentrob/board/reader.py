@@ -91,16 +91,29 @@ class Reader:
     ) -> None:
         self.connection = connection
         self._sees, self._keeps = sees, keeps
+        #: Whether the database is known to be gone: then nobody waits for it, least of all the event loop.
+        self.gone: Callable[[], bool] = lambda: False
         self._kept: dict[Hashable, Any] = {}
         self._kept_at: int | None = None
 
     def rows(self, statement: Executable, **values: Any) -> Sequence[Row[Any]]:
+        if self.gone():
+            raise BoardError(503, "storage", "the database cannot be reached", "try again in a moment", 1.0)
+        try:
+            return self._rows(statement, values)
+        except DBAPIError as e:
+            raise unavailable(e) from e
+
+    def _rows(self, statement: Executable, values: dict[str, Any]) -> Sequence[Row[Any]]:
         try:
             return self.connection.execute(statement, values).all()
         except DBAPIError as e:
-            if e.connection_invalidated:  # a server that was started again: the next read connects anew
-                self.connection.rollback()
-            raise unavailable(e) from e
+            if not e.connection_invalidated:
+                raise
+            self.connection.rollback()  # the next read connects anew
+            if not self._keeps:
+                raise
+        return self.connection.execute(statement, values).all()  # a server that was started again meanwhile
 
     def kept(self, key: Hashable, read: Callable[[], T]) -> T:
         """What `read` gives, or gave since the last commit of anybody: then nothing can have changed."""

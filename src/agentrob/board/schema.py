@@ -14,6 +14,7 @@ from sqlalchemy import (
     ForeignKey,
     Index,
     Integer,
+    LargeBinary,
     MetaData,
     PrimaryKeyConstraint,
     String,
@@ -271,4 +272,41 @@ commands = Table(
     Column("at_us", BigInteger, nullable=False),
     Column("record", JSON, nullable=False),
     PrimaryKeyConstraint("post_id", "robot_id"),
+)
+
+# -------------------------------------------------------------------- for moments only, and in no backup
+FLEETING = {"fleeting": True}
+
+#: Attempts to sign in and accounts made, by a hash of the name or the address; swept out after an hour.
+attempts = Table(
+    "attempts",
+    metadata,
+    _id(),
+    Column("key", String(64), nullable=False),
+    Column("at_us", BigInteger, nullable=False, index=True),
+    Index(None, "key", "at_us"),
+    info=FLEETING,
+)
+
+#: What the processes that serve one database tell each other of robots (`teller`); on PostgreSQL not logged.
+stage = Table(
+    "stage",
+    metadata,
+    Column("robot", String(32), primary_key=True),
+    Column("card", JSON, nullable=False),
+    Column("seen_us", BigInteger, nullable=False),
+    Column("frame", LargeBinary),
+    Column("shown_us", BigInteger),
+    info=FLEETING,
+)
+
+#: How many look at a robot's camera on one process; void after `until_us`, when the process has ended.
+stage_viewers = Table(
+    "stage_viewers",
+    metadata,
+    Column("process", String(16), primary_key=True),
+    Column("robot", String(32), primary_key=True),
+    Column("viewers", Integer, nullable=False),
+    Column("until_us", BigInteger, nullable=False),
+    info=FLEETING,
 )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
+import secrets
 import signal
 import socket
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator, Sequence
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import replace
 from typing import Any
@@ -21,20 +21,22 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots, hooks
+from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots, hooks, uploads
 from agentrob.board.admin import bootstrap
+from agentrob.board.alone import to_serve
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
 from agentrob.board.gate import Gate
 from agentrob.board.hot import Hot
+from agentrob.board.peers import Peers
 from agentrob.board.problem import of_http, of_validation, problem
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings, address_of
 from agentrob.board.stage import Stage
 from agentrob.board.store import Store
-from agentrob.errors import BoardError, RobotBusy
-from agentrob.hostlock import HostLock
+from agentrob.errors import BoardError
 from agentrob.meaning import Encoder, require_model
+from agentrob.webhook import Receiver
 
 log = structlog.get_logger(__name__)
 #: How often pictures are deleted that are older than they are kept.
@@ -50,23 +52,19 @@ def create_app(settings: BoardSettings) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         await asyncio.to_thread(bootstrap, settings)
-        hub, stage = Hub(settings.base_url), Stage()
-        store = Store(settings, hub.published)
-        hub.start(store.everything)
-        app.state.services = parts = Services(settings, store, hub, stage)
-        beside = [
-            asyncio.create_task(work)
-            for work in (
-                *(hub.follow(), api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(hub, told)),
-                store.follow_meanings(),
-            )
-        ]
+        hub, stage, me = Hub(settings.base_url), Stage(), secrets.token_hex(8)
+        store = Store(settings, hub.published, me)
         try:
-            yield
+            hub.start(store.everything)
+            app.state.services = parts = Services(settings, store, hub, stage)
+            beside = asyncio.create_task(await _beside(parts, me, told))
+            try:
+                yield
+            finally:
+                end_streams(app)
+                beside.cancel()
+                await asyncio.gather(beside, return_exceptions=True)
         finally:
-            for task in beside:
-                task.cancel()
-            end_streams(app)
             await asyncio.to_thread(store.close)
 
     app = FastAPI(
@@ -88,6 +86,31 @@ def create_app(settings: BoardSettings) -> FastAPI:
     _add_errors(app)
     _describe(app, settings)
     return app
+
+
+async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Coroutine[Any, Any, None]:
+    """What runs beside the answers, until cancelled. Of several processes one has the duties."""
+
+    async def duties(taken_over: bool) -> None:
+        await asyncio.gather(api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(parts.hub, told, taken_over))
+
+    if parts.settings.shared:
+        peers = Peers(parts.settings, me, parts.hub, parts.stage, duties)
+        parts.store.reader.gone = parts.store.everything.gone = lambda: peers.cut_off
+        await peers.begin()
+        uploads.check_folder(parts)
+        following = peers.run()
+    else:
+        following = _alone(parts.hub, duties)
+
+    async def work() -> None:  # each process keeps by itself what the posts mean
+        await asyncio.gather(following, parts.store.follow_meanings())
+
+    return work()
+
+
+async def _alone(hub: Hub, duties: Callable[[bool], Coroutine[Any, Any, None]]) -> None:
+    await asyncio.gather(hub.follow(), duties(False))
 
 
 def end_streams(app: FastAPI) -> None:
@@ -154,7 +177,7 @@ def _describe(app: FastAPI, settings: BoardSettings) -> None:
             document["paths"] = {k: v for k, v in document["paths"].items() if k.startswith("/api/")}
             components = document.setdefault("components", {})
             components.setdefault("schemas", {})["Problem"] = Problem.model_json_schema()
-            cookie = {"type": "apiKey", "in": "cookie", "name": f"agentrob_{settings.port}"}
+            cookie = {"type": "apiKey", "in": "cookie", "name": settings.cookie}
             cookie["description"] = "a browser's session; writes besides need the header X-CSRF-Token"
             components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}, "cookie": cookie}
             document["security"] = [{"bearer": []}, {"cookie": []}]
@@ -187,7 +210,7 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        log.info("board.serving", url=self.settings.base_url, database=self.settings.database)
+        log.info("board.serving", url=self.settings.base_url, database=self.settings.database_shown)
         if self.ready is not None:
             self.ready(self.settings)
 
@@ -211,16 +234,15 @@ class Server(uvicorn.Server):
 def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None = None) -> None:
     """Serve until SIGINT or SIGTERM. `ready` is told the settings with the real port once connections are taken.
 
-    Raises `BoardError` when the address is taken, when another process serves the same database, or when the database
-    cannot be used.
+    Raises `BoardError` when the address is taken, when this process must not serve the database (`alone`), or when the
+    database cannot be used.
     """
     listener = _listen(settings)
     try:
         if settings.port == 0:
             host, port = listener.getsockname()[:2]
             settings = replace(settings, port=port, base_url=address_of(host, port))
-        with only_server_of(settings):
-            bootstrap(settings)
+        with to_serve(settings):
             Server(create_app(settings), settings, ready).run(sockets=[listener])
             log.info("board.ended")
     finally:
@@ -235,16 +257,3 @@ def _listen(settings: BoardSettings) -> socket.socket:
         where = f"{settings.host}:{settings.port}"
         hint = "set board.listen to another port, or end what listens there"
         raise BoardError(503, "address_taken", f"the forum cannot listen on {where}: {e.strerror}", hint) from None
-
-
-@contextmanager
-def only_server_of(settings: BoardSettings) -> Iterator[None]:
-    """Two servers of one database would not tell each other's events."""
-    path = settings.database_path
-    key = str(path.resolve()) if path else settings.database
-    try:
-        lock = HostLock("board/" + hashlib.sha256(key.encode()).hexdigest()[:16], f"the database {key}")
-    except RobotBusy:
-        raise BoardError(503, "already_served", f"another process serves {key} already", "end it first") from None
-    with lock:
-        yield

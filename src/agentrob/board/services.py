@@ -8,7 +8,6 @@ from typing import cast
 
 from starlette.requests import HTTPConnection
 
-from agentrob.board.attempts import Attempts
 from agentrob.board.events import Hub
 from agentrob.board.hot import Topics
 from agentrob.board.settings import BoardSettings
@@ -24,7 +23,6 @@ class Services:
     store: Store
     hub: Hub
     stage: Stage
-    attempts: Attempts = field(default_factory=Attempts)
     topics: Topics = field(default_factory=Topics)
     hashing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 

@@ -72,6 +72,26 @@ class BoardSettings:
         """The SQLite file, or None for another database."""
         return Path(self.database.removeprefix("sqlite:///")) if self.database.startswith("sqlite:///") else None
 
+    @property
+    def shared(self) -> bool:
+        """Whether several processes may serve the database: they hear of each other through PostgreSQL."""
+        return self.database.startswith("postgresql")
+
+    @property
+    def database_shown(self) -> str:
+        """The database without its password, for people and logs."""
+        from sqlalchemy import make_url
+
+        return make_url(self.database).render_as_string(hide_password=True)
+
+    @property
+    def cookie(self) -> str:
+        """The name of the session's cookie: with the port that browsers see in it, since they share cookies between
+        the ports of a host, and the same on all processes that serve one forum; bound to the host by https."""
+        parts = urlsplit(self.base_url)
+        name = f"agentrob_{parts.port or (443 if self.secure else 80)}"
+        return f"__Host-{name}" if self.secure else name
+
 
 def parse_listen(listen: str) -> tuple[str, int]:
     """`127.0.0.1:8088` or `[::1]:8088` as host and port; port 0 lets the system choose. Raises `ConfigError`."""

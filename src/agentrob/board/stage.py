@@ -1,4 +1,7 @@
-"""What the robots' agents show of their robots: a card and the last live picture, in memory only, and who looks."""
+"""What the robots' agents show of their robots: a card and the last live picture, in memory only, and who looks.
+
+Where several processes serve one database, each tells the others (`teller`), so that a page shows the same on all.
+"""
 
 from __future__ import annotations
 
@@ -17,28 +20,47 @@ from agentrob.board import streams
 BOUNDARY = b"frame"
 #: An agent renews its card at least every 5 s; three missed ones in a row mean that it is gone.
 LIVE_FOR = timedelta(seconds=15)
+#: A picture of another process is old after this, where nobody looks at it.
+WANTED_S = 0.5
 
 
 @dataclass(slots=True)
 class RobotNow:
-    """One robot as its agent last told. `seen_at` is None before it did; `frame_s` is monotonic."""
+    """One robot as its agent last told. `seen_at` is None before it did; `card_s` and `frame_s` are monotonic.
+
+    `viewers` look here, `elsewhere` on other processes.
+    """
 
     name: str
     card: Mapping[str, Any] = field(default_factory=dict)
+    card_s: float = 0.0
     seen_at: datetime | None = None
     frame: bytes | None = None
     frame_s: float = 0.0
     frames: int = 0
     viewers: int = 0
+    elsewhere: int = 0
     waiters: set[asyncio.Future[None]] = field(default_factory=set)
+
+    @property
+    def watched(self) -> int:
+        """How many look, wherever."""
+        return self.viewers + self.elsewhere
 
 
 class Stage:
-    """All robots that were told of since the server started. Lives on the event loop."""
+    """All robots that were told of since the server started. Lives on the event loop.
+
+    `changed` hears what is to be told to other processes: a robot's name, and `card`, `frame` or `viewers`.
+    """
 
     def __init__(self) -> None:
         self.closed = asyncio.Event()
+        self.changed: Callable[[str, str], None] = lambda robot, what: None
         self._robots: dict[str, RobotNow] = {}
+
+    def robots(self) -> tuple[RobotNow, ...]:
+        return tuple(self._robots.values())
 
     def robot(self, name: str) -> RobotNow:
         """The robot of this name; whether there is such an account is for the caller to know."""
@@ -46,7 +68,8 @@ class Stage:
 
     def publish(self, name: str, card: Mapping[str, Any]) -> RobotNow:
         robot = self.robot(name)
-        robot.card, robot.seen_at = card, datetime.now(UTC)
+        robot.card, robot.card_s, robot.seen_at = card, time.monotonic(), datetime.now(UTC)
+        self.changed(name, "card")
         return robot
 
     def show(self, name: str, jpeg: bytes) -> int:
@@ -55,7 +78,44 @@ class Stage:
         robot.frame, robot.frame_s, robot.seen_at = jpeg, time.monotonic(), datetime.now(UTC)
         robot.frames += 1
         _wake(robot)
-        return robot.viewers
+        self.changed(name, "frame")
+        return robot.watched
+
+    # ---------------------------------------------------------------- from other processes
+    def hear_card(self, name: str, card: Mapping[str, Any], age_s: float) -> None:
+        """A card that another process was told so long ago, unless this one has a newer one."""
+        robot, at_s = self.robot(name), time.monotonic() - age_s
+        if at_s > robot.card_s:
+            robot.card, robot.card_s = card, at_s
+        self._seen(robot, age_s)
+
+    def hear_frame(self, name: str, jpeg: bytes, age_s: float) -> None:
+        """A picture that another process was shown so long ago."""
+        robot, at_s = self.robot(name), time.monotonic() - age_s
+        if at_s > robot.frame_s:
+            robot.frame, robot.frame_s = jpeg, at_s
+            robot.frames += 1
+            _wake(robot)
+        self._seen(robot, age_s)
+
+    def wants(self, name: str) -> bool:
+        """Whether a picture that another process was shown is of use: somebody looks here, or the last is old."""
+        robot = self.robot(name)
+        return robot.viewers > 0 or time.monotonic() - robot.frame_s > WANTED_S
+
+    def hear_viewers(self, elsewhere: Mapping[str, int]) -> None:
+        """How many look on other processes, by robot."""
+        for robot in self._robots.values():
+            robot.elsewhere = elsewhere.get(robot.name, 0)
+
+    def _seen(self, robot: RobotNow, age_s: float) -> None:
+        at = datetime.now(UTC) - timedelta(seconds=age_s)
+        robot.seen_at = max(robot.seen_at or at, at)
+
+    def look(self, name: str, viewers: int) -> None:
+        """So many more look here, or fewer."""
+        self.robot(name).viewers += viewers
+        self.changed(name, "viewers")
 
     def close(self) -> None:
         """End all live pictures now."""
@@ -101,12 +161,12 @@ class CameraStream(Response):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         robot = self._stage.robot(self._name)
-        robot.viewers += 1
+        self._stage.look(self._name, 1)
         try:
             # Only what comes after the viewer: the last picture may be from hours ago.
             await streams.run(self._send(send, robot.frames), receive, send, self._allowed, self._stage.closed)
         finally:
-            robot.viewers -= 1
+            self._stage.look(self._name, -1)
 
     async def _send(self, send: Send, seen: int) -> None:
         await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})

@@ -28,18 +28,24 @@ from agentrob.model import Account
 SearchMode = Literal["words", "meaning"]
 #: More searches than this do not wait for the one that runs.
 MAX_SEARCHES = 20
+#: A read that takes longer is given up, on PostgreSQL: the event loop waits for it.
+READ_S = 2.0
 
 
 class Store:
     """One open database. Made once per process by `server.create_app`; pages get it as `services(request).store`.
 
-    `published` is called on the event loop with the ids of new events, in order, after each commit. `reader` sees what
-    the request that runs may see (`sight`), `everything` all: what it gives needs its own look at who asks.
+    `published` is called on the event loop with the ids of new events, in order, after each commit; other processes
+    that serve the same database hear of it as from `process`. `reader` sees what the request that runs may see
+    (`sight`), `everything` all: what it gives needs its own look at who asks.
     """
 
-    def __init__(self, settings: BoardSettings, published: Callable[[list[int]], None] = lambda _: None) -> None:
+    def __init__(
+        self, settings: BoardSettings, published: Callable[[list[int]], None] = lambda _: None, process: str = ""
+    ) -> None:
         self._limits = settings.limits
-        self._engines = [open_engine(settings, writes=False), open_engine(settings, writes=True)]
+        reading = open_engine(settings, writes=False, patience_s=READ_S)
+        self._engines = [reading, open_engine(settings, writes=True, process=process)]
         try:
             self.reader = Reader(self._engines[0].connect(), sight.now, keeps=True)
             self.everything = Reader(self.reader.connection, keeps=True)

@@ -4,11 +4,27 @@ from __future__ import annotations
 
 import asyncio
 
+import structlog
+from sqlalchemy import select
+
 from agentrob.board import images
+from agentrob.board import schema as db
 from agentrob.board.records import Image
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
+
+log = structlog.get_logger(__name__)
+
+
+def check_folder(services: Services) -> None:
+    """Say so where the newest picture is not in the folder: processes on several hosts must share it."""
+    i, folder = db.images.c, services.settings.images_dir
+    newest = select(i.sha256).where(i.gone_us.is_(None)).order_by(i.id.desc()).limit(1)
+    row = services.store.everything.first(newest)
+    if row is not None and not images.path_of(folder, row.sha256).exists():
+        hint = "all processes that serve a forum need the same folder"
+        log.error("board.pictures_missing", folder=str(folder), hint=hint)
 
 
 def may(by: Account | None) -> bool:
