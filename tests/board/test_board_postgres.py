@@ -26,7 +26,7 @@ from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
-SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot")
+SAME = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "tags")
 
 
 @pytest.fixture(scope="module")

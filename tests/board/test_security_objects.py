@@ -37,6 +37,8 @@ LEAST = {
     "POST /topics/{topic_id}/lock": "moderator",
     "POST /topics/{topic_id}/move": "moderator",
     "GET /search": "guest",
+    "GET /tags": "guest",
+    "PUT /topics/{topic_id}/tags": "moderator",  # of a topic that somebody else began
     "GET /commands/{post_id}": "guest",
     "PUT /commands/{post_id}": "robot+robot",  # of whatever post, under its own name
     "GET /changes": "guest",
@@ -61,6 +63,7 @@ BODIES: dict[str, Any] = {
     "PATCH /posts/{post_id}": {"body": "mine now"},
     "POST /topics/{topic_id}/lock": {"locked": False},
     "POST /topics/{topic_id}/move": {"board": "talk"},
+    "PUT /topics/{topic_id}/tags": {"tags": ["mine"]},
     "PUT /robots/{name}": {"card": {}},
     "PUT /commands/{post_id}": {"record": {}},
     "POST /admin/accounts": {"name": "op"},

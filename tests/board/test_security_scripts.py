@@ -1,4 +1,5 @@
-"""Markup attacks in real Chromium on every page that shows them: as title, text, alt text, file name, name and reason.
+"""Markup attacks in real Chromium on every page that shows them: as title, text, tag, alt text, file name, name
+and reason.
 
 A few of our own always run; the large collection is measured when it is there (`AGENTROB_EVAL`, or the folder
 `shared/eval` beside the checkout), and the test says so plainly when it is not. Pages are served by the real forum with
@@ -41,7 +42,10 @@ def title_of(text: str) -> str:
 def fill(world: World, rows: Sequence[str]) -> list[str]:
     """Put each row everywhere that a person can put text; the pages that show them."""
     api, pages = world.api("root"), ["/", "/u/root", "/robots", "/robots/quadruped", "/admin/audit", "/admin/accounts"]
-    pages += ["/latest", "/notices", "/search?q=script", "/search?q=<script>alert(1)</script>"]
+    pages += ["/latest", "/notices", "/unread", "/tags", "/search?q=script", "/search?q=<script>alert(1)</script>"]
+    pages += ["/search?q=x&tag=<script>alert(1)</script>&board=<img src=x onerror=alert(1)>"]
+    pages += ["/tags/<svg onload=alert(1)>", "/admin/boards", "/admin/invites", "/admin/robots"]
+    pages += ["/admin/robots/quadruped"]
     for start in range(0, len(rows), A_PAGE):
         some = rows[start : start + A_PAGE]
         made = api.post("/topics", json={"board": "robots", "title": title_of(some[0]), "body": some[0]}).json()
@@ -51,14 +55,17 @@ def fill(world: World, rows: Sequence[str]) -> list[str]:
             body = f"{row}\n\n![{alt}](/images/1) @quadruped"
             assert api.post(f"/topics/{topic}/posts", json={"body": body}).status_code == 201, row
         pages += [f"/t/{topic}", f"/p/{post}/edit", f"/p/{post}/history", f"/p/{post}/moderate", f"/p/{post}/raw"]
-        pages += [f"/t/{topic}?quote={post}", f"/c/{post}"]
+        pages += [f"/t/{topic}?quote={post}", f"/c/{post}", f"/t/{topic}/moderate", f"/t/{topic}/tags"]
         world.api("quadruped").put(f"/commands/{post}", json={"record": record(some)}).raise_for_status()
         reason = title_of(some[-1])
         world.api("quadruped").put(
             "/robots/quadruped", json={"card": {"model": reason, "state": reason, "ops": some[:20]}}
         )
     for row in rows:
-        api.post("/topics", json={"board": "talk", "title": title_of(row), "body": "x"}).raise_for_status()
+        new = {"board": "talk", "title": title_of(row), "body": "x", "tags": [row.strip()[:24]]}
+        api.post("/topics", json=new).raise_for_status()
+    for tag in [found["tag"] for found in api.get("/tags").json()["items"]][::20]:
+        pages.append(f"/tags/{tag}")
     return pages
 
 

@@ -13,7 +13,8 @@ import time
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from sqlalchemy import Connection, and_, bindparam, select, text
 
@@ -23,6 +24,7 @@ from agentrob.board.records import Page, Post
 from agentrob.board.render import unmarked
 from agentrob.errors import BoardError
 
+T = TypeVar("T")
 #: Characters and words of a query that count.
 MAX_QUERY, MAX_WORDS = 200, 12
 #: Seconds after which a search is given up: some words stand in so many posts that none has them all.
@@ -98,6 +100,12 @@ def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = N
     return Reader(connection, sees, keeps=True)
 
 
+def bounded(reader: Reader, read: Callable[..., T], *asked: Any) -> T:
+    """What `read` gives for what is asked, or 503 when it takes longer than `MOST_S`."""
+    with _given_up(reader):
+        return read(reader, *asked)
+
+
 @contextmanager
 def _given_up(reader: Reader) -> Iterator[None]:
     """Ends a statement that takes longer than `MOST_S`: 503 with what to do."""
@@ -118,24 +126,37 @@ def _given_up(reader: Reader) -> Iterator[None]:
             raw.set_progress_handler(None, 0)
 
 
+@dataclass(frozen=True, slots=True)
+class Where:
+    """What is searched: posts before `before`, on these boards, in topics with the tag when there is one."""
+
+    before: int
+    boards: Sequence[str]
+    tag: str | None
+
+
 def find(
-    reader: Reader, query: str, cursor: str | None = None, limit: int = 20, board_id: str | None = None
+    reader: Reader,
+    query: str,
+    cursor: str | None = None,
+    limit: int = 20,
+    board_id: str | None = None,
+    tag: str | None = None,
 ) -> Page[Post]:
-    """Posts with all the words, of one board or of all, newest first, without removed ones and those on boards that are
-    not seen.
+    """Posts with all the words, of one board or of all, of topics with a tag, newest first, without removed ones and
+    those on boards that are not seen.
 
     A query without any word finds nothing. Raises `BoardError` 422, 503.
     """
     words = terms(query)
     if not words:
         return Page(())
-    before = from_cursor(cursor) if cursor else 2**62
     seen = reader.seen()
     boards = [b.id for b in reader.all_boards()] if seen is None else sorted(seen)
     boards = [board for board in boards if board_id in (None, board)]
+    where = Where(from_cursor(cursor) if cursor else 2**62, boards, tag)
     search = _by_index if reader.connection.dialect.name == "sqlite" else _by_looking
-    with _given_up(reader):
-        ids = search(reader, words, before, boards, limit + 1)
+    ids = search(reader, words, where, limit + 1)
     found = {int(post.id): post for post in reader.posts_by_id(ids[:limit])}
     posts = tuple(found[i] for i in ids[:limit] if i in found)
     return Page(posts, to_cursor(ids[limit - 1]) if len(ids) > limit else None)
@@ -161,21 +182,29 @@ def _phrase(word: str) -> str:
     return f'words : "{mixed.strip()}"'
 
 
-def _by_index(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:
+def _by_index(reader: Reader, words: Sequence[str], where: Where, most: int) -> list[int]:
+    tagged = (
+        "AND EXISTS (SELECT 1 FROM topic_tags g WHERE g.topic_id = t.id AND g.tag = :tag) "
+        if where.tag is not None
+        else ""
+    )
     statement = text(
         "SELECT w.rowid AS id FROM post_words w CROSS JOIN posts p ON p.id = w.rowid "
         "CROSS JOIN topics t ON t.id = p.topic_id WHERE w.post_words MATCH :wanted AND w.rowid < :before "
-        "AND NOT p.removed AND t.board_id IN :boards ORDER BY w.rowid DESC LIMIT :most"
+        f"AND NOT p.removed AND t.board_id IN :boards {tagged}ORDER BY w.rowid DESC LIMIT :most"
     ).bindparams(bindparam("boards", expanding=True))
-    values: dict[str, Any] = {"wanted": expression(words), "before": before, "boards": list(boards), "most": most}
+    values: dict[str, Any] = {"wanted": expression(words), "before": where.before, "boards": list(where.boards)}
+    values |= {"most": most} | ({"tag": where.tag} if where.tag is not None else {})
     return [row.id for row in reader.rows(statement, **values)]
 
 
-def _by_looking(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:
-    p, t = db.posts.c, db.topics.c
+def _by_looking(reader: Reader, words: Sequence[str], where: Where, most: int) -> list[int]:
+    p, t, g = db.posts.c, db.topics.c, db.topic_tags.c
     has = (p.raw.icontains(word, autoescape=True) | t.title.icontains(word, autoescape=True) for word in words)
-    where = and_(p.id < before, p.removed.is_(False), t.board_id.in_(boards), *has)
-    statement = select(p.id).join(db.topics, t.id == p.topic_id).where(where).order_by(p.id.desc()).limit(most)
+    shown = and_(p.id < where.before, p.removed.is_(False), t.board_id.in_(where.boards), *has)
+    statement = select(p.id).join(db.topics, t.id == p.topic_id).where(shown).order_by(p.id.desc()).limit(most)
+    if where.tag is not None:
+        statement = statement.where(t.id.in_(select(g.topic_id).where(g.tag == where.tag)))
     return [row.id for row in reader.rows(statement)]
 
 

@@ -21,7 +21,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots, hooks
+from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots, api_tags, hooks, unread
 from agentrob.board.admin import bootstrap
 from agentrob.board.api_models import Problem
 from agentrob.board.events import Hub
@@ -53,7 +53,10 @@ def create_app(settings: BoardSettings) -> FastAPI:
         app.state.services = parts = Services(settings, store, hub, stage)
         beside = [
             asyncio.create_task(work)
-            for work in (hub.follow(), api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(hub, told))
+            for work in (
+                *(hub.follow(), api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(hub, told)),
+                unread.keep_writing(parts.marks, store),
+            )
         ]
         try:
             yield
@@ -61,6 +64,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
             for task in beside:
                 task.cancel()
             end_streams(app)
+            await parts.marks.write(store)
             await asyncio.to_thread(store.close)
 
     app = FastAPI(
@@ -75,7 +79,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
     app.add_middleware(Gate, settings=settings)
     for router in (
         *(api.router, api_robots.router, api_commands.router, api_admin.router, api_moderation.router),
-        api_robots.files,
+        *(api_tags.router, api_robots.files),
     ):
         app.include_router(router)
     _add_pages(app)

@@ -137,7 +137,8 @@ async function refresh(id) {
   if (pending.has(id)) { pending.set(id, true); return; }
   pending.set(id, false);
   try {
-    const answer = await fetch(`/p/${id}/fragment`, { headers: { Accept: "text/html" } });
+    const seen = "last" in main.dataset && !document.hidden ? "?seen=1" : "";
+    const answer = await fetch(`/p/${id}/fragment${seen}`, { headers: { Accept: "text/html" } });
     if (answer.ok) {
       const parsed = new DOMParser().parseFromString(await answer.text(), "text/html");
       const fresh = parsed.querySelector("article.post");
