@@ -201,7 +201,7 @@ def test_the_first_tab_leads_to_the_content_and_stop_is_reached_and_seen(
 
 #: All that a person can do something with on this page and that can be seen, marked so that it is known again.
 MARK = """() => { let n = 0;
-  for (const e of document.querySelectorAll('a[href], button, input, select, textarea, summary')) {
+  for (const e of document.querySelectorAll('a[href], button, input, select, textarea, summary, [tabindex="0"]')) {
     if (e.type === 'hidden' || e.disabled || !e.checkVisibility()) continue;
     e.dataset.walk = n++;
   }
@@ -246,6 +246,7 @@ def test_every_page_is_gone_through_by_keyboard_and_shows_where_one_is(
     found: dict[str, list[str]] = {}
     for who in ("alice", "bob", "root", None):
         page = windows.open(who, viewport=dict(zip(("width", "height"), SIZES[size], strict=True)))
+        page.add_init_script("window.setInterval = () => 0")  # nothing is renewed under the marks
         for shown in (s for s in PAGES if s.who == who):
             page.goto(shown.path.format(**names), wait_until="domcontentloaded")
             page.evaluate(FROM_THE_TOP)

@@ -22,6 +22,16 @@ function localTimes(root) {
 }
 localTimes(document);
 
+// What must be scrolled sideways can be reached by keyboard.
+function reachable(root) {
+  for (const one of root.querySelectorAll(".body table, pre")) {
+    if (one.scrollWidth > one.clientWidth) one.tabIndex = 0;
+    else one.removeAttribute("tabindex");
+  }
+}
+reachable(document);
+addEventListener("resize", () => reachable(document));
+
 // ---------------------------------------------------------------- the event stream
 // Closed while nobody looks (a browser has few connections to one server), resumed after the last event seen.
 function listen(query, after, handle) {
@@ -102,6 +112,7 @@ function place(fresh) {
     posts.insertBefore(fresh, next || null);
     return seen;
   });
+  reachable(fresh);
   if (!old && fresh.getBoundingClientRect().top > innerHeight) offerMore(fresh.id);
 }
 
