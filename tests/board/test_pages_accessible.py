@@ -281,6 +281,18 @@ def test_a_picture_that_is_pasted_or_dropped_is_attached(
     expect(post.locator(".pictures img")).to_have_js_property("naturalWidth", 640)
 
 
+def test_who_may_not_add_pictures_is_told_so(world: World, windows: Windows, names: dict[str, str]) -> None:
+    page = windows.open("bob")
+    page.goto(f"/t/{names['topic']}")
+    data = page.evaluate_handle(DATA, list(png()))
+    page.evaluate(
+        "data => document.getElementById('body').dispatchEvent("
+        "new ClipboardEvent('paste', { clipboardData: data, bubbles: true, cancelable: true }))",
+        data,
+    )
+    expect(page.locator("[data-told]")).to_contain_text("Pictures are added by operators here")
+
+
 def test_a_quote_is_put_where_one_writes_and_loses_nothing(
     world: World, windows: Windows, names: dict[str, str]
 ) -> None:

@@ -42,9 +42,10 @@ async def fragment(request: Request, viewer: Reading, post_id: str, seen: bool =
     store, found = known.store, known.store.post(post_id)
     if seen:
         known.marks.showed(store.reader, viewer.account, store.topic(found.topic_id), found.id)
-    data = {"post": found, "authors": named(store, [found.reply_to])}
+    data: dict[str, object] = {"post": found, "authors": named(store, [found.reply_to])}
     hidden = robot_view.hidden_cameras(known, viewer.account, [found])
-    return show(request, viewer, "post.html", data | {"hidden": hidden})
+    data |= {"hidden": hidden, "owners": robot_view.owners(known, [found])}
+    return show(request, viewer, "post.html", data)
 
 
 @router.get("/p/{post_id}/raw")

@@ -28,7 +28,8 @@ def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | 
         page: Page[Post] = known.store.posts(topic_id, after, limit)
         hidden = robot_view.hidden_cameras(known, viewer.account, page.items)
         authors = {post.id: post.author.name for post in page.items}
-        data = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
+        data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
+        data["owners"] = robot_view.owners(known, page.items)
         html = piece("topic_posts.html", data)
         ids = [post.id for post in page.items]
         return Shown(html, page.next, *(ids[:1] + ids[-1:])), len(html)

@@ -129,8 +129,12 @@ function offer(text, href) {
     pill = document.createElement("a");
     pill.className = "pill button primary";
     document.body.append(pill);
-    pill.addEventListener("click", () => pill.remove());
-    addEventListener("scroll", () => { if (pill.hash && arrived(pill.hash)) pill.remove(); }, { passive: true });
+    const gone = () => {
+      if (live && live.textContent === pill.textContent) say("");
+      pill.remove();
+    };
+    pill.addEventListener("click", gone);
+    addEventListener("scroll", () => { if (pill.isConnected && pill.hash && arrived(pill.hash)) gone(); }, { passive: true });
   }
   pill.textContent = text;
   pill.setAttribute("href", href);
