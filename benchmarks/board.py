@@ -37,7 +37,7 @@ from pathlib import Path
 import structlog
 from agentrob.board import server
 from agentrob.board.settings import BoardSettings
-from agentrob.config import BoardConfig, BoardLimitsConfig
+from agentrob.config_board import BoardConfig, BoardLimitsConfig
 structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
 limits = BoardLimitsConfig(posts=10**6, commands=10**6, uploads=10**6, sign_ups=10**6)
 settings = BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0", limits=limits), Path(sys.argv[1]))
