@@ -9,12 +9,13 @@ import contextlib
 import re
 from collections.abc import Iterator, Sequence
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 from pages_world import World
 
 from agentrob.board import admin as shell
-from agentrob.board import administration, audit, commands, writes
+from agentrob.board import administration, audit, commands, tags, writes
 from agentrob.board.accounts import NAME
 from agentrob.board.forms import TITLE_LENGTH
 from agentrob.board.pages_posts import POSTS
@@ -28,7 +29,14 @@ QUOTED, ON_CARD, IN_RECORD = 40, 60, 25
 #: In every post that begins a topic, so that a search finds them all.
 WORD = "wordofall"
 LISTS = ("/", "/b/talk", "/latest", "/notices", f"/search?q={WORD}", "/admin/audit", "/admin/accounts")
-OTHERS = ("/u/boss", "/b/talk/new", "/search?q=<script>alert(1)</script>", "/b/robots/new?to=<script>alert(1)</script>")
+OTHERS = (
+    *("/u/boss", "/b/talk/new", "/search?q=<script>alert(1)</script>", "/b/robots/new?to=<script>alert(1)</script>"),
+    "/search?q=x&tag=<script>alert(1)</script>&board=<img src=x onerror=alert(1)>",
+    *("/tags", "/tags/<svg onload=alert(1)>", "/unread"),
+    *("/admin/boards", "/admin/invites", "/admin/robots", "/admin/robots/quadruped"),
+)
+#: One of so many tags is looked at on a page of its own; all are on `/tags`.
+TAGS_LOOKED_AT = 20
 
 
 def fill(world: World, rows: Sequence[str]) -> list[str]:
@@ -39,8 +47,9 @@ def fill(world: World, rows: Sequence[str]) -> list[str]:
         pages = [*named(t, rows), *posts(t, root, rows), *records(t, boss, rows)]
         pages += [path for some in parts(rows, POSTS) for path in thread(t, boss, some)]
         audited(t, rows)
+        tagged = tags_on(t, boss, rows)
         titled(t, boss, rows)  # last, so that the lists begin with them
-    return [*robots(world, rows), *LISTS, *OTHERS, *pages, f"{pages[-1]}/moderate"]
+    return [*robots(world, rows), *LISTS, *OTHERS, *tagged, *pages, f"{pages[-1]}/moderate", f"{pages[-1]}/tags"]
 
 
 def parts(rows: Sequence[str], most: int) -> Iterator[Sequence[str]]:
@@ -72,6 +81,14 @@ def thread(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
         alt = row.replace("]", "\\]").replace("\n", " ")
         writes.reply(t, topic, Draft(boss, f"{row}\n\n![{alt}](/images/1) @quadruped"))
     return [f"/t/{topic}"]
+
+
+def tags_on(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
+    """As tags, which are made plain: of those that are a word then. The pages of some of them."""
+    found = list(dict.fromkeys(tag for row in rows if (tag := tags.plain(row.strip()[: tags.LENGTH]))))
+    for some in parts(found, tags.MOST):
+        writes.create_topic(t, "talk", "Tagged", Draft(boss, "x"), tags.checked(some))
+    return [f"/tags/{quote(tag, safe='')}" for tag in found[::TAGS_LOOKED_AT]]
 
 
 def posts(t: Transaction, root: Account, rows: Sequence[str]) -> list[str]:

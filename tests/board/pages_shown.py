@@ -78,6 +78,10 @@ PAGES = (
     Shown("search-empty", "/search"),
     Shown("search-chinese", "/search?q=机器人 前进"),
     Shown("latest", "/latest"),
+    Shown("unread", "/unread", "bob"),
+    Shown("tags", "/tags"),
+    Shown("tag", "/tags/window"),
+    Shown("topic-tags", "/t/{topic}/tags"),
     Shown("notices", "/notices"),
     Shown("new-topic", "/b/robots/new?to=quadruped"),
     Shown("quote", "/t/{topic}?quote={said}#reply"),
@@ -109,10 +113,13 @@ def fill(world: World) -> dict[str, str]:
     """Let people and the robot write; the names in the addresses of `PAGES`."""
     alice, bob, robot = (world.api(name) for name in ("alice", "bob", ROBOT))
     robot.put(f"/robots/{ROBOT}", json={"card": CARD_SHOWN}).raise_for_status()
-    begin = alice.post("/topics", json={"board": "talk", "title": "机器人记录", "body": "机器人前进了两米。"})
+    begin = alice.post(
+        "/topics", json={"board": "talk", "title": "机器人记录", "body": "机器人前进了两米。", "tags": ["记录"]}
+    )
     begin.raise_for_status()
     text = f"@{ROBOT} walk forward 2 metres, turn left and take a photo"
-    made = alice.post("/topics", json={"board": "robots", "title": "A walk to the window", "body": text}).json()
+    topic = {"board": "robots", "title": "A walk to the window", "body": text, "tags": ["window", "photo", "窗户"]}
+    made = alice.post("/topics", json=topic).json()
     topic, walk = made["topic"]["id"], made["post"]["id"]
     earlier(world, walk, 8.0)
     _tell(world, topic, walk, _walk(walk, topic))

@@ -106,6 +106,15 @@ def test_a_hot_page_shows_what_changed_and_to_each_only_what_is_theirs(board: Ru
     assert not [n for n in ("op", "author") if "<p>second words" in page(n)]
 
 
+def test_a_robot_s_posts_say_whose_it_is_also_after_it_changed_hands(board: RunningBoard) -> None:
+    topic, _ = topic_on(board, "talk", "whose is it?")
+    board.client("quadruped").post(f"/topics/{topic}/posts", json={"body": "mine"}).raise_for_status()
+    browser = board.browser("op")
+    for owner in ("op", "member"):
+        chief(board).patch("/admin/robots/quadruped", json={"owner": owner}).raise_for_status()
+        assert f'class="owner">of <a class="quiet" href="/u/{owner}">' in browser.get(f"/t/{topic}").text
+
+
 def test_the_stop_buttons_of_a_hot_page_are_each_viewer_s_own(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk", "go")
     card = {"robot": "quadruped", "state": "running"}

@@ -25,7 +25,8 @@ from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
-SAME = tuple(f"board_{name}" for name in ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot"))
+ROOMS = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "tags")
+SAME = tuple(f"board_{name}" for name in ROOMS)
 SEARCH = ("board_meaning", "pages_find")
 
 

@@ -93,7 +93,7 @@ def test_every_page_meets_wcag_and_needs_no_scrolling_sideways(
 ) -> None:
     how: dict[str, Any] = {"viewport": dict(zip(("width", "height"), SIZES[size], strict=True)), "color_scheme": theme}
     found: dict[str, list[str]] = {}
-    for who in ("alice", "root", None):
+    for who in ("alice", "bob", "root", None):
         page = windows.open(who, **how)
         for shown in PAGES:
             if shown.who == who:
@@ -199,6 +199,62 @@ def test_the_first_tab_leads_to_the_content_and_stop_is_reached_and_seen(
     expect(page.locator("#live")).to_contain_text("Stop sent to @quadruped")
 
 
+#: All that a person can do something with on this page and that can be seen, marked so that it is known again.
+MARK = """() => { let n = 0;
+  for (const e of document.querySelectorAll('a[href], button, input, select, textarea, summary, [tabindex="0"]')) {
+    if (e.type === 'hidden' || e.disabled || !e.checkVisibility()) continue;
+    e.dataset.walk = n++;
+  }
+  return n; }"""
+FROM_THE_TOP = """() => { const top = document.createElement('span'); top.tabIndex = -1;
+  document.body.prepend(top); top.focus(); }"""
+#: What has the focus now: its mark, and whether it shows that, on the screen.
+FOCUSED = """() => { const e = document.activeElement;
+  if (!e || e === document.body) return null;
+  const r = e.getBoundingClientRect();
+  const shown = r.bottom > 0 && r.top < innerHeight && r.right > 0 && r.left < innerWidth;
+  const look = getComputedStyle(e);
+  return [Number(e.dataset.walk ?? -1), shown && look.outlineStyle === 'solid', e.outerHTML.slice(0, 120)]; }"""
+
+
+def walked(page: Page) -> list[str]:
+    """What is wrong with going through a page by Tab alone: not reached, not seen, or held fast."""
+    marks, got, wrong = page.evaluate(MARK), list[int](), list[str]()
+    for _ in range(marks + 20):
+        page.keyboard.press("Tab")
+        if (focused := page.evaluate(FOCUSED)) is None:
+            break
+        mark, seen, what = focused
+        if mark in got:
+            break
+        got.append(mark)
+        if not seen:
+            wrong.append(f"its focus is not seen: {what}")
+    else:
+        wrong.append("Tab never leaves it")
+    missing = sorted(set(range(marks)) - set(got))
+    html = "n => document.querySelector(`[data-walk='${n}']`).outerHTML.slice(0, 120)"
+    wrong += [f"not reached: {page.evaluate(html, n)}" for n in missing]
+    return wrong + (["not in the order of the page"] if got != sorted(got) else [])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", ["desktop", "phone"])
+def test_every_page_is_gone_through_by_keyboard_and_shows_where_one_is(
+    world: World, windows: Windows, names: dict[str, str], size: str
+) -> None:
+    found: dict[str, list[str]] = {}
+    for who in ("alice", "bob", "root", None):
+        page = windows.open(who, viewport=dict(zip(("width", "height"), SIZES[size], strict=True)))
+        page.add_init_script("window.setInterval = () => 0")  # nothing is renewed under the marks
+        for shown in (s for s in PAGES if s.who == who):
+            page.goto(shown.path.format(**names), wait_until="domcontentloaded")
+            page.evaluate(FROM_THE_TOP)
+            found[shown.name] = walked(page)
+    windows.complaints = [c for c in windows.complaints if "404" not in c]  # the page that says so
+    assert {name: wrong for name, wrong in found.items() if wrong} == {}
+
+
 # -------------------------------------------------------------------- with the mouse
 DATA = """bytes => { const data = new DataTransfer();
   data.items.add(new File([new Uint8Array(bytes)], 'map.png', { type: 'image/png' })); return data; }"""
@@ -223,6 +279,18 @@ def test_a_picture_that_is_pasted_or_dropped_is_attached(
     page.get_by_role("button", name="Reply", exact=True).click()
     post = page.locator("article", has_text=f"by {kind}")
     expect(post.locator(".pictures img")).to_have_js_property("naturalWidth", 640)
+
+
+def test_who_may_not_add_pictures_is_told_so(world: World, windows: Windows, names: dict[str, str]) -> None:
+    page = windows.open("bob")
+    page.goto(f"/t/{names['topic']}")
+    data = page.evaluate_handle(DATA, list(png()))
+    page.evaluate(
+        "data => document.getElementById('body').dispatchEvent("
+        "new ClipboardEvent('paste', { clipboardData: data, bubbles: true, cancelable: true }))",
+        data,
+    )
+    expect(page.locator("[data-told]")).to_contain_text("Pictures are added by operators here")
 
 
 def test_a_quote_is_put_where_one_writes_and_loses_nothing(

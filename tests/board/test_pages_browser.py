@@ -116,6 +116,7 @@ def test_what_the_reader_looks_at_stays_where_it_is(world: World, windows: Windo
     pill.click()
     expect(page.locator(f"#post-{late}")).to_be_in_viewport()
     expect(pill).to_have_count(0)
+    expect(page.locator("#live")).to_have_text("")
 
 
 def test_who_is_writing_is_not_pushed_away_by_new_posts(world: World, windows: Windows) -> None:

@@ -37,6 +37,8 @@ LEAST = {
     "POST /topics/{topic_id}/lock": "moderator",
     "POST /topics/{topic_id}/move": "moderator",
     "GET /search": "guest",
+    "GET /tags": "guest",
+    "PUT /topics/{topic_id}/tags": "moderator",  # of a topic that somebody else began
     "GET /commands/{post_id}": "guest",
     "POST /commands/{post_id}/approve": "approver",
     "PUT /commands/{post_id}": "robot+robot",  # of whatever post, under its own name
@@ -62,6 +64,7 @@ BODIES: dict[str, Any] = {
     "PATCH /posts/{post_id}": {"body": "mine now"},
     "POST /topics/{topic_id}/lock": {"locked": False},
     "POST /topics/{topic_id}/move": {"board": "talk"},
+    "PUT /topics/{topic_id}/tags": {"tags": ["mine"]},
     "PUT /robots/{name}": {"card": {}},
     "PUT /commands/{post_id}": {"record": {}},
     "POST /commands/{post_id}/approve": {"robot": "quadruped"},

@@ -10,12 +10,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import String, bindparam, text
+from sqlalchemy import BindParameter, String, bindparam, text
 
 from agentrob.board.meanings import Meanings
 from agentrob.board.reader import Reader, from_cursor, to_cursor
 from agentrob.board.records import Page, Post
 from agentrob.board.search import boards_seen, given_up, in_order, terms
+from agentrob.board.words import TAGGED
 from agentrob.errors import BoardError
 from agentrob.meaning import LEAST, MeaningError
 
@@ -23,10 +24,11 @@ from agentrob.meaning import LEAST, MeaningError
 MOST = 100
 #: Posts about which the database is asked at a time.
 _ASKED = 400
-_VISIBLE = text(
+_BOARDS = bindparam("boards", expanding=True, type_=String)
+_VISIBLE = (
     "SELECT p.id, p.version FROM posts p JOIN topics t ON t.id = p.topic_id "
-    "WHERE p.id IN :ids AND NOT p.removed AND p.raw <> '' AND t.board_id IN :boards"
-).bindparams(bindparam("ids", expanding=True), bindparam("boards", expanding=True, type_=String))
+    "WHERE p.id IN :ids AND NOT p.removed AND p.raw <> '' AND t.board_id IN :boards "
+)
 
 
 def find(
@@ -36,8 +38,10 @@ def find(
     cursor: str | None = None,
     limit: int = 20,
     board_id: str | None = None,
+    tag: str | None = None,
 ) -> Page[Post]:
-    """Posts alike in meaning, most alike first, of one board or of all that are seen. Raises `BoardError` 422, 503."""
+    """Posts alike in meaning, most alike first, of one board or of all that are seen, of topics with a tag when one is
+    given. Raises `BoardError` 422, 503."""
     begin = from_cursor(cursor) if cursor else 0
     end = min(begin + limit, MOST)
     if not terms(query) or begin >= end:
@@ -50,7 +54,7 @@ def find(
     found: list[int] = []
     with given_up(reader):
         for some in _most_alike_first(alike):
-            found += _visible(reader, ids[some].tolist(), versions[some].tolist(), boards_seen(reader, board_id))
+            found += _visible(reader, ids[some].tolist(), versions[some].tolist(), boards_seen(reader, board_id), tag)
             if len(found) > end:
                 break
     more = len(found) > end and end < MOST
@@ -70,7 +74,12 @@ def _most_alike_first(alike: NDArray[np.float32]) -> Iterator[NDArray[np.int64]]
         yield places[n : n + _ASKED]
 
 
-def _visible(reader: Reader, ids: Sequence[int], versions: Sequence[int], boards: Sequence[str]) -> list[int]:
+def _visible(
+    reader: Reader, ids: Sequence[int], versions: Sequence[int], boards: Sequence[str], tag: str | None
+) -> list[int]:
     """Those that may be seen and still are of that version, in their order."""
-    now = {row.id: row.version for row in reader.rows(_VISIBLE, ids=list(ids), boards=list(boards))}
+    ids_in: BindParameter[int] = bindparam("ids", expanding=True)
+    statement = text(_VISIBLE + ("" if tag is None else TAGGED)).bindparams(ids_in, _BOARDS)
+    values = {"ids": list(ids), "boards": list(boards)} | ({} if tag is None else {"tag": tag})
+    now = {row.id: row.version for row in reader.rows(statement, **values)}
     return [i for i, version in zip(ids, versions, strict=True) if now.get(i) == version]

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Header, Query, Request
 from pydantic import BaseModel
 from starlette.responses import Response
 
-from agentrob.board import accounts, notices, sight
+from agentrob.board import accounts, notices, sight, tags
 from agentrob.board.access import Viewer, account_of, member, moderator, reader, stopper, viewer
 from agentrob.board.administration import BOARD_ID
 from agentrob.board.api_models import (
@@ -37,7 +37,7 @@ from agentrob.board.api_models import (
 )
 from agentrob.board.events import EventStream
 from agentrob.board.problem import documented
-from agentrob.board.reader import MAX_LIMIT, event_number, not_found
+from agentrob.board.reader import MAX_LIMIT, Reader, event_number, not_found
 from agentrob.board.records import Written
 from agentrob.board.search import MAX_QUERY
 from agentrob.board.services import Services, services
@@ -55,6 +55,7 @@ Stopper = Annotated[Account, Depends(stopper)]
 Key = Annotated[str | None, Header(alias="Idempotency-Key", pattern=KEY)]
 Cursor = Annotated[str | None, Query(pattern=r"^[0-9a-f]{1,15}$", description="`next` of the page before")]
 Words = Annotated[str, Query(max_length=MAX_QUERY)]
+TagAsked = Annotated[str | None, Query(max_length=tags.LENGTH, description="only of topics with this tag")]
 Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT)]
 After = Annotated[str | None, Query(pattern=EVENT_ID, description="an event id")]
 NOT_FOUND = documented(404)
@@ -110,9 +111,15 @@ async def boards(request: Request, who: Reading) -> Response:
 
 
 @router.get("/boards/{board_id}/topics", response_model=Paged[TopicOut], responses=NOT_FOUND)
-async def topics(request: Request, board_id: str, who: Reading, cursor: Cursor = None, limit: Limit = 20) -> Response:
+async def topics(
+    request: Request, board_id: str, who: Reading, tag: TagAsked = None, cursor: Cursor = None, limit: Limit = 20
+) -> Response:
     """Topics of a board, latest activity first."""
-    page = services(request).store.topics(board_id, cursor, limit)
+    store = services(request).store
+    if tag is None:
+        page = store.topics(board_id, cursor, limit)
+    else:
+        page = await store.beside(Reader.topics, board_id, cursor, limit, tags.plain(tag))
     shape = shaper(request, who.account)
     return out(Paged(items=tuple(map(shape.topic, page.items)), next=page.next))
 
@@ -127,8 +134,8 @@ async def topic(request: Request, topic_id: str, who: Reading) -> Response:
 async def create_topic(request: Request, new: TopicIn, by: Member, key: Key = None) -> Response:
     """A new topic with its first post."""
     _check_size(new.body)
-    store = services(request).store
-    written = await store.create_topic(by, new.board, new.title.strip(), new.body, key=key, images=new.images)
+    options: dict[str, Any] = {"key": key, "images": new.images, "tags": tags.checked(new.tags)}
+    written = await services(request).store.create_topic(by, new.board, new.title.strip(), new.body, **options)
     shape = shaper(request, by)
     answer = TopicWritten(topic=shape.topic(written.topic), post=shape.post(written.post), created=written.created)
     return out(answer, 201 if written.created else 200)
@@ -182,6 +189,7 @@ async def search(
     q: Words,
     board: Annotated[str | None, Query(pattern=rf"^{BOARD_ID.pattern}$", description="only on this board")] = None,
     mode: Annotated[SearchMode, Query(description="by words, or by meaning where this forum has it")] = "words",
+    tag: TagAsked = None,
     cursor: Cursor = None,
     limit: Limit = 20,
 ) -> Response:
@@ -189,7 +197,7 @@ async def search(
 
     By meaning: posts that say something like `q`, in any language, most alike first, 100 at most.
     """
-    page = await services(request).store.search(q, cursor, limit, board, mode)
+    page = await services(request).store.search(q, cursor, limit, board, mode, None if tag is None else tags.plain(tag))
     return out(Paged(items=tuple(map(shaper(request, who.account).post, page.items)), next=page.next))
 
 

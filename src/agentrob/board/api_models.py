@@ -28,6 +28,10 @@ Title = Annotated[
     str, StringConstraints(pattern=rf"^{_SHOWN}[^\x00-\x1f\x7f-\x9f\s]{_SHOWN}$", min_length=1, max_length=200)
 ]
 Ids = Annotated[list[str], Field(max_length=32, description="ids from POST /images")]
+Tags = Annotated[
+    list[Annotated[str, StringConstraints(max_length=24)]],
+    Field(max_length=5, description="to find a topic by; made lower-case, `-` for what is no letter or digit"),
+]
 
 
 def whole(value: object) -> object:
@@ -64,6 +68,13 @@ class TopicIn(_In):
     title: Title
     body: Body
     images: Ids = []
+    tags: Tags = []
+
+
+class TagsIn(_In):
+    """All tags that a topic is to have."""
+
+    tags: Tags
 
 
 class ReplyIn(_In):
@@ -136,6 +147,14 @@ class TopicOut(_Out):
     last_post_at: Time
     posts: int
     locked: bool
+    tags: tuple[str, ...]
+
+
+class TagOut(_Out):
+    """A tag and how many topics have it, of those that the caller may read."""
+
+    tag: str
+    topics: int
 
 
 class ImageOut(_Out):
@@ -282,6 +301,7 @@ class Shaper:
             last_post_at=time_out(t.last_post_at),
             posts=t.posts,
             locked=t.locked,
+            tags=t.tags,
         )
 
     def image(self, i: records.Image) -> ImageOut:

@@ -171,6 +171,9 @@ def _topics(connection: Connection, account: str | None) -> Iterator[tuple[int, 
     chosen = chosen.where(p.removed.is_(False)).order_by(p.topic_id, p.id)
     if account is not None:
         chosen = chosen.where(a.name == account)
+    tags: dict[int, list[str]] = {}
+    for row in connection.execute(select(db.topic_tags).order_by(db.topic_tags.c.tag)):
+        tags.setdefault(row.topic_id, []).append(row.tag)
     topic: dict[str, Any] = {}
     last = 0
     for row in connection.execution_options(stream_results=True).execute(chosen).yield_per(_BATCH):
@@ -178,6 +181,7 @@ def _topics(connection: Connection, account: str | None) -> Iterator[tuple[int, 
             if topic:
                 yield last, topic
             last, topic = row.topic_id, {"board": row.board_id, "title": row.title, "posts": []}
+            topic["tags"] = tags.get(last, [])
         at, edited = (_time(us) for us in (row.created_us, row.edited_us))
         post = {"id": str(row.id), "author": row.name, "at": at, "edited_at": edited, "text": row.raw}
         topic["posts"].append(post | {"reply_to": str(row.reply_to) if row.reply_to else None})

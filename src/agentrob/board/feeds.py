@@ -12,7 +12,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from agentrob.board import access, buttons
+from agentrob.board import access, buttons, tags
 from agentrob.board.access import Viewer
 from agentrob.board.records import Post
 from agentrob.board.services import services
@@ -46,6 +46,13 @@ async def topic(request: Request, viewer: Reading, topic_id: str) -> Response:
     return _feed(request, found.title, found.path, store.reader.latest_posts(None, ENTRIES, topic_id=found.id).items)
 
 
+@router.get("/tags/{tag}/feed.atom")
+async def tag(request: Request, viewer: Reading, tag: str) -> Response:
+    named = tags.plain(tag)
+    posts = await services(request).store.beside(tags.posts, named, ENTRIES)
+    return _feed(request, f"#{named}", f"/tags/{named}", posts)
+
+
 @router.get("/robots/{name}/feed.atom")
 async def robot(request: Request, viewer: Reading, name: str) -> Response:
     known = services(request)
@@ -56,7 +63,7 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
 
 def _feed(request: Request, title: str, path: str, posts: Sequence[Post]) -> Response:
     known = services(request)
-    topics = {topic_id: known.store.topic(topic_id).title for topic_id in {post.topic_id for post in posts}}
+    topics = {topic_id: known.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
     updated = max((post.edited_at or post.created_at for post in posts), default=datetime.fromtimestamp(0, UTC))
     data = {"title": title, "path": path, "posts": posts, "topics": topics, "updated": updated}
     xml = render_feed(data | {"base": known.settings.base_url, "here": request.url.path, "site": known.settings.title})

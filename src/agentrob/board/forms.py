@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from starlette.datastructures import FormData, UploadFile
 from starlette.requests import Request
 
-from agentrob.board import uploads
+from agentrob.board import tags, uploads
 from agentrob.board.api_models import POST_BYTES
 from agentrob.board.images import MAX_BYTES
 from agentrob.board.records import Image
@@ -20,6 +20,8 @@ from agentrob.errors import BoardError
 from agentrob.model import Account
 
 TITLE_LENGTH = 200
+#: Characters of a field of tags.
+TAGS_LENGTH = 500
 #: Pictures that one form may bring.
 MAX_FILES = 8
 
@@ -33,6 +35,7 @@ class Composed:
 
     draft: str = ""
     title: str = ""
+    tags: str = ""
     reply_to: str = ""
     pictures: tuple[Image, ...] = ()
     preview: str | None = None
@@ -67,6 +70,11 @@ def title(text: str) -> str:
     if not line or len(line) > TITLE_LENGTH:
         raise BoardError(422, "bad_title", "a topic needs a title", f"at most {TITLE_LENGTH} characters")
     return line
+
+
+def tags_of(form: FormData) -> tuple[str, ...]:
+    """The tags that a form gives, between commas. 422 for too many or too long ones."""
+    return tags.checked(re.split(r"[,，、\n]", field(form, "tags")[:TAGS_LENGTH]))
 
 
 def body(text: str) -> str:

@@ -113,6 +113,8 @@ def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[st
             t.connection.execute(less)
             add_event(t, EventKind.POST_REMOVED, now_us(), topic_id=row.topic_id, post_id=row.id)
     t.connection.execute(update(db.topics).where(topics.author_id == number).values(title=ERASED))
+    begun = select(topics.id).where(topics.author_id == number)
+    t.connection.execute(delete(db.topic_tags).where(db.topic_tags.c.topic_id.in_(begun)))
     pictures = db.images.c
     digests = _drop(t, and_(pictures.account_id == number, pictures.gone_us.is_(None)))
     audit.note(t.connection, actor, "account.erase", f"account:{account.name}", posts=len(ids), pictures=len(digests))

@@ -17,7 +17,9 @@ from agentrob.board import (
     pages_find,
     pages_posts,
     pages_robots,
+    pages_tags,
     robot_view,
+    tags,
     uploads,
 )
 from agentrob.board.access import Viewer
@@ -34,7 +36,7 @@ from agentrob.model import Account
 __all__ = ["error_page", "router"]
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
-for part in (pages_posts, pages_robots, pages_command, pages_find, feeds):
+for part in (pages_posts, pages_robots, pages_command, pages_find, pages_tags, feeds):
     router.include_router(part.router)
 
 Reading = Annotated[Viewer, Depends(access.reader)]
@@ -48,7 +50,8 @@ async def home(request: Request, viewer: Reading, after: str | None = None) -> R
     known = services(request)
     boards = known.store.boards()
     data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "robots": robot_view.robots(known)}
-    data |= {"topics": known.store.latest(after), "feed": "/feed.atom"}
+    topics = known.store.latest(after)
+    data |= {"topics": topics, "news": pages_tags.news(known, viewer, topics.items), "feed": "/feed.atom"}
     return show(request, viewer, "home.html", data, here="home")
 
 
@@ -58,7 +61,7 @@ async def board(request: Request, viewer: Reading, board_id: str, after: str | N
     newest = known.store.newest_event_id()  # before the topics are read, so that nothing falls between
     topics = known.store.topics(board_id, after)
     data: Data = {"board": known.store.board(board_id), "topics": topics, "robots": robot_view.robots(known)}
-    data |= {"after": newest, "feed": f"/b/{board_id}/feed.atom"}
+    data |= {"after": newest, "feed": f"/b/{board_id}/feed.atom", "news": pages_tags.news(known, viewer, topics.items)}
     return show(request, viewer, "board.html", data, here="home")
 
 
@@ -72,16 +75,16 @@ async def new_topic(request: Request, viewer: Reading, board_id: str, to: str = 
 @router.post("/b/{board_id}/new")
 async def create_topic(request: Request, viewer: Anybody, board_id: str) -> Response:
     form, known = await forms.read(request), services(request)
-    typed = Composed(forms.field(form, "body"), forms.field(form, "title"))
+    typed = Composed(forms.field(form, "body"), forms.field(form, "title"), forms.field(form, "tags"))
     try:
         access.check_form(viewer, form.get("csrf"))
         author = access.account_of(viewer)
         typed = replace(typed, pictures=await forms.pictures(known, form, author))
         if form.get("do") == "preview":
             return _new_topic(request, viewer, board_id, previewed(known, typed))
-        checked = forms.title(typed.title), forms.body(typed.draft)
+        checked, found = (forms.title(typed.title), forms.body(typed.draft)), forms.tags_of(form)
         key, pictures = forms.key(form, *checked), [image.id for image in typed.pictures]
-        written = await known.store.create_topic(author, board_id, *checked, key=key, images=pictures)
+        written = await known.store.create_topic(author, board_id, *checked, key=key, images=pictures, tags=found)
     except BoardError as e:
         if may_not_look(viewer) or e.code == "no_such_board":
             return await error_page(request, e, draft=typed.draft)
@@ -229,4 +232,7 @@ def _topic(
     data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
     answered = pages_posts.named(known.store, [typed.reply_to])
     data |= {"feed": f"/t/{found.id}/feed.atom", "authors": answered}
+    data["news"] = known.marks.news(known.store.reader, viewer.account, (found,)).get(found.id)
+    data["may_tag"] = viewer.account is not None and tags.may_change(viewer.account, found)
+    known.marks.showed(known.store.reader, viewer.account, found, shown.last)  # from now on it is read
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Form, Request
 from sqlalchemy import and_, select
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
-from agentrob.board import access, forms, notices, robot_view, search
+from agentrob.board import access, forms, notices, robot_view, search, tags
 from agentrob.board import schema as db
 from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
@@ -32,18 +32,26 @@ NAMES = 8
 # ------------------------------------------------------------------ search and latest
 @router.get("/search")
 async def search_page(
-    request: Request, viewer: Reading, q: str = "", after: str | None = None, by: SearchMode = "words"
+    request: Request,
+    viewer: Reading,
+    q: str = "",
+    board: str = "",
+    tag: str = "",
+    after: str | None = None,
+    by: SearchMode = "words",
 ) -> Response:
+    """`board` and `tag` narrow it when they are not empty."""
     known, problem, status = services(request), "", 200
     page: Page[Post] = Page(())
     try:
         query = search.checked(q)
-        page = await known.store.search(query, after, mode=by)
+        page = await known.store.search(query, after, board_id=board or None, mode=by, tag=tags.plain(tag) or None)
     except BoardError as e:
         query, problem, status = q[: search.MAX_QUERY], forms.problem(e), e.status
     found = [(topic, post, search.around(post.raw, query)) for topic, post in _with_topics(known, page.items)]
     data: dict[str, Any] = {"query": query, "found": found, "next": page.next, "problem": problem}
-    data |= {"by": by, "modes": known.store.search_modes}
+    data |= {"by": by, "modes": known.store.search_modes, "boards": known.store.boards()}
+    data |= {"board": board, "tag": tags.plain(tag)}
     return show(request, viewer, "search.html", data, status=status, here="search")
 
 

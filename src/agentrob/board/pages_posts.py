@@ -36,12 +36,16 @@ async def post(request: Request, viewer: Reading, post_id: str) -> Response:
 
 
 @router.get("/p/{post_id}/fragment")
-async def fragment(request: Request, viewer: Reading, post_id: str) -> Response:
-    store = services(request).store
-    found = store.post(post_id)
-    data = {"post": found, "authors": named(store, [found.reply_to])}
-    hidden = robot_view.hidden_cameras(services(request), viewer.account, [found])
-    return show(request, viewer, "post.html", data | {"hidden": hidden})
+async def fragment(request: Request, viewer: Reading, post_id: str, seen: bool = False) -> Response:
+    """`seen`: it is put at the end of a page that somebody looks at."""
+    known = services(request)
+    store, found = known.store, known.store.post(post_id)
+    if seen:
+        known.marks.showed(store.reader, viewer.account, store.topic(found.topic_id), found.id)
+    data: dict[str, object] = {"post": found, "authors": named(store, [found.reply_to])}
+    hidden = robot_view.hidden_cameras(known, viewer.account, [found])
+    data |= {"hidden": hidden, "owners": robot_view.owners(known, [found])}
+    return show(request, viewer, "post.html", data)
 
 
 @router.get("/p/{post_id}/raw")

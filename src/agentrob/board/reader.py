@@ -32,7 +32,10 @@ _AUTHOR = (
     db.accounts.c.display_name.label("a_display_name"),
 )
 ACCOUNT: Select[Any] = select(*_AUTHOR)
-_TOPICS = select(db.topics, *_AUTHOR).join(db.accounts, db.accounts.c.id == db.topics.c.author_id)
+_TAGS = select(func.aggregate_strings(db.topic_tags.c.tag, " ")).where(db.topic_tags.c.topic_id == db.topics.c.id)
+_TOPICS = select(db.topics, _TAGS.scalar_subquery().label("tags"), *_AUTHOR).join(
+    db.accounts, db.accounts.c.id == db.topics.c.author_id
+)
 _POSTS = (
     select(db.posts, db.topics.c.board_id, *_AUTHOR)
     .join(db.topics, db.topics.c.id == db.posts.c.topic_id)
@@ -45,6 +48,7 @@ _POSTS_OF_TOPIC = (
     .limit(bindparam("most", type_=Integer))
 )
 _TOPIC = _TOPICS.where(db.topics.c.id == bindparam("id"))
+_TOPICS_BY_ID = _TOPICS.where(db.topics.c.id.in_(bindparam("ids", expanding=True)))
 _POSTS_BY_ID = _POSTS.where(db.posts.c.id.in_(bindparam("ids", expanding=True)))
 _BOARDS = select(db.boards).order_by(db.boards.c.position, db.boards.c.id)
 _ACCOUNT_BY_NAME = ACCOUNT.where(db.accounts.c.name == bindparam("name"))
@@ -63,6 +67,7 @@ _TOPIC_VERSION = select(
     select(func.max(db.events.c.id)).where(db.events.c.topic_id == bindparam("id")).scalar_subquery(),
 )
 _TOPIC_VERSION_SQLITE = "SELECT (SELECT max(id) FROM audit), (SELECT max(id) FROM events WHERE topic_id = ?)"
+_NEWEST_POST = select(func.max(db.posts.c.id))
 _EVENT_TIME = select(db.events.c.at_us).where(db.events.c.id == bindparam("id"))
 #: The event id after which everything comes.
 BEFORE_ALL = "0"
@@ -180,18 +185,26 @@ class Reader:
                 return board
         raise not_found("board", board_id, "there are: " + (", ".join(b.id for b in boards) or "none"))
 
-    def topics(self, board_id: str | None, cursor: str | None, limit: int) -> Page[Topic]:
-        """Latest activity first, of one board or of all. Topics whose posts are all removed are left out."""
+    def topics(self, board_id: str | None, cursor: str | None, limit: int, tag: str | None = None) -> Page[Topic]:
+        """Latest activity first, of one board or of all, with a tag, without those whose posts are all removed."""
         t = db.topics.c
         statement = _TOPICS.where(t.posts > 0).order_by(t.last_post_id.desc()).limit(_limit(limit) + 1)
         if board_id is not None:
             statement = statement.where(t.board_id == self.board(board_id).id)
         elif (seen := self.seen()) is not None:
             statement = statement.where(t.board_id.in_(seen))
+        if tag is not None:
+            statement = statement.where(t.id.in_(select(db.topic_tags.c.topic_id).where(db.topic_tags.c.tag == tag)))
         if cursor:
             statement = statement.where(t.last_post_id < from_cursor(cursor))
         rows = self.rows(statement)
         return Page(tuple(map(topic_from, rows[:limit])), _cursor([r.last_post_id for r in rows], limit))
+
+    def topics_by_id(self, ids: Sequence[int]) -> tuple[Topic, ...]:
+        """Those that are seen, in this order."""
+        rows, seen = self.rows(_TOPICS_BY_ID, ids=ids), self.seen()
+        found = {r.id: topic_from(r) for r in rows if seen is None or r.board_id in seen}
+        return tuple(found[i] for i in ids if i in found)
 
     def topic(self, topic_id: str) -> Topic:
         number = row_id(topic_id, "topic")
@@ -318,6 +331,9 @@ class Reader:
 
     def robots(self) -> tuple[Account, ...]:
         return self.kept("robots", lambda: tuple(map(account_from, self.rows(_ROBOTS))))
+
+    def newest_post_id(self) -> int:
+        return int(self.rows(_NEWEST_POST)[0][0] or 0)
 
     # ---------------------------------------------------------------- events
     def newest_event_id(self) -> str:

@@ -51,7 +51,7 @@ class Board:
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A thread without its posts; `posts` counts those that are not removed."""
+    """A thread without its posts; `posts` counts those that are not removed, `last_post_id` may be removed."""
 
     id: str
     board_id: str
@@ -61,6 +61,8 @@ class Topic:
     last_post_at: datetime
     posts: int
     locked: bool = False
+    tags: tuple[str, ...] = ()
+    last_post_id: str = ""
 
     @property
     def path(self) -> str:

@@ -108,6 +108,13 @@ def hidden_cameras(services: Services, viewer: Account | None, posts: Iterable[P
     return frozenset(n for n in shown if not rights.sees_camera(rights.settings_of(reader, n), viewer, n))
 
 
+def owners(services: Services, posts: Iterable[Post]) -> dict[str, str]:
+    """Whose the robots are that wrote some posts; those that are nobody's are left out."""
+    reader = services.store.reader
+    robots = {p.author.name for p in posts if p.author.kind is AccountKind.ROBOT_AGENT}
+    return {name: owner for name in robots if (owner := rights.settings_of(reader, name).owner)}
+
+
 def _look(services: Services, account: Account) -> RobotView:
     now = services.stage.robot(account.name)
     return robot_view(account.name, now.card, now.seen_at)

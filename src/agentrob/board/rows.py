@@ -27,7 +27,10 @@ def board_from(r: Row[Any]) -> Board:
 
 def topic_from(r: Row[Any]) -> Topic:
     created, last = from_us(r.created_us), from_us(r.last_post_us)
-    return Topic(str(r.id), r.board_id, r.title, account_from(r), created, last, r.posts, r.locked)
+    tags = tuple(sorted((r.tags or "").split()))
+    return Topic(
+        str(r.id), r.board_id, r.title, account_from(r), created, last, r.posts, r.locked, tags, str(r.last_post_id)
+    )
 
 
 def post_from(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:

@@ -22,6 +22,7 @@ from sqlalchemy import (
     Text,
     UniqueConstraint,
     false,
+    text,
 )
 
 metadata = MetaData(
@@ -45,6 +46,7 @@ def _account(name: str = "account_id", *, nullable: bool = False) -> Column[int]
     return Column(name, Id, ForeignKey("accounts.id"), nullable=nullable)
 
 
+#: `read_up_to`: all posts up to this one count as read, at first those that were there before the account.
 accounts = Table(
     "accounts",
     metadata,
@@ -56,6 +58,9 @@ accounts = Table(
     Column("suspended", Boolean, nullable=False, default=False),
     Column("password_hash", String(200)),
     Column("created_us", BigInteger, nullable=False),
+    Column(
+        "read_up_to", Id, nullable=False, default=text("(SELECT coalesce(max(id), 0) FROM posts)"), server_default="0"
+    ),
     sqlite_autoincrement=True,
 )
 
@@ -160,6 +165,26 @@ topics = Table(
     Index(None, "board_id", "last_post_id"),
     Index(None, "last_post_id"),
     sqlite_autoincrement=True,
+)
+
+#: Words to find a topic by (`tags`).
+topic_tags = Table(
+    "topic_tags",
+    metadata,
+    Column("topic_id", Id, ForeignKey("topics.id"), nullable=False),
+    Column("tag", String(24), nullable=False),
+    PrimaryKeyConstraint("topic_id", "tag"),
+    Index(None, "tag", "topic_id"),
+)
+
+#: Up to which post each account has read a topic (`unread`); a mark only, the post need not be there.
+topic_reads = Table(
+    "topic_reads",
+    metadata,
+    _account(),
+    Column("topic_id", Id, ForeignKey("topics.id"), nullable=False),
+    Column("post_id", Id, nullable=False),
+    PrimaryKeyConstraint("account_id", "topic_id"),
 )
 
 posts = Table(

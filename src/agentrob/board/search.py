@@ -11,7 +11,7 @@ import time
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 from sqlalchemy import Connection, and_, select, text
 
@@ -19,9 +19,10 @@ from agentrob.board import schema as db
 from agentrob.board.reader import Reader, from_cursor, to_cursor
 from agentrob.board.records import Page, Post
 from agentrob.board.render import unmarked
-from agentrob.board.words import INDEXED, index_query
+from agentrob.board.words import INDEXED, Where, index_query
 from agentrob.errors import BoardError
 
+T = TypeVar("T")
 #: Characters and words of a query that count.
 MAX_QUERY, MAX_WORDS = 200, 12
 #: Seconds after which a search is given up: some words stand in so many posts that none has them all.
@@ -38,6 +39,12 @@ def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = N
         for setting in (f"statement_timeout = {MOST_S * 1000:.0f}", "plan_cache_mode = force_custom_plan", "jit = off"):
             connection.execute(text(f"SET {setting}"))
     return Reader(connection, sees, keeps=True)
+
+
+def bounded(reader: Reader, read: Callable[..., T], *asked: Any) -> T:
+    """What `read` gives for what is asked, or 503 when it takes longer than `MOST_S`."""
+    with given_up(reader):
+        return read(reader, *asked)
 
 
 @contextmanager
@@ -61,19 +68,24 @@ def given_up(reader: Reader) -> Iterator[None]:
 
 
 def find(
-    reader: Reader, query: str, cursor: str | None = None, limit: int = 20, board_id: str | None = None
+    reader: Reader,
+    query: str,
+    cursor: str | None = None,
+    limit: int = 20,
+    board_id: str | None = None,
+    tag: str | None = None,
 ) -> Page[Post]:
-    """Posts with all the words, of one board or of all, newest first, without removed ones and those on boards that are
-    not seen.
+    """Posts with all the words, of one board or of all, of topics with a tag, newest first, without removed ones and
+    those on boards that are not seen.
 
     A query without any word finds nothing. Raises `BoardError` 422, 503.
     """
     words = terms(query)
     if not words:
         return Page(())
-    before = from_cursor(cursor) if cursor else 2**62
     with given_up(reader):
-        ids = _find(reader, words, before, boards_seen(reader, board_id), limit + 1)
+        where = Where(from_cursor(cursor) if cursor else 2**62, boards_seen(reader, board_id), tag)
+        ids = _find(reader, words, where, limit + 1)
     return Page(in_order(reader, ids[:limit]), to_cursor(ids[limit - 1]) if len(ids) > limit else None)
 
 
@@ -97,19 +109,21 @@ def terms(query: str) -> list[str]:
     return [word for word in found if any(c.isalnum() for c in word)][:MAX_WORDS]
 
 
-def _find(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:
+def _find(reader: Reader, words: Sequence[str], where: Where, most: int) -> list[int]:
     dialect = reader.connection.dialect.name
     if dialect not in INDEXED:
-        return _by_looking(reader, words, before, boards, most)
-    asked = index_query(dialect, words, before, boards, most)
+        return _by_looking(reader, words, where, most)
+    asked = index_query(dialect, words, where, most)
     return [row.id for row in reader.rows(asked[0], **asked[1])] if asked else []
 
 
-def _by_looking(reader: Reader, words: Sequence[str], before: int, boards: Sequence[str], most: int) -> list[int]:
-    p, t = db.posts.c, db.topics.c
+def _by_looking(reader: Reader, words: Sequence[str], where: Where, most: int) -> list[int]:
+    p, t, g = db.posts.c, db.topics.c, db.topic_tags.c
     has = (p.raw.icontains(word, autoescape=True) | t.title.icontains(word, autoescape=True) for word in words)
-    where = and_(p.id < before, p.removed.is_(False), t.board_id.in_(boards), *has)
-    statement = select(p.id).join(db.topics, t.id == p.topic_id).where(where).order_by(p.id.desc()).limit(most)
+    shown = and_(p.id < where.before, p.removed.is_(False), t.board_id.in_(where.boards), *has)
+    statement = select(p.id).join(db.topics, t.id == p.topic_id).where(shown).order_by(p.id.desc()).limit(most)
+    if where.tag is not None:
+        statement = statement.where(t.id.in_(select(g.topic_id).where(g.tag == where.tag)))
     return [row.id for row in reader.rows(statement)]
 
 

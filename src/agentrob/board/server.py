@@ -21,7 +21,17 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import api, api_admin, api_commands, api_moderation, api_robots, hooks, uploads
+from agentrob.board import (
+    api,
+    api_admin,
+    api_commands,
+    api_moderation,
+    api_robots,
+    api_tags,
+    hooks,
+    unread,
+    uploads,
+)
 from agentrob.board.admin import bootstrap
 from agentrob.board.alone import to_serve
 from agentrob.board.api_models import Problem
@@ -64,6 +74,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
                 end_streams(app)
                 beside.cancel()
                 await asyncio.gather(beside, return_exceptions=True)
+                await parts.marks.write(store)
         finally:
             await asyncio.to_thread(store.close)
 
@@ -79,7 +90,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
     app.add_middleware(Gate, settings=settings)
     for router in (
         *(api.router, api_robots.router, api_commands.router, api_admin.router, api_moderation.router),
-        api_robots.files,
+        *(api_tags.router, api_robots.files),
     ):
         app.include_router(router)
     _add_pages(app)
@@ -103,8 +114,8 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
     else:
         following = _alone(parts.hub, duties)
 
-    async def work() -> None:  # each process keeps by itself what the posts mean
-        await asyncio.gather(following, parts.store.follow_meanings())
+    async def work() -> None:  # each process keeps by itself what the posts mean, and what its readers have read
+        await asyncio.gather(following, parts.store.follow_meanings(), unread.keep_writing(parts.marks, parts.store))
 
     return work()
 

@@ -13,6 +13,7 @@ from agentrob.board.hot import Topics
 from agentrob.board.settings import BoardSettings
 from agentrob.board.stage import Stage
 from agentrob.board.store import Store
+from agentrob.board.unread import Marks
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,7 @@ class Services:
     hub: Hub
     stage: Stage
     topics: Topics = field(default_factory=Topics)
+    marks: Marks = field(default_factory=Marks)
     hashing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
 

@@ -141,18 +141,24 @@ class Store:
         limit: int = 20,
         board_id: str | None = None,
         mode: SearchMode = "words",
+        tag: str | None = None,
     ) -> Page[Post]:
-        """Posts with all the words, newest first, or most alike in meaning first. In a thread of its own, one after
-        another: nothing else waits for it, least of all a stop (law 15). 404 for what this forum has not, 503 when it
-        takes too long or too many wait.
-        """
-        find = self._finder_by(mode)
+        """Posts with all the words, newest first, or most alike in meaning first. 404 for what this forum has not, 503
+        as for `beside`."""
+        return await self._aside(self._finder_by(mode), query, cursor, limit, board_id, tag)
+
+    async def beside(self, read: Callable[..., T], *asked: Any) -> T:
+        """A read that may take longer, of a reader and what is asked. 503 when it takes too long or too many wait."""
+        return await self._aside(search.bounded, self._finder, read, *asked)
+
+    async def _aside(self, call: Callable[..., T], *asked: Any) -> T:
+        """In a thread of its own, one after another: nothing else waits for it, least of all a stop (law 15)."""
         if self._searches >= MAX_SEARCHES:
             raise BoardError(503, "overloaded", "too many searches are waiting", "try again in a moment", 2.0)
         self._searches += 1
         try:
             seeing = copy_context().run  # what whoever asks may see
-            running = self._searching.submit(seeing, find, query, cursor, limit, board_id)
+            running = self._searching.submit(seeing, call, *asked)
             return await asyncio.wrap_future(running)
         finally:
             self._searches -= 1
@@ -186,11 +192,12 @@ class Store:
         *,
         key: str | None = None,
         images: Sequence[str] = (),
+        tags: Sequence[str] = (),
     ) -> Written:
+        """`tags` as `tags.checked` gives them."""
         draft = writes.Draft(author, body, key, images, limits=self._limits)
-        return await self.writer.do(
-            lambda t: writes.create_topic(t, board_id, title, draft), lambda: writes.says_stop(body)
-        )
+        job: Job[Written] = lambda t: writes.create_topic(t, board_id, title, draft, tags)  # noqa: E731
+        return await self.writer.do(job, lambda: writes.says_stop(body))
 
     async def reply(
         self,

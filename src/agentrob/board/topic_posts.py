@@ -13,10 +13,12 @@ from agentrob.board.templating import piece
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """The posts, safe to put into a page, and the cursor of the next page."""
+    """The posts, safe to put into a page, the cursor of the next page, the ids of the first and the last of them."""
 
     html: str
     next: str | None
+    first: str = ""
+    last: str = ""
 
 
 def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | None, limit: int) -> Shown:
@@ -26,9 +28,11 @@ def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | 
         page: Page[Post] = known.store.posts(topic_id, after, limit)
         hidden = robot_view.hidden_cameras(known, viewer.account, page.items)
         authors = {post.id: post.author.name for post in page.items}
-        data = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
+        data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
+        data["owners"] = robot_view.owners(known, page.items)
         html = piece("topic_posts.html", data)
-        return Shown(html, page.next), len(html)
+        ids = [post.id for post in page.items]
+        return Shown(html, page.next, *(ids[:1] + ids[-1:])), len(html)
 
     form = viewer.csrf if viewer.account else ""  # in the stop buttons
     return known.topics.of(known.store.reader, topic_id, (after, viewer.account, form, sight.now()), make)

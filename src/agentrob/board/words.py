@@ -14,6 +14,7 @@ import sqlite3
 import threading
 import unicodedata
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import Connection, String, TextClause, bindparam, text
@@ -71,11 +72,21 @@ _BATCH = 1000
 #: Characters of a token that count on PostgreSQL, whose index takes none of more than 2 kB.
 _LONGEST = 100
 _VISIBLE = "NOT p.removed AND t.board_id IN :boards"
-_FIND_SQLITE = text(
+TAGGED = "AND EXISTS (SELECT 1 FROM topic_tags g WHERE g.topic_id = t.id AND g.tag = :tag) "
+_FIND_SQLITE = (
     "SELECT w.rowid AS id FROM post_words w CROSS JOIN posts p ON p.id = w.rowid "
     "CROSS JOIN topics t ON t.id = p.topic_id WHERE w.post_words MATCH :wanted AND w.rowid < :before "
-    f"AND {_VISIBLE} ORDER BY w.rowid DESC LIMIT :most"
-).bindparams(bindparam("boards", expanding=True, type_=String))
+    f"AND {_VISIBLE} {{tagged}}ORDER BY w.rowid DESC LIMIT :most"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """What is searched: posts before `before`, on these boards, in topics with the tag when there is one."""
+
+    before: int
+    boards: Sequence[str]
+    tag: str | None = None
 
 
 # -------------------------------------------------------------------- keeping it
@@ -170,12 +181,16 @@ _tokens = _Tokens()
 
 # -------------------------------------------------------------------- asking it
 def index_query(
-    dialect: str, words: Sequence[str], before: int, boards: Sequence[str], most: int
+    dialect: str, words: Sequence[str], where: Where, most: int
 ) -> tuple[TextClause, dict[str, Any]] | None:
     """The statement that finds the posts with all the words, newest first, and its values; None for nothing to find."""
+    boards = bindparam("boards", expanding=True, type_=String)
+    tagged = "" if where.tag is None else TAGGED
+    values: dict[str, Any] = {"before": where.before, "boards": list(where.boards), "most": most}
+    values |= {} if where.tag is None else {"tag": where.tag}
     if dialect == "sqlite":
-        values = {"wanted": expression(words), "before": before, "boards": list(boards), "most": most}
-        return _FIND_SQLITE, values
+        found = text(_FIND_SQLITE.format(tagged=tagged)).bindparams(boards)
+        return found, {"wanted": expression(words), **values}
     tokens: dict[str, None] = {}
     together: dict[str, str] = {}
     for n, (said, goes_on) in enumerate(map(_split, words)):
@@ -190,9 +205,9 @@ def index_query(
     statement = text(
         "SELECT w.post_id AS id FROM post_words w JOIN posts p ON p.id = w.post_id "
         "JOIN topics t ON t.id = p.topic_id WHERE w.tokens @@ CAST(:wanted AS tsquery) "
-        f"{has}AND w.post_id < :before AND {_VISIBLE} ORDER BY w.post_id DESC LIMIT :most"
-    ).bindparams(bindparam("boards", expanding=True, type_=String))
-    return statement, {"wanted": " & ".join(tokens), "before": before, "boards": list(boards), "most": most, **together}
+        f"{has}AND w.post_id < :before AND {_VISIBLE} {tagged}ORDER BY w.post_id DESC LIMIT :most"
+    ).bindparams(boards)
+    return statement, {"wanted": " & ".join(tokens), **values, **together}
 
 
 def expression(words: Sequence[str]) -> str:

@@ -46,8 +46,8 @@ class Draft:
     limits: BoardLimitsConfig = NO_LIMITS
 
 
-def create_topic(t: Transaction, board_id: str, title: str, draft: Draft) -> Written:
-    """A new topic and its first post."""
+def create_topic(t: Transaction, board_id: str, title: str, draft: Draft, tags: Sequence[str] = ()) -> Written:
+    """A new topic and its first post. `tags` are checked ones."""
     if old := _written_before(t, draft):
         return old
     board = Reader(t.connection).board(board_id)
@@ -56,6 +56,8 @@ def create_topic(t: Transaction, board_id: str, title: str, draft: Draft) -> Wri
     at = now_us()
     row = {"board_id": board.id, "title": title, "author_id": int(draft.author.id)}
     topic_id = _insert(t, db.topics, **row, created_us=at, last_post_us=at)
+    if tags:
+        t.connection.execute(insert(db.topic_tags), [{"topic_id": topic_id, "tag": tag} for tag in tags])
     return _add_post(t, topic_id, draft, at, title)
 
 

@@ -22,6 +22,16 @@ function localTimes(root) {
 }
 localTimes(document);
 
+// What must be scrolled sideways can be reached by keyboard.
+function reachable(root) {
+  for (const one of root.querySelectorAll(".body table, pre")) {
+    if (one.scrollWidth > one.clientWidth) one.tabIndex = 0;
+    else one.removeAttribute("tabindex");
+  }
+}
+reachable(document);
+addEventListener("resize", () => reachable(document));
+
 // ---------------------------------------------------------------- the event stream
 // Closed while nobody looks (a browser has few connections to one server), resumed after the last event seen.
 function listen(query, after, handle) {
@@ -102,6 +112,7 @@ function place(fresh) {
     posts.insertBefore(fresh, next || null);
     return seen;
   });
+  reachable(fresh);
   if (!old && fresh.getBoundingClientRect().top > innerHeight) offerMore(fresh.id);
 }
 
@@ -118,8 +129,12 @@ function offer(text, href) {
     pill = document.createElement("a");
     pill.className = "pill button primary";
     document.body.append(pill);
-    pill.addEventListener("click", () => pill.remove());
-    addEventListener("scroll", () => { if (pill.hash && arrived(pill.hash)) pill.remove(); }, { passive: true });
+    const gone = () => {
+      if (live && live.textContent === pill.textContent) say("");
+      pill.remove();
+    };
+    pill.addEventListener("click", gone);
+    addEventListener("scroll", () => { if (pill.isConnected && pill.hash && arrived(pill.hash)) gone(); }, { passive: true });
   }
   pill.textContent = text;
   pill.setAttribute("href", href);
@@ -137,7 +152,8 @@ async function refresh(id) {
   if (pending.has(id)) { pending.set(id, true); return; }
   pending.set(id, false);
   try {
-    const answer = await fetch(`/p/${id}/fragment`, { headers: { Accept: "text/html" } });
+    const seen = "last" in main.dataset && !document.hidden ? "?seen=1" : "";
+    const answer = await fetch(`/p/${id}/fragment${seen}`, { headers: { Accept: "text/html" } });
     if (answer.ok) {
       const parsed = new DOMParser().parseFromString(await answer.text(), "text/html");
       const fresh = parsed.querySelector("article.post");

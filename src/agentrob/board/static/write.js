@@ -70,6 +70,14 @@ if (text) {
     });
   }
 
+  if (!thumbs) {
+    for (const kind of ["paste", "drop"]) text.addEventListener(kind, (event) => {
+      if (!(event.clipboardData || event.dataTransfer).files.length) return;
+      event.preventDefault();
+      tell("Pictures are added by operators here; an administrator can make you one.");
+    });
+  }
+
   // -------------------------------------------------------------- names
   // A list below the text: arrows choose, Enter and Tab take, Escape closes; the text keeps the focus.
   const offer = Object.assign(document.createElement("ul"), { className: "offer", id: "offer", hidden: true });
