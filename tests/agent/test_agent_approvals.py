@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection, Iterable
 from contextlib import asynccontextmanager
 from datetime import timedelta
 from pathlib import Path
@@ -19,6 +19,11 @@ from agentrob.model import AccountKind, Post, Role
 
 WAVE, TURN = f"@{ROBOT} wave", f"@{ROBOT} turn left 20 degrees"
 YES, NO = f"@{ROBOT} approve", f"@{ROBOT} deny"
+
+
+def mostly_slow(fast: Collection[str], cases: Iterable[str]) -> list[Any]:
+    """All cases, of which only the `fast` ones are tried with every change."""
+    return [pytest.param(case, marks=() if case in fast else pytest.mark.slow) for case in cases]
 
 
 def make(driver: Driver, folder: Path, **approval: Any) -> Scene:
@@ -122,6 +127,7 @@ async def test_law_7_what_needs_an_approval_waits_for_it_and_is_done_with_it(
     )
 
 
+@pytest.mark.slow
 async def test_what_needs_none_does_not_wait_and_goes_before_what_does(asked: Scene) -> None:
     async with waiting(asked) as post:
         walk = await asked.post("alice", TURN)
@@ -132,13 +138,13 @@ async def test_what_needs_none_does_not_wait_and_goes_before_what_does(asked: Sc
 @pytest.mark.parametrize(
     ("name", "role", "kind"),
     [
-        ("guest", Role.GUEST, AccountKind.HUMAN),
-        ("member", Role.MEMBER, AccountKind.HUMAN),
+        pytest.param("guest", Role.GUEST, AccountKind.HUMAN, marks=pytest.mark.slow),
+        pytest.param("member", Role.MEMBER, AccountKind.HUMAN, marks=pytest.mark.slow),
         ("operator", Role.OPERATOR, AccountKind.HUMAN),
-        ("pilot", Role.ADMIN, AccountKind.COMMANDING_AGENT),
+        pytest.param("pilot", Role.ADMIN, AccountKind.COMMANDING_AGENT, marks=pytest.mark.slow),
         ("rover", Role.ADMIN, AccountKind.ROBOT_AGENT),
-        ("watcher", Role.ADMIN, AccountKind.MONITORING_AGENT),
-        ("gone", Role.ADMIN, AccountKind.HUMAN),
+        pytest.param("watcher", Role.ADMIN, AccountKind.MONITORING_AGENT, marks=pytest.mark.slow),
+        pytest.param("gone", Role.ADMIN, AccountKind.HUMAN, marks=pytest.mark.slow),
         ("alice", Role.MODERATOR, AccountKind.HUMAN),
     ],
 )
@@ -162,6 +168,7 @@ async def test_laws_1_and_2_who_may_not_approve_moves_nothing(
     assert ends(asked, post) == ["refused"]
 
 
+@pytest.mark.slow
 async def test_law_2_an_author_approves_alone_only_where_the_robot_s_settings_say_so(
     driver: Driver, tmp_path: Path
 ) -> None:
@@ -187,7 +194,9 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("what", CHANGES)
+@pytest.mark.parametrize(
+    "what", mostly_slow({"the approval is edited", "the approver is demoted", "denied after all"}, CHANGES)
+)
 async def test_law_4_what_changed_between_the_approval_and_the_motion_moves_nothing(asked: Scene, what: str) -> None:
     async with asked.agent() as agent:
         let = held_in_line(agent)
@@ -228,7 +237,7 @@ async def test_law_4_what_changed_between_the_approval_and_the_motion_moves_noth
     assert len(ends(asked, post)) == 1
 
 
-@pytest.mark.parametrize("what", ["edit", "remove", "stop", "cancel"])
+@pytest.mark.parametrize("what", mostly_slow({"stop"}, ["edit", "remove", "stop", "cancel"]))
 async def test_laws_4_and_14_what_waits_for_an_approval_is_ended_as_what_is_queued_is(asked: Scene, what: str) -> None:
     async with waiting(asked) as post:
         match what:
@@ -246,6 +255,7 @@ async def test_laws_4_and_14_what_waits_for_an_approval_is_ended_as_what_is_queu
     assert ends(asked, post) == ["cancelled"]
 
 
+@pytest.mark.slow
 async def test_a_denial_is_told_with_who_denied(asked: Scene) -> None:
     async with waiting(asked) as post:
         await say(asked, "carol", NO, post)
@@ -265,6 +275,7 @@ async def test_laws_3_and_4_what_only_looks_like_an_approval_is_none(asked: Scen
         await asked.state(post, "waiting")
 
 
+@pytest.mark.slow
 async def test_law_5_an_old_approval_approves_nothing_and_a_new_one_does(asked: Scene) -> None:
     async with waiting(asked):
         pass
@@ -278,7 +289,7 @@ async def test_law_5_an_old_approval_approves_nothing_and_a_new_one_does(asked: 
         assert (await asked.final(post)).card.state == "done"
 
 
-@pytest.mark.parametrize("away", [False, True])
+@pytest.mark.parametrize("away", [False, pytest.param(True, marks=pytest.mark.slow)])
 async def test_law_5_what_nobody_approves_in_time_lapses_with_one_answer(
     driver: Driver, tmp_path: Path, away: bool
 ) -> None:
@@ -296,7 +307,7 @@ async def test_law_5_what_nobody_approves_in_time_lapses_with_one_answer(
     assert ends(scene, post) == ["expired"]
 
 
-@pytest.mark.parametrize("when", ["before", "while away", "after"])
+@pytest.mark.parametrize("when", mostly_slow({"before"}, ["before", "while away", "after"]))
 async def test_law_6_it_waits_on_after_a_restart_and_is_done_once(asked: Scene, when: str) -> None:
     async with asked.agent() as agent:
         held_in_line(agent)
@@ -338,6 +349,7 @@ async def test_law_7_an_approval_is_of_one_command(asked: Scene) -> None:
         assert (await asked.final(other)).card.state == "done"
 
 
+@pytest.mark.slow
 async def test_law_7_one_that_came_to_need_an_approval_while_it_was_queued_is_refused(
     driver: Driver, tmp_path: Path
 ) -> None:
@@ -352,6 +364,7 @@ async def test_law_7_one_that_came_to_need_an_approval_while_it_was_queued_is_re
     assert (final.card.state, "This needs an approval" in final.raw) == ("refused", True)
 
 
+@pytest.mark.slow
 async def test_two_robots_are_approved_by_one_word_to_both_or_apart(asked: Scene) -> None:
     asked.person("humanoid", Role.MEMBER, AccountKind.ROBOT_AGENT)
     async with waiting(asked, f"@{ROBOT} @humanoid wave") as post:
@@ -362,6 +375,7 @@ async def test_two_robots_are_approved_by_one_word_to_both_or_apart(asked: Scene
         assert (await asked.final(post)).card.state == "done"
 
 
+@pytest.mark.slow
 async def test_where_edits_are_limited_it_asks_in_a_reply_of_its_own(driver: Driver, tmp_path: Path) -> None:
     scene = make(driver, tmp_path)
     scene.world.max_edits = 1
@@ -372,6 +386,7 @@ async def test_where_edits_are_limited_it_asks_in_a_reply_of_its_own(driver: Dri
         await scene.until(lambda: any("Approved by" in p.raw for p in scene.replies(post)))
 
 
+@pytest.mark.slow
 async def test_an_agent_that_looks_once_leaves_it_waiting(asked: Scene) -> None:
     agent: RobotAgent = asked.make()
     await agent.once()

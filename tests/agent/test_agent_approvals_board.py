@@ -72,7 +72,8 @@ def surfer(board: RunningBoard, name: str) -> Surfer:
 
 
 @pytest.mark.parametrize(
-    ("page", "do", "end"), [("/c/{post}", "approve", "done"), (f"/robots/{ROBOT}", "deny", "refused")]
+    ("page", "do", "end"),
+    [("/c/{post}", "approve", "done"), pytest.param(f"/robots/{ROBOT}", "deny", "refused", marks=pytest.mark.slow)],
 )
 async def test_law_7_the_button_of_a_page_approves_or_denies_what_waits(
     board: RunningBoard, driver: Driver, tmp_path: Path, page: str, do: str, end: str
@@ -99,6 +100,7 @@ async def test_law_7_the_button_of_a_page_approves_or_denies_what_waits(
         assert said == [(f"@{ROBOT} {do}", "mod", post)]
 
 
+@pytest.mark.slow
 async def test_law_2_the_api_approves_for_who_may_and_for_nobody_else(
     board: RunningBoard, driver: Driver, tmp_path: Path
 ) -> None:
@@ -120,6 +122,7 @@ async def test_law_2_the_api_approves_for_who_may_and_for_nobody_else(
                 await asyncio.sleep(0.05)
 
 
+@pytest.mark.slow
 async def test_law_2_an_approver_who_was_demoted_before_the_word_was_heard_approves_nothing(
     board: RunningBoard, driver: Driver, tmp_path: Path
 ) -> None:
@@ -136,6 +139,7 @@ async def test_law_2_an_approver_who_was_demoted_before_the_word_was_heard_appro
             admin.change_account(board.settings, mod, role=Role.MODERATOR)
 
 
+@pytest.mark.slow
 async def test_law_7_the_owner_s_settings_let_an_author_approve_alone(
     board: RunningBoard, driver: Driver, tmp_path: Path
 ) -> None:

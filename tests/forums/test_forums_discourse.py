@@ -127,6 +127,16 @@ def test_what_a_hidden_profile_does_not_say_gives_no_right() -> None:
     assert hidden == Account("7", "alice", AccountKind.HUMAN, Role.MEMBER)
 
 
+def test_law_2_who_approves_is_in_a_group_of_moderators_that_not_anybody_may_join() -> None:
+    options = DiscourseOptions(operators=("trust_level_1",), moderators=("approvers",), admins=("admins",))
+    for closed, role in ((True, Role.MODERATOR), (False, Role.OPERATOR)):
+        groups = [{"name": "approvers", "public_admission": not closed}]
+        who = account({"id": 7, "username": "alice", "trust_level": 1, "groups": groups}, options)
+        assert who.role is role
+    with pytest.raises(ConfigError, match="signing up"):
+        DiscourseOptions.of({"moderators": ["everyone"]})
+
+
 # ---------------------------------------------------------------- reading
 async def test_a_topic_is_read_whole_though_only_its_first_posts_come_with_it(
     world: DiscourseWorld, double: Double
