@@ -1,6 +1,6 @@
 """`agentrob stop` as a person types it while board and agent are dead and something else moves the robot (laws 13, 15
 and 17): the words, the exit code, and what the robots do. `--all` means every robot of this machine, also of tests
-beside it: those tests are marked `sim`, not for the quick check."""
+beside it: those tests are marked `alone`."""
 
 from __future__ import annotations
 

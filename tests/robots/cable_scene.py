@@ -10,17 +10,20 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from guard_scene import until as wait_for
 from sim_scene import DRIVER, Process
+from sim_steps import FAR, NEAR
+from sim_steps import until as until_limited
 
-from agentrob.model import ActionResult, Direction, Op, Primitive, RobotState
+from agentrob.model import ActionResult
 from agentrob.robots.client import DriverClient
 
 DOMAIN = 0  # nobody else is in these namespaces
-FAR, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (2.0, 0.3))
+until = partial(until_limited, limit_s=20.0)
 WORLD = """
 read go
 ip link set lo up; ip addr add 10.99.0.2/24 dev robot; ip link set robot up
@@ -43,8 +46,7 @@ def start(folder: Path) -> tuple[subprocess.Popen[str], Process]:
     ip("link", "add", "host", "type", "veth", "peer", "name", "robot")
     command = ["unshare", "-n", "sh", "-c", WORLD, sys.executable, str(folder / "ledger")]
     world = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    while Path(f"/proc/{world.pid}/ns/net").readlink() == Path("/proc/self/ns/net").readlink():
-        time.sleep(0.01)
+    wait_for(lambda: Path(f"/proc/{world.pid}/ns/net").readlink() != Path("/proc/self/ns/net").readlink())
     ip("link", "set", "robot", "netns", str(world.pid))
     ip("addr", "add", "10.99.0.1/24", "dev", "host")
     plug(True)
@@ -57,13 +59,6 @@ def start(folder: Path) -> tuple[subprocess.Popen[str], Process]:
     driver = Process(DRIVER, "quadruped", str(folder), json.dumps(settings), errors=subprocess.DEVNULL)
     assert json.loads(driver.ask(""))["ready"] == "driver"
     return world, driver
-
-
-async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 20.0) -> None:
-    end_s = time.monotonic() + limit_s
-    while not true(await robot.state()):
-        assert time.monotonic() < end_s, f"it did not become true: {await robot.state()}"
-        await asyncio.sleep(0.03)
 
 
 def said(result: ActionResult) -> dict[str, Any]:
