@@ -19,6 +19,8 @@ from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find
 
 if TYPE_CHECKING:
+    from structlog.typing import Processor
+
     from agentrob.agent.turn import RobotAgent
     from agentrob.board.settings import BoardSettings
     from agentrob.forums.forum import Forum
@@ -84,6 +86,10 @@ def only_robot(config: Config, name: str | None) -> str:
     raise ConfigError(f"which robot? Name one of: {known}")
 
 
+#: One list for good: loggers keep the one that they began with, and who captures the log changes it in place.
+_PROCESSORS: list[Processor] = []
+
+
 def log_to_stderr() -> None:
     """Standard output belongs to ready lines and results; people read the log."""
     import structlog
@@ -91,13 +97,14 @@ def log_to_stderr() -> None:
     renderer = structlog.dev.ConsoleRenderer(
         colors=sys.stderr.isatty(), exception_formatter=structlog.dev.plain_traceback
     )
+    _PROCESSORS[:] = [
+        structlog.contextvars.merge_contextvars,
+        structlog.processors.add_log_level,
+        structlog.processors.TimeStamper(fmt="iso"),
+        renderer,
+    ]
     structlog.configure(
-        processors=[
-            structlog.contextvars.merge_contextvars,
-            structlog.processors.add_log_level,
-            structlog.processors.TimeStamper(fmt="iso"),
-            renderer,
-        ],
+        processors=_PROCESSORS,
         logger_factory=structlog.WriteLoggerFactory(_Lossy()),  # type: ignore[arg-type]  # a line is written at once
         cache_logger_on_first_use=True,
     )

@@ -37,6 +37,7 @@ LEAST = {
     "POST /topics/{topic_id}/lock": "moderator",
     "POST /topics/{topic_id}/move": "moderator",
     "GET /search": "guest",
+    "GET /search/modes": "guest",
     "GET /tags": "guest",
     "PUT /topics/{topic_id}/tags": "moderator",  # of a topic that somebody else began
     "GET /commands/{post_id}": "guest",

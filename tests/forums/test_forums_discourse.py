@@ -386,7 +386,7 @@ async def test_notices_name_mentions_and_replies_newest_first_page_by_page(world
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"operator": ["x"]}, "operator: Extra inputs are not permitted; valid are: operators, admins"),
+        ({"operator": ["x"]}, "operator: Extra inputs are not permitted; valid are: operators, moderators, admins"),
         ({"requests_per_minute": 1}, "requests_per_minute"),
         ({"operators": ["Trust_Level_0"]}, "whoever signs up is in trust_level_0"),
     ],

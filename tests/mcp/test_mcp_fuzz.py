@@ -42,8 +42,7 @@ async def _call(name: str, arguments: Any) -> dict[str, Any]:
     said = await asyncio.wait_for(server._said(_Context(), name, arguments), 10)  # type: ignore[arg-type]
     await accounts.close()
     await server.close()
-    wire: dict[str, Any] = json.loads(json.dumps(said))
-    return wire
+    return said.structure()
 
 
 class _Context:
