@@ -24,6 +24,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 from agentrob.board import accounts, admin
@@ -51,7 +52,8 @@ HTML = (
     "<p>The robot walked <strong>0.98 m</strong> of 1 m, then turned left by 91° and waved.</p>\n"
     "<p>Trace <code>3f2a</code>, asked 1.0 m, measured 0.98 m.</p>\n"
 )
-PER_TOPIC, HOT, WRITES_PER_S = 20, 50, 50.0
+PER_TOPIC, HOT = 20, 50
+WRITES_PER_S, WRITERS = 50.0, 4
 #: By another account than the one that replies; posts of all topics come in turns, as on a forum.
 SEED = (
     """INSERT INTO topics (id, board_id, title, author_id, created_us, last_post_id, last_post_us, posts, locked)
@@ -177,17 +179,19 @@ async def load(name: str, server: Server, clients: list[Client], requests: list[
 
 
 async def writing(server: Server, seconds: float) -> float:
-    """Replies at a steady rate, half of them in hot topics; how many in a second there were."""
-    client, chance = await server.api().open(), random.Random(5)
-    start, count = time.perf_counter(), 0
-    while (now := time.perf_counter() - start) < seconds:
-        if now * WRITES_PER_S < count:
-            await asyncio.sleep(count / WRITES_PER_S - now)
-        lowest = max(1, server.topics - HOT) if count % 2 else 1
-        topic = chance.randint(lowest, server.topics)
-        await client.call(client.request("POST", f"/api/v1/topics/{topic}/posts", {"body": RAW}))
-        count += 1
-    return count / (time.perf_counter() - start)
+    """Replies at a steady rate by several writers, half of them in hot topics; how many in a second there were."""
+    chance, numbers = random.Random(5), count()
+    start = time.perf_counter()
+
+    async def one() -> None:
+        client = await server.api().open()
+        while (due := (n := next(numbers)) / WRITES_PER_S) < seconds:
+            await asyncio.sleep(max(0.0, start + due - time.perf_counter()))
+            topic = chance.randint(max(1, server.topics - HOT) if n % 2 else 1, server.topics)
+            await client.call(client.request("POST", f"/api/v1/topics/{topic}/posts", {"body": RAW}))
+
+    await asyncio.gather(*(one() for _ in range(WRITERS)))
+    return seconds * WRITES_PER_S / (time.perf_counter() - start)
 
 
 async def events(server: Server, listeners: int, posts: int) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, Integer, Select, Table, bindparam, select
 
 from agentrob.board import schema as db
 from agentrob.board.audit import now_us
@@ -19,14 +19,24 @@ from agentrob.model import Account
 HOUR_US = 3_600_000_000
 
 
+def _nth(table: Table, owner: Any) -> Select[Any]:
+    """When an account made the one before so many newer ones."""
+    mine = select(table.c.created_us).where(owner == bindparam("by")).order_by(table.c.id.desc())
+    return mine.offset(bindparam("before", type_=Integer)).limit(1)
+
+
+_NTH_POST = _nth(db.posts, db.posts.c.author_id)
+_NTH_IMAGE = _nth(db.images, db.images.c.account_id)
+
+
 def check_posts(connection: Connection, author: Account, most: int) -> None:
     """429 when `most` posts of the account are younger than an hour. 0 is no limit."""
-    _check(connection, db.posts, db.posts.c.author_id, author, most, "posts", "written {count} posts")
+    _check(connection, _NTH_POST, author, most, "posts", "written {count} posts")
 
 
 def check_uploads(connection: Connection, by: Account, most: int) -> None:
     """429 when `most` pictures of the account are younger than an hour."""
-    _check(connection, db.images, db.images.c.account_id, by, most, "uploads", "uploaded {count} pictures")
+    _check(connection, _NTH_IMAGE, by, most, "uploads", "uploaded {count} pictures")
 
 
 def check_commands(connection: Connection, author: Account, most: int, robots: frozenset[str]) -> None:
@@ -42,12 +52,11 @@ def check_commands(connection: Connection, author: Account, most: int, robots: f
             raise _too_many("commands", f"commanded robots {most} times", times[-1] + HOUR_US - now)
 
 
-def _check(connection: Connection, table: Any, owner: Any, by: Account, most: int, what: str, done: str) -> None:
+def _check(connection: Connection, nth: Select[Any], by: Account, most: int, what: str, done: str) -> None:
     if not most:
         return
     now = now_us()
-    nth = select(table.c.created_us).where(owner == int(by.id)).order_by(table.c.id.desc()).offset(most - 1).limit(1)
-    oldest = connection.execute(nth).scalar_one_or_none()
+    oldest = connection.execute(nth, {"by": int(by.id), "before": most - 1}).scalar_one_or_none()
     if oldest is not None and oldest > now - HOUR_US:
         raise _too_many(what, done.format(count=most), oldest + HOUR_US - now)
 

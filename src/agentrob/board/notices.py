@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Select, and_, func, insert, select, update
+from sqlalchemy import Select, and_, bindparam, func, insert, select, update
 
 from agentrob.board import schema as db
 from agentrob.board.reader import Reader, from_cursor, to_cursor
@@ -19,6 +19,10 @@ MOST = 99
 REASONS = {"mention": "names you", "reply": "answers you", "topic": "is in your topic"}
 #: Robots and programs that watch listen to events instead.
 _TOLD = (AccountKind.HUMAN, AccountKind.COMMANDING_AGENT)
+_BEGAN = select(db.topics.c.author_id).where(db.topics.c.id == bindparam("topic"))
+_PEOPLE = select(db.accounts.c.id).where(
+    db.accounts.c.id.in_(bindparam("ids", expanding=True)), db.accounts.c.kind.in_(_TOLD)
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,20 +34,22 @@ class Notice:
     fresh: bool
 
 
-def tell(t: Transaction, post_id: int, author: Account) -> None:
+def tell(
+    t: Transaction, post_id: int, topic_id: int, author: Account, mentions: Sequence[str], reply_to: int | None
+) -> None:
     """Tell people and agents of a new post; of several reasons the first counts."""
-    p = db.posts.c
-    row = t.connection.execute(
-        select(p.mentions, p.reply_to, db.topics.c.author_id)
-        .join(db.topics, db.topics.c.id == p.topic_id)
-        .where(p.id == post_id)
-    ).one()
-    named = set(t.connection.execute(select(db.accounts.c.id).where(db.accounts.c.name.in_(row.mentions))).scalars())
-    answered = t.connection.execute(select(p.author_id).where(p.id == row.reply_to)).scalar_one_or_none()
-    reasons = {row.author_id: "topic"} | ({answered: "reply"} if answered else {}) | dict.fromkeys(named, "mention")
+    a, p = db.accounts.c, db.posts.c
+    reasons = {int(t.connection.execute(_BEGAN, {"topic": topic_id}).scalar_one()): "topic"}
+    if reply_to is not None:
+        answered = select(p.author_id).where(p.id == reply_to)
+        reasons |= {int(i): "reply" for i in t.connection.execute(answered).scalars()}
+    if mentions:
+        named = select(a.id).where(a.name.in_(mentions))
+        reasons |= {int(i): "mention" for i in t.connection.execute(named).scalars()}
     reasons.pop(int(author.id), None)
-    a = db.accounts.c
-    people = t.connection.execute(select(a.id).where(a.id.in_(reasons), a.kind.in_(_TOLD))).scalars()
+    if not reasons:
+        return
+    people = t.connection.execute(_PEOPLE, {"ids": list(reasons)}).scalars()
     rows = [{"account_id": i, "post_id": post_id, "reason": reasons[i]} for i in people]
     if rows:
         t.connection.execute(insert(db.notices), rows)

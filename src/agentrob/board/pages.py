@@ -36,8 +36,6 @@ from agentrob.model import Account
 __all__ = ["error_page", "router"]
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
-for part in (pages_posts, pages_robots, pages_command, pages_find, pages_tags, feeds):
-    router.include_router(part.router)
 
 Reading = Annotated[Viewer, Depends(access.reader)]
 Anybody = Annotated[Viewer, Depends(access.viewer)]
@@ -236,3 +234,8 @@ def _topic(
     data["may_tag"] = viewer.account is not None and tags.may_change(viewer.account, found)
     known.marks.showed(known.store.reader, viewer.account, found, shown.last)  # from now on it is read
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
+
+
+# last: a request tries one address after the other, and most ask for a topic
+for part in (pages_posts, pages_robots, pages_command, pages_find, pages_tags, feeds):
+    router.include_router(part.router)

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sqlalchemy import Connection, insert, select, update
+from sqlalchemy import Connection, bindparam, insert, select, update
 
 from agentrob.board import audit, limits, notices, words
 from agentrob.board import schema as db
@@ -28,9 +28,13 @@ from agentrob.model import Account, AccountKind, Role
 
 MAX_IMAGES = 32
 Card = Mapping[str, Any]
-
-
 now_us = audit.now_us
+_t = db.topics.c
+_ONE_POST_MORE = (
+    update(db.topics)
+    .where(_t.id == bindparam("topic"))
+    .values(last_post_id=bindparam("post"), last_post_us=bindparam("at"), posts=_t.posts + 1)
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,23 +199,13 @@ def _written_before(t: Transaction, draft: Draft) -> Written | None:
 def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str = "") -> Written:
     reader = Reader(t.connection)
     reply_to = _same_topic(reader, draft.reply_to, topic_id) if draft.reply_to is not None else None
-    post_id = _insert(
-        t,
-        db.posts,
-        topic_id=topic_id,
-        author_id=int(draft.author.id),
-        created_us=at,
-        reply_to=reply_to,
-        key=draft.key,
-        card=draft.card,
-        **_text(t.connection, draft.body),
-    )
-    topics = db.topics.c
-    newest = {"last_post_id": post_id, "last_post_us": at, "posts": topics.posts + 1}
-    t.connection.execute(update(db.topics).where(topics.id == topic_id).values(**newest))
+    text = _text(t.connection, draft.body)
+    values = {"author_id": int(draft.author.id), "reply_to": reply_to, "key": draft.key, "card": draft.card}
+    post_id = _insert(t, db.posts, topic_id=topic_id, created_us=at, **values, **text)
+    t.connection.execute(_ONE_POST_MORE, {"topic": topic_id, "post": post_id, "at": at})
     _attach(t.connection, post_id, draft.author, draft.images)
     words.add(t.connection, post_id, draft.body, title)
-    notices.tell(t, post_id, draft.author)
+    notices.tell(t, post_id, topic_id, draft.author, text["mentions"], reply_to)
     add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
 
@@ -277,5 +271,5 @@ def _use_key(t: Transaction, by: Account, scope: str, key: str | None, ref: int)
 
 
 def _insert(t: Transaction, table: Any, **values: Any) -> int:
-    key = t.connection.execute(insert(table).values(**values)).inserted_primary_key
+    key = t.connection.execute(insert(table), values).inserted_primary_key
     return int(key[0]) if key else 0

@@ -14,6 +14,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable
+from functools import lru_cache
 from html.parser import HTMLParser
 
 from markdown_it import MarkdownIt
@@ -40,8 +41,11 @@ _BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 def visible_text(raw: str) -> str:
     """The visible paragraph and list text of a Markdown body, NFKC-normalised, one line per line, mentions included."""
-    if len(raw) > MAX_CHARS:
-        return ""
+    return "" if len(raw) > MAX_CHARS else _visible(raw)
+
+
+@lru_cache(maxsize=64)  # one post is asked about several times in a row
+def _visible(raw: str) -> str:
     walker = _Walker()
     walker.blocks(_MARKDOWN.parse(raw))
     return _without_bbcode(_plain("".join(walker.out))).strip()
