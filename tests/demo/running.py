@@ -74,5 +74,5 @@ def end_left(since: int = 0) -> None:
     """End the demos that were started after the first `since` ones and still run."""
     for demo in RUNNING[since:]:
         if demo.process.poll() is None:
-            os.killpg(demo.process.pid, signal.SIGINT)
+            os.killpg(demo.process.pid, signal.SIGTERM)  # a Ctrl-C is ignored by what a shell began in the background
             demo.process.wait(10)
