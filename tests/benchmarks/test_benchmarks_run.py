@@ -19,9 +19,11 @@ LITTLE = {
     "demo_start.py": ["1"],
     "latency.py": ["--posts", "100"],
     "loop.py": ["--turns", "12"],
+    "mcp.py": ["--calls", "5", "--starts", "1"],
     "minds.py": ["--turns", "12"],
     "rpc.py": ["--calls", "50", "--walks", "1"],
     "stop_body.py": ["--only", "body", "--runs", "3"],
+    "stop_http.py": ["--trials", "2"],
     "understanding.py": [],
     "world.py": ["--seconds", "3"],
 }

@@ -340,11 +340,9 @@ def test_what_was_read_is_written_by_the_clock(
 
 
 # -------------------------------------------------------------------- the database
-def test_the_tables_come_and_go_and_what_was_there_before_counts_as_read(
-    fresh_board: Callable[..., RunningBoard],
-) -> None:
-    board = fresh_board()
-    made = topic(board, tags=["kept-not"])
+def test_the_tables_come_and_go_and_what_was_there_before_counts_as_read(tmp_path: Path) -> None:
+    with running_board(tmp_path) as board:
+        made = topic(board, tags=["kept-not"])
     with admin.writing(board.settings) as connection:
         connection.execute(text("UPDATE accounts SET read_up_to = 0"))
     migrate(board.settings, "0003_pages")
@@ -352,4 +350,5 @@ def test_the_tables_come_and_go_and_what_was_there_before_counts_as_read(
     with admin.writing(board.settings) as connection:
         assert connection.execute(text("SELECT min(read_up_to) FROM accounts")).scalar_one() == 1
         assert connection.execute(text("SELECT count(*) FROM topic_tags")).scalar_one() == 0
-    assert board.client("op").get(f"/topics/{made['id']}").json()["tags"] == []
+    with running_board(tmp_path, database=board.settings.database) as again:
+        assert again.client("op").get(f"/topics/{made['id']}").json()["tags"] == []
