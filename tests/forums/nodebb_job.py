@@ -16,8 +16,9 @@ from nodebb_world import GROUPS, NodeBBWorld
 
 from agentrob.model import Post
 
-ROBOT = "quadruped"
-FINAL = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+sys.path.append(str(Path(__file__).parents[1] / "agent"))
+from agent_scene import FINAL, ROBOT
+
 _CONFIG = """
 data = "{data}"
 

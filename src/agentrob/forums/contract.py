@@ -329,6 +329,10 @@ class ForumContract:
             return
         try:
             found = await alice.notices()
+            async with asyncio.timeout(5):
+                while not found.items:  # some forums make them a moment after the post
+                    await asyncio.sleep(0.1)
+                    found = await alice.notices()
         except ForumUnoffered:
             return
         assert ("mention", mention.id) in [(n.kind, n.post.id) for n in found.items]

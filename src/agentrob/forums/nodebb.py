@@ -157,7 +157,8 @@ class NodeBBForum:
 
     @_in_our_errors
     async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
-        return await notices_of(self._wire, self._shelf.post, cursor, limit)
+        me = await self._registry.me()
+        return await notices_of(self._wire, self._shelf.post, me.name, cursor, limit)
 
     # ---------------------------------------------------------------- Writer
     @_in_our_errors

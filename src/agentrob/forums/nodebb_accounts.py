@@ -108,12 +108,13 @@ class Registry:
 
     async def _set_role(self, name: str, uid: str, role: Role) -> None:
         """First out of the groups of other roles, so that nobody has more in between than before or after."""
-        named = {Role.MEMBER: (), Role.OPERATOR: self._options.operators, Role.ADMIN: self._options.admins}
-        if role not in named or (role is not Role.MEMBER and not named[role]):
+        options = self._options
+        named = {Role.OPERATOR: options.operators, Role.MODERATOR: options.moderators, Role.ADMIN: options.admins}
+        if role is not Role.MEMBER and not named.get(role):
             raise ForumUnoffered(f"forum.options names no group whose members are {role}")
-        wanted = self._options.spelled(named[role][0]) if named[role] else ""
+        wanted = "" if role is Role.MEMBER else options.spelled(named[role][0])
         slugs = {str(g.get("slug", "")).lower() for g in await self._groups_of(name)}
-        giving = {self._options.spelled(group) for groups in named.values() for group in groups}
+        giving = {options.spelled(group) for groups in named.values() for group in groups}
         for slug in sorted((slugs & giving) - {wanted}):
             await self._wire.send("DELETE", f"/groups/{quote(slug, safe='')}/membership/{uid}")
         if wanted and wanted not in slugs:
@@ -129,7 +130,7 @@ class Registry:
         setting = f"{kind.value}s"
         if not (names := getattr(self._options, setting)):
             raise ForumUnoffered(f"forum.options.{setting} names no group, so no account can be a {kind.value}")
-        return str(names[0]).lower().replace(" ", "-")
+        return self._options.spelled(str(names[0]))
 
 
 def former(uid: object) -> Account:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from agentrob.errors import ForumNotFound
+from agentrob.errors import ForumDenied, ForumNotFound
 from agentrob.forums.forum import Notice, Page
 from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.model import Post
@@ -17,10 +17,11 @@ NOTES_A_PAGE, MOST_PAGES = 20, 5
 
 
 async def notices_of(
-    wire: NodeBBWire, read: Callable[[str], Awaitable[Post]], cursor: str | None, limit: int
+    wire: NodeBBWire, read: Callable[[str], Awaitable[Post]], mine: str, cursor: str | None, limit: int
 ) -> Page[Notice]:
-    """Newest first. Of several mentions, or replies, of one topic NodeBB keeps only one; posts that are gone are left
-    out."""
+    """Newest first, of the account `mine`. NodeBB makes them half a second after the post, and shows of several replies
+    in one topic the latest only. A reply that mentions us is told once, as a mention; posts that are gone, or may not
+    be read any more, are left out."""
     at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
     found: list[Notice] = []
     for _ in range(MOST_PAGES):
@@ -28,7 +29,7 @@ async def notices_of(
         notes = (await wire.get("/api/notifications", page=page + 1))["notifications"]
         for note in notes[skip:]:
             at += 1
-            if (notice := await _notice(read, note)) is not None:
+            if (notice := await _notice(read, note, mine)) is not None:
                 found.append(notice)
             if len(found) == limit:
                 more = page * NOTES_A_PAGE + len(notes) > at or len(notes) == NOTES_A_PAGE
@@ -38,12 +39,14 @@ async def notices_of(
     return Page(tuple(found), str(at))
 
 
-async def _notice(read: Callable[[str], Awaitable[Post]], note: Mapping[str, Any]) -> Notice | None:
+async def _notice(read: Callable[[str], Awaitable[Post]], note: Mapping[str, Any], mine: str) -> Notice | None:
     kind, pid = KINDS.get(str(note.get("type"))), note.get("pid")
     if kind is None or not pid:
         return None
     try:
         post = await read(str(pid))
-    except ForumNotFound:
+    except (ForumNotFound, ForumDenied):
         return None
-    return None if post.removed else Notice(str(note["nid"]), kind, post, bool(note.get("read")))
+    if post.removed or (kind == "reply" and mine in post.mentions):
+        return None
+    return Notice(str(note["nid"]), kind, post, bool(note.get("read")))
