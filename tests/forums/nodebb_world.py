@@ -56,7 +56,8 @@ class NodeBBWorld:
         self.forums: list[NodeBBForum] = []
 
     async def prepare(self) -> None:
-        """The board, the groups, and no limits; all of it may be there already."""
+        """The board, the groups, and no limits; all of it may be there already. Whom the contract registers is not."""
+        await self.forget("planner")
         for setting, value in LIFTED.items():
             await self.set(setting, value)
         boards = [b.id for b in await self.admin.boards()]

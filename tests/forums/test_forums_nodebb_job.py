@@ -106,8 +106,7 @@ async def test_law_7_a_moderator_of_nodebb_approves_what_an_operator_asked(
         post = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
         await _told(nodebb, "waiting")
         await bob.reply(post.topic_id, f"@{ROBOT} approve", key="no")
-        answer = await _written(nodebb, lambda told: told.key == f"reply:x")
-        assert answer.card is None or answer.card.state not in FINAL
+        await _written(nodebb, lambda told: told.card is None and "approve" in told.text)
         await carol.reply(post.topic_id, f"@{ROBOT} approve", key="yes")
         done = await _told(nodebb, "done")
     assert "Approved by `carol`" in done.text
