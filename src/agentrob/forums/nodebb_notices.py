@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from agentrob.errors import ForumDenied, ForumNotFound
+from agentrob.errors import ForumNotFound
 from agentrob.forums.forum import Notice, Page
 from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.model import Post
@@ -45,7 +45,7 @@ async def _notice(read: Callable[[str], Awaitable[Post]], note: Mapping[str, Any
         return None
     try:
         post = await read(str(pid))
-    except (ForumNotFound, ForumDenied):
+    except ForumNotFound:  # NodeBB says so too of what may not be read
         return None
     if post.removed or (kind == "reply" and mine in post.mentions):
         return None
