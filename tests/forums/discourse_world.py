@@ -13,6 +13,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 from urllib.parse import parse_qs
+from uuid import uuid4
 
 import jsonschema_rs
 import uvicorn
@@ -128,6 +129,8 @@ class DiscourseWorld:
 
 class LiveWorld(DiscourseWorld):
     """The same on a Discourse that other tests have used before."""
+
+    newcomer = f"planner-{uuid4().hex[:8]}"
 
     async def sign_in(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER

@@ -16,8 +16,9 @@ from nodebb_world import GROUPS, NodeBBWorld
 
 from agentrob.model import Post
 
-ROBOT = "quadruped"
-FINAL = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+sys.path.append(str(Path(__file__).parents[1] / "agent"))
+from agent_scene import FINAL, ROBOT
+
 _CONFIG = """
 data = "{data}"
 
@@ -27,6 +28,7 @@ url = "{url}"
 
 [forum.options]
 operators = {operators}
+moderators = {moderators}
 robot_agents = {robot_agents}
 
 [robots.{robot}]
@@ -37,6 +39,7 @@ home_on_start = true
 owner = "alice"
 fence = {{ x_min_m = -1000.0, x_max_m = 1000.0, y_min_m = -1000.0, y_max_m = 1000.0 }}
 rates = {{ cooldown_s = 0 }}
+approval = {{ classes = ["gesture"] }}
 options = {{ room = [-1000, 1000, -1000, 1000] }}
 """
 
@@ -46,7 +49,7 @@ def working_robot(world: NodeBBWorld, secret: str, folder: Path) -> Iterator[Pat
     """A fake robot's driver and agent, as their owner starts them; the file that configures them."""
     config = folder / "agentrob.toml"
     domain = os.environ["AGENTROB_TEST_DOMAIN"]
-    names = {k: json.dumps(GROUPS[k]) for k in ("operators", "robot_agents")}
+    names = {k: json.dumps(GROUPS[k]) for k in ("operators", "moderators", "robot_agents")}
     config.write_text(_CONFIG.format(data=folder / "data", url=world.url, robot=ROBOT, domain=domain, **names))
     env = {**os.environ, "AGENTROB_TOKEN": secret, "AGENTROB_RUNTIME": str(folder)}
     with ExitStack() as stack:
@@ -78,6 +81,17 @@ async def final(world: NodeBBWorld, post: Post, limit_s: float = 40.0) -> Post:
         while True:
             for reply in (await reader.posts(post.topic_id)).items:
                 if reply.reply_to == post.id and reply.card and reply.card.state in FINAL:
+                    return reply
+            await asyncio.sleep(0.3)
+
+
+async def answer(world: NodeBBWorld, post: Post, limit_s: float = 40.0) -> Post:
+    """What the robot replied to a post that is no command."""
+    reader = world.forums[0]
+    async with asyncio.timeout(limit_s):
+        while True:
+            for reply in (await reader.posts(post.topic_id)).items:
+                if reply.reply_to == post.id and reply.author.name == ROBOT:
                     return reply
             await asyncio.sleep(0.3)
 

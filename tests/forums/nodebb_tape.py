@@ -38,7 +38,7 @@ _KEPT_WORDS = (
     "slug description disabled children uid username userslug displayname banned muted groups private hidden "
     "tid pid mainPid title titleRaw timestamp edited deleted scheduled toPid content topic user category "
     "postcount topic_count posts topics index timestamps queued id data rawContent images url next pong error "
-    "reason banned_until uids matchCount notifications allowPrivateGroups system secret token "
+    "reason banned_until uids matchCount notifications nid type read allowPrivateGroups system secret token "
 )
 _KEPT = frozenset(_KEPT_WORDS.split())
 #: What else nobody here reads of some answers: posts are asked for one by one.

@@ -18,9 +18,15 @@ ADMIN = os.environ.get("AGENTROB_TEST_NODEBB_ADMIN", "") or "login:admin:on the 
 PASSWORD = "a password of a test"
 GROUPS: dict[str, list[str]] = {
     "operators": ["robot-operators"],
+    "moderators": ["robot-moderators", "Global Moderators"],
     "robot_agents": ["robot-agents"],
     "monitoring_agents": ["robot-monitors"],
     "commanding_agents": ["commanding-agents"],
+}
+GROUP_OF = {
+    Role.OPERATOR: "robot-operators",
+    Role.MODERATOR: "robot-moderators",
+    Role.ADMIN: "administrators",
 }
 #: What stands in the way of robots and of tests; `docs/nodebb.md` says which of them a forum should lift, and how.
 LIFTED = {
@@ -50,13 +56,14 @@ class NodeBBWorld:
         self.forums: list[NodeBBForum] = []
 
     async def prepare(self) -> None:
-        """The board, the groups, and no limits; all of it may be there already."""
+        """The board, the groups, and no limits; all of it may be there already. Whom the contract registers is not."""
+        await self.forget("planner")
         for setting, value in LIFTED.items():
             await self.set(setting, value)
         boards = [b.id for b in await self.admin.boards()]
         if "robots" not in boards:
             await self.wire.send("POST", "/categories", {"name": "Robots"})
-        for (name,) in GROUPS.values():
+        for name, *_ in GROUPS.values():
             with contextlib.suppress(ForumError):
                 await self.wire.send("POST", "/groups", {"name": name, "private": 1, "disableJoinRequests": 1})
 
@@ -86,7 +93,9 @@ class NodeBBWorld:
             account, self.secrets[name] = await self.admin.add_account(name, kind=kind)
             self.uids[name] = account.id
             if role is not Role.MEMBER:
-                group = "administrators" if role is Role.ADMIN else "robot-operators"
+                group = {Role.OPERATOR: "robot-operators", Role.MODERATOR: "robot-moderators"}.get(
+                    role, "administrators"
+                )
                 await self.wire.send("PUT", f"/groups/{group}/membership/{account.id}")
         return self.at(self.url, self.secrets[name])
 

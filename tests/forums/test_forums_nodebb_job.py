@@ -9,9 +9,10 @@ from __future__ import annotations
 import asyncio
 import json
 import sys
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from nodebb_world import NodeBBWorld
@@ -34,15 +35,20 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 
 @asynccontextmanager
-async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path) -> AsyncIterator[None]:
+async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path, **more: Any) -> AsyncIterator[None]:
     forum = await nodebb.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
-    agent = RobotAgent(ROBOT, robot_settings(), forum, driver.client(), RulesMind(), folder)
+    agent = RobotAgent(ROBOT, robot_settings(**more), forum, driver.client(), RulesMind(), folder)
     async with serving(agent):
         yield
 
 
 async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:
     """What the robot's account wrote when it told one of those states."""
+    return await _written(nodebb, lambda told: told.card is not None and told.card.state in states)
+
+
+async def _written(nodebb: NodeBBWorld, wanted: Callable[[Marked], bool]) -> Marked:
+    """The first of what the robot's account wrote that is wanted."""
     async with asyncio.timeout(40):
         while True:
             for who, what, body in nodebb.server.sent:
@@ -50,10 +56,9 @@ async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:
                     who == ROBOT
                     and b"content" in body
                     and what.startswith(("PUT /api/v3/posts/", "POST /api/v3/topics/"))
+                    and wanted(told := unmark(json.loads(body)["content"]))
                 ):
-                    told = unmark(json.loads(body)["content"])
-                    if told.card is not None and told.card.state in states:
-                        return told
+                    return told
             await asyncio.sleep(0.05)
 
 
@@ -89,3 +94,19 @@ async def test_law_2_on_nodebb_a_member_moves_nothing(nodebb: NodeBBWorld, drive
         told = await _final(nodebb)
         assert (await body.state()).pose == before
     assert "rights.operator" in told.text
+
+
+async def test_law_7_a_moderator_of_nodebb_approves_what_an_operator_asked(
+    nodebb: NodeBBWorld, driver: Driver, tmp_path: Path
+) -> None:
+    alice = await nodebb.sign_in("alice", role=Role.OPERATOR)
+    bob = await nodebb.sign_in("bob", role=Role.OPERATOR)
+    carol = await nodebb.sign_in("carol", role=Role.MODERATOR)
+    async with serving_robot(nodebb, driver, tmp_path, approval={"classes": ["gesture"]}):
+        post = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
+        await _told(nodebb, "waiting")
+        await bob.reply(post.topic_id, f"@{ROBOT} approve", key="no")
+        await _written(nodebb, lambda told: told.card is None and "approve" in told.text)
+        await carol.reply(post.topic_id, f"@{ROBOT} approve", key="yes")
+        done = await _told(nodebb, "done")
+    assert "Approved by `carol`" in done.text

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from nodebb_job import ROBOT, final, state, working_robot
+from nodebb_job import ROBOT, answer, final, state, working_robot
 from nodebb_world import NodeBBWorld
 
 from agentrob.model import AccountKind, Role
@@ -61,6 +61,24 @@ if URL:
             assert stopped.card.state == "stopped", stopped.raw
             told = "\n\n".join(post.raw for post in (done, refused, seen, stopped))
             (tmp_path / "told.md").write_text(told, encoding="utf-8")
+
+    @pytest.mark.slow
+    async def test_law_7_on_nodebb_what_needs_an_approval_is_done_with_a_moderators(
+        world: NodeBBWorld, tmp_path: Path
+    ) -> None:
+        alice, bob = world.forums[0], world.forums[1]
+        carol = await world.sign_in("carol", role=Role.MODERATOR)
+        with working_robot(world, world.secrets[ROBOT], tmp_path):
+            wave = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
+            await state(world, wave, "waiting")
+            for name, forum in (("alice", alice), ("bob", bob)):
+                no = (await forum.reply(wave.topic_id, f"@{ROBOT} approve", key=f"by {name}")).post
+                assert "approve" in (await answer(world, no)).raw
+            await state(world, wave, "waiting")
+            await carol.reply(wave.topic_id, f"@{ROBOT} approve", key="by carol")
+            done = await final(world, wave)
+            assert done.card is not None
+            assert (done.card.state, "Approved by `carol`" in done.raw) == ("done", True), done.raw
 
     @pytest.mark.slow
     async def test_law_6_within_nodebbs_own_limits_each_command_is_answered_once(

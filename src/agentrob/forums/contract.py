@@ -318,7 +318,10 @@ class ForumContract:
         assert [p.id for p in found.items] == [second.id]
         rest = await alice.search("purple elephant", cursor=found.next, limit=1)
         assert [p.id for p in rest.items] == [first.id]
-        assert rest.next is None
+        if rest.next is not None:  # the forum was used before
+            older = [p.id for p in (await alice.search("purple elephant", cursor=rest.next, limit=1)).items]
+            assert older
+            assert not {first.id, second.id} & set(older)
         assert (await alice.search("unicorn")).items == ()
 
     async def test_notices_name_mentions_and_replies_or_are_said_not_to_be_offered(self, world: World) -> None:
@@ -329,20 +332,25 @@ class ForumContract:
             return
         try:
             found = await alice.notices()
+            async with asyncio.timeout(5):
+                while mention.id not in [n.post.id for n in found.items]:
+                    await asyncio.sleep(0.1)  # some forums make them a moment after the post
+                    found = await alice.notices()
         except ForumUnoffered:
             return
-        assert ("mention", mention.id) in [(n.kind, n.post.id) for n in found.items]
+        assert [n.kind for n in found.items if n.post.id == mention.id] == ["mention"]
         assert isinstance(bob, Notices)
-        assert (await bob.notices()).items == ()
+        assert mention.id not in [n.post.id for n in (await bob.notices()).items]
 
     async def test_accounts_and_rights_are_for_admins_or_are_said_not_to_be_offered(self, world: World) -> None:
         alice, admin = await world.sign_in("alice"), await world.sign_in("admin", role=Role.ADMIN)
+        newcomer = getattr(world, "newcomer", "planner")  # a name that nobody has
         if isinstance(alice, Registrar) and isinstance(admin, Registrar):
             with pytest.raises((ForumDenied, ForumUnoffered)):
                 await alice.register("carol")
             with contextlib.suppress(ForumUnoffered):
-                made = await admin.register("planner", kind=AccountKind.COMMANDING_AGENT)
-                assert (made.account.name, made.account.role) == ("planner", Role.MEMBER)
+                made = await admin.register(newcomer, kind=AccountKind.COMMANDING_AGENT)
+                assert (made.account.name, made.account.role) == (newcomer, Role.MEMBER)
                 assert made.secret
         if isinstance(alice, Permissions) and isinstance(admin, Permissions):
             with pytest.raises((ForumDenied, ForumUnoffered)):

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import ssl
 import time
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager, suppress
 from datetime import UTC, datetime
-from functools import cache
 from http.cookiejar import DefaultCookiePolicy
 from typing import Any
 
@@ -16,7 +14,7 @@ import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.discourse_settings import Credentials
-from agentrob.forums.wire import USER_AGENT, same_origin, told_time, translated, where
+from agentrob.forums.wire import USER_AGENT, asked_wait_s, bounded_s, same_origin, tls, told_time, translated, where
 
 #: A limit that lasts longer (edits of a day, posts of a first day) is not waited for.
 LONGEST_WAIT_S = 600.0
@@ -42,7 +40,7 @@ class Wire:
             headers={"User-Agent": USER_AGENT, "Accept": "application/json"},
             timeout=httpx2.Timeout(15.0, connect=5.0),
             trust_env=False,
-            verify=_tls(),
+            verify=tls(),
         )
         if not credentials.by_session:
             # A cookie that came with a key would sign us in a second time, as somebody else after a switch.
@@ -77,7 +75,7 @@ class Wire:
                 raise ForumError(f"{url} is not a picture of this forum")
             response = await self.send("GET", str(address))
             if response.has_redirect_location:  # to where it keeps its files; there without the key
-                async with httpx2.AsyncClient(trust_env=False, timeout=15.0) as elsewhere:
+                async with httpx2.AsyncClient(trust_env=False, timeout=15.0, verify=tls()) as elsewhere:
                     response = await elsewhere.get(address.join(response.headers["location"]))
                 await _raise_for(response)
             return response.content
@@ -156,12 +154,6 @@ class Wire:
         self.told_at = (told_time(response) or datetime.now(UTC), time.monotonic())
 
 
-@cache
-def _tls() -> ssl.SSLContext:
-    """Made once: it reads all authorities' certificates."""
-    return httpx2.create_ssl_context()
-
-
 def _kind(method: str, path: str) -> str:
     if path.startswith("/message-bus/"):
         return "bus"
@@ -201,9 +193,7 @@ def _told(response: httpx2.Response) -> str:
 
 def _wait_s(response: httpx2.Response) -> float:
     """`Retry-After`, or `extras.wait_seconds` of the body, whichever is longer; never nothing."""
-    waits = [0.0]
-    with suppress(ValueError):
-        waits.append(float(response.headers.get("retry-after", "")))
-    with suppress(ValueError, KeyError, TypeError):
-        waits.append(float(response.json()["extras"]["wait_seconds"]))
+    waits = [asked_wait_s(response) or 0.0]
+    with suppress(ValueError, KeyError, TypeError, OverflowError):
+        waits.append(bounded_s(float(response.json()["extras"]["wait_seconds"])))
     return max(waits) or 1.0

@@ -14,16 +14,17 @@ from typing import Any, ParamSpec, TypeVar
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
-from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
+from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.forums.nodebb_accounts import Registry
 from agentrob.forums.nodebb_events import Ledger, Source
 from agentrob.forums.nodebb_marks import Marked, mark, unmark
+from agentrob.forums.nodebb_notices import notices_of
 from agentrob.forums.nodebb_posts import Shelf, own_place
 from agentrob.forums.nodebb_settings import Credentials, NodeBBOptions
 from agentrob.forums.nodebb_socket import Push
 from agentrob.forums.nodebb_wire import Guest, NodeBBWire
 from agentrob.forums.wire import translated
-from agentrob.model import Account, AccountKind, Post, StatusCard
+from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -91,12 +92,19 @@ class NodeBBForum:
 
     @_in_our_errors
     async def add_account(
-        self, name: str, *, kind: AccountKind = AccountKind.HUMAN, email: str = ""
+        self, name: str, *, kind: AccountKind = AccountKind.HUMAN, email: str = "", display_name: str = ""
     ) -> tuple[Account, str]:
         """Make an account, as an admin of the forum; the account and the secret that signs it in."""
         password = secrets.token_urlsafe(24)
-        slug = await self._registry.add(name, password, kind, email)
+        slug = await self._registry.add(name, password, kind, email, display_name)
         return await self._registry.by_slug(slug), f"login:{name}:{password}"
+
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
+        return Registered(*await self.add_account(name, kind=kind, display_name=display_name))
+
+    @_in_our_errors
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        return await self._registry.set_rights(name, role, suspended)
 
     @classmethod
     async def sign_up(cls, settings: ForumConfig, name: str, password: str, email: str) -> NodeBBForum:
@@ -146,6 +154,11 @@ class NodeBBForum:
         found = await self._wire.get("/api/notifications", filter="mention")
         pids = [str(n["pid"]) for n in found["notifications"] if n.get("pid")]
         return tuple([await self.post(pid) for pid in dict.fromkeys(pids)])
+
+    @_in_our_errors
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        me = await self._registry.me()
+        return await notices_of(self._wire, self._shelf.post, me.name, cursor, limit)
 
     # ---------------------------------------------------------------- Writer
     @_in_our_errors

@@ -6,10 +6,10 @@ import time
 from typing import Any
 from urllib.parse import quote
 
-from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
 from agentrob.forums.nodebb_settings import NodeBBOptions, account
 from agentrob.forums.nodebb_wire import NodeBBWire
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, Role
 
 #: For lists, where nobody decides by it, an account may have been read so long ago.
 LIST_AGE_S = 30.0
@@ -70,11 +70,12 @@ class Registry:
         # Nobody commands by a name whose account is gone, or is another's by now.
         return found if found and found.id == str(uid) else former(uid)
 
-    async def add(self, name: str, password: str, kind: AccountKind, email: str) -> str:
+    async def add(self, name: str, password: str, kind: AccountKind, email: str, fullname: str = "") -> str:
         """Make an account, as an admin; its handle. Where the name is taken NodeBB makes another name of it: that
         account is removed again, and it is `ForumError`."""
         group = self._group(kind)
-        said = {"username": name, "password": password, **({"email": email} if email else {})}
+        more = {"email": email, "fullname": fullname}
+        said = {"username": name, "password": password, **{k: v for k, v in more.items() if v}}
         made = await self._wire.send("POST", "/users", said)
         uid, called, slug = str(made["uid"]), str(made["username"]), str(made["userslug"])
         if called != name:
@@ -84,13 +85,52 @@ class Registry:
             await self._wire.send("PUT", f"/groups/{quote(group, safe='')}/membership/{uid}")
         return slug
 
+    # ---------------------------------------------------------------- rights
+    async def set_rights(self, name: str, role: Role | None, suspended: bool | None) -> Account:
+        """As an administrator of the forum. A role is membership in the first group that the options name for it."""
+        me = await self.me()
+        if not any(g.get("slug") == "administrators" for g in await self._groups_of(me.name)):
+            raise ForumDenied(f"changing rights is for administrators of the forum; we are {me.name}")
+        uid = (await self.by_slug(name)).id
+        if suspended is False:  # first: nobody who is banned is made an administrator
+            found = await self._wire.get(f"/api/user/{quote(name, safe='')}/groups")
+            for state, call in (("banned", "ban"), ("muted", "mute")):
+                if found.get(state):
+                    await self._wire.send("DELETE", f"/users/{uid}/{call}")
+        if role is not None:
+            await self._set_role(name, uid, role)
+        if suspended is True:
+            await self._wire.send("PUT", f"/users/{uid}/ban", {"reason": "suspended through AgentRob"})
+        changed = await self.by_slug(name)
+        if role is not None and changed.role is not role:
+            raise ForumError(f"{name} is {changed.role} still: by a group that is hidden, or open to anybody")
+        return changed
+
+    async def _set_role(self, name: str, uid: str, role: Role) -> None:
+        """First out of the groups of other roles, so that nobody has more in between than before or after."""
+        options = self._options
+        named = {Role.OPERATOR: options.operators, Role.MODERATOR: options.moderators, Role.ADMIN: options.admins}
+        if role is not Role.MEMBER and not named.get(role):
+            raise ForumUnoffered(f"forum.options names no group whose members are {role}")
+        wanted = "" if role is Role.MEMBER else options.spelled(named[role][0])
+        slugs = {str(g.get("slug", "")).lower() for g in await self._groups_of(name)}
+        giving = {options.spelled(group) for groups in named.values() for group in groups}
+        for slug in sorted((slugs & giving) - {wanted}):
+            await self._wire.send("DELETE", f"/groups/{quote(slug, safe='')}/membership/{uid}")
+        if wanted and wanted not in slugs:
+            await self._wire.send("PUT", f"/groups/{quote(wanted, safe='')}/membership/{uid}")
+
+    async def _groups_of(self, slug: str) -> list[dict[str, Any]]:
+        found: list[dict[str, Any]] = (await self._wire.get(f"/api/user/{quote(slug, safe='')}/groups"))["groups"]
+        return found
+
     def _group(self, kind: AccountKind) -> str:
         if kind is AccountKind.HUMAN:
             return ""
         setting = f"{kind.value}s"
         if not (names := getattr(self._options, setting)):
-            raise ConfigError(f"forum.options.{setting} names no group, so no account can be a {kind.value}")
-        return str(names[0]).lower().replace(" ", "-")
+            raise ForumUnoffered(f"forum.options.{setting} names no group, so no account can be a {kind.value}")
+        return self._options.spelled(str(names[0]))
 
 
 def former(uid: object) -> Account:

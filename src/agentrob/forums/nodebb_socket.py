@@ -17,7 +17,7 @@ from websockets.exceptions import InvalidHandshake, WebSocketException
 
 from agentrob.errors import ForumError
 from agentrob.forums.nodebb_wire import NodeBBWire
-from agentrob.forums.wire import USER_AGENT
+from agentrob.forums.wire import USER_AGENT, tls
 
 _BACKOFF_S = (0.5, 30.0)
 _NEWS = frozenset(
@@ -81,6 +81,7 @@ class Push:
             "user_agent_header": USER_AGENT,
             "origin": self._wire.url,
             "proxy": None,
+            "ssl": tls() if self._wire.url.startswith("https:") else None,
             "open_timeout": 5,
             "close_timeout": 1,
             "ping_interval": None,  # Engine.IO has pings of its own

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import re
-import ssl
 import time
 from collections.abc import Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
-from functools import cache
 from http.cookiejar import CookieJar, DefaultCookiePolicy
 from http.cookies import SimpleCookie
 from typing import Any
@@ -19,7 +17,7 @@ import httpx2
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.nodebb_clock import HeaderClock
 from agentrob.forums.nodebb_settings import Credentials
-from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, told_time, translated, where
+from agentrob.forums.wire import USER_AGENT, bounded_s, retry_after_s, same_origin, tls, told_time, translated, where
 
 #: A refused sign-in is not tried again for so long: NodeBB locks accounts after a few.
 DENIED_S = 60.0
@@ -44,7 +42,7 @@ class NodeBBWire:
             timeout=httpx2.Timeout(10.0, connect=5.0),
             cookies=CookieJar(policy=DefaultCookiePolicy(allowed_domains=[])),
             trust_env=False,
-            verify=_tls(),
+            verify=tls(),
         )
         self._signing = asyncio.Lock()
         self.clock = HeaderClock()
@@ -221,12 +219,6 @@ class Guest(NodeBBWire):
         return response
 
 
-@cache
-def _tls() -> ssl.SSLContext:
-    """As the library makes it; reading all certificates takes a moment, so once will do."""
-    return httpx2.create_ssl_context(trust_env=False)
-
-
 # ---------------------------------------------------------------- what answers mean
 def _says_session_is_over(response: httpx2.Response) -> bool:
     """No session: 401, or a plain `Forbidden` for want of a matching CSRF token. Refused rights are told in JSON."""
@@ -281,4 +273,4 @@ def _wait_s(said: str) -> float | None:
         return 60.0
     if (found := _WAIT.search(said)) is None:
         return None
-    return float(found[1]) * (60.0 if found[2] == "minute" else 1.0)
+    return bounded_s(float(found[1]) * (60.0 if found[2] == "minute" else 1.0))

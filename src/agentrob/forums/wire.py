@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+import ssl
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
+from functools import cache
 
 import httpx2
 
@@ -13,6 +16,15 @@ from agentrob.errors import ForumError, ForumUnreachable
 
 #: Names that NodeBB takes for spiders (`python-requests/…`, `…Bot/`) get no CSRF token.
 USER_AGENT = "AgentRob/0.1"
+#: Whatever wait is told, it is asked again after an hour at the latest: none lasts for ever by a slip of the forum.
+LONGEST_RETRY_S = 3600.0
+
+
+@cache
+def tls() -> ssl.SSLContext:
+    """Whose certificates are believed: those that SSL_CERT_FILE or SSL_CERT_DIR name, else the library's own. Reading
+    them takes a moment, so once will do."""
+    return httpx2.create_ssl_context()
 
 
 @contextmanager
@@ -41,12 +53,32 @@ def told_time(response: httpx2.Response) -> datetime | None:
         return None
 
 
-def retry_after_s(response: httpx2.Response) -> float:
-    """The wait that an answer's header asks for."""
+def asked_wait_s(response: httpx2.Response) -> float | None:
+    """The wait that an answer's header asks for, as a number of seconds or as the date when it ends by the forum's own
+    clock; None where it says nothing that makes sense."""
+    told = response.headers.get("retry-after", "")
     try:
-        return max(0.1, float(response.headers.get("retry-after", "1")))
+        return bounded_s(float(told))
     except ValueError:
-        return 1.0
+        pass
+    try:
+        ends = parsedate_to_datetime(told)
+        ends = ends.replace(tzinfo=UTC) if ends.tzinfo is None else ends
+        return bounded_s((ends - (told_time(response) or datetime.now(UTC))).total_seconds())
+    except (ValueError, TypeError, OverflowError):
+        return None
+
+
+def bounded_s(wait_s: float) -> float:
+    """A wait that ends. Raises `ValueError` for what is no number."""
+    if math.isnan(wait_s):
+        raise ValueError("a wait that is no number")
+    return min(max(0.1, wait_s), LONGEST_RETRY_S)
+
+
+def retry_after_s(response: httpx2.Response) -> float:
+    """The same, a second where nothing is said."""
+    return asked_wait_s(response) or 1.0
 
 
 def where(response: httpx2.Response) -> str:
