@@ -87,7 +87,8 @@ class Outbox:
         """For ever."""
         if not self._receivers:
             return
-        http = httpx2.AsyncClient(timeout=TIMEOUT_S, trust_env=False, follow_redirects=False)
+        trusted = httpx2.create_ssl_context()  # also those that SSL_CERT_FILE names
+        http = httpx2.AsyncClient(timeout=TIMEOUT_S, trust_env=False, follow_redirects=False, verify=trusted)
         async with http, asyncio.TaskGroup() as group:
             for receiver in self._receivers:
                 group.create_task(self._serve(http, receiver))

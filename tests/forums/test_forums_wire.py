@@ -21,6 +21,7 @@ from cryptography.x509.oid import NameOID
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumLimited, ForumUnreachable
 from agentrob.forums import wire
+from agentrob.forums.board import BoardForum
 from agentrob.forums.discourse import DiscourseForum
 from agentrob.forums.forum import Forum
 from agentrob.forums.nodebb import NodeBBForum
@@ -112,7 +113,7 @@ async def _limiting(pem: Path) -> AsyncIterator[str]:
 
 
 @pytest.mark.usefixtures("fresh_certificates")
-@pytest.mark.parametrize("kind", [NodeBBForum, DiscourseForum])
+@pytest.mark.parametrize("kind", [BoardForum, NodeBBForum, DiscourseForum])
 async def test_a_forum_with_a_certificate_of_its_own_is_believed_where_ssl_cert_file_names_it(
     kind: Callable[[ForumConfig, str], Forum], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

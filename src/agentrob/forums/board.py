@@ -15,7 +15,7 @@ import httpx2
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
-from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, translated, where
+from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, tls, translated, where
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 
 _KINDS = frozenset(EventKind)
@@ -39,6 +39,7 @@ class BoardForum:
             headers={"Authorization": f"Bearer {token}", "User-Agent": USER_AGENT},
             timeout=httpx2.Timeout(10.0, connect=5.0),
             trust_env=False,
+            verify=tls(),
         )
 
     async def close(self) -> None:

@@ -86,6 +86,7 @@ class ForumClient:
                 headers={"Authorization": f"Bearer {token}"},
                 timeout=httpx2.Timeout(timeout_s, connect=5.0),
                 trust_env=False,
+                verify=httpx2.create_ssl_context(),  # also those that SSL_CERT_FILE names
             )
             made.append(http)
             transport = streamable_http_client(url, http_client=http)

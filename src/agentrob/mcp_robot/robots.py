@@ -34,7 +34,9 @@ class Service:
         self.robot = robot
         self._base = f"{url}/api/v1/robots/{quote(robot, safe='')}"
         self._headers = {"Authorization": f"Bearer {token}"}
-        self._http = http or httpx2.AsyncClient(timeout=CALL_S, trust_env=False, follow_redirects=False)
+        self._http = http or httpx2.AsyncClient(
+            timeout=CALL_S, trust_env=False, follow_redirects=False, verify=httpx2.create_ssl_context()
+        )
 
     async def ask(self, method: str, path: str = "", body: Any = None, **headers: str) -> dict[str, Any]:
         """The JSON of the answer; a `ToolError` for whatever is none."""
