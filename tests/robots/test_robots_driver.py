@@ -213,6 +213,24 @@ async def test_law_14_what_was_accepted_before_a_stop_gets_no_lease(standing: St
             assert await robot.holder() == "agent"
 
 
+async def test_law_14_a_stop_of_what_runs_leaves_what_waits_and_forgets_no_stop_of_before(standing: Standing) -> None:
+    drivers, name = standing
+    async with drivers.client(name) as robot, drivers.client(name) as passer_by:
+        accepted_s = time.monotonic()
+        async with robot.lease("first") as lease:
+            step = asyncio.create_task(robot.step(lease, FAR, 60))
+            await moving(robot)
+            assert (await robot.stop("agent: it is ended", running_only=True)).confirmed
+            assert (await step).outcome is Outcome.STOPPED
+        async with robot.lease("second", accepted_s):
+            assert await robot.holder() == "second"
+        await passer_by.stop("passer-by")
+        await robot.stop("agent: it is ended", running_only=True)
+        with pytest.raises(LeaseLost, match="by a stop of passer-by"):
+            async with robot.lease("third", accepted_s):
+                pass
+
+
 async def test_law_14_a_stop_ends_also_who_waits_for_the_lease(drivers: Drivers) -> None:
     name, _ = drivers.start(options={"faults": {"stop_s": 1.0}})  # slow to come to rest, so the next one must wait
     async with drivers.client(name) as robot, drivers.client(name) as other:

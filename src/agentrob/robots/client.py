@@ -95,9 +95,13 @@ class DriverClient:
         body = {"lease": lease, "primitive": wire.encode(primitive), "deadline_s": deadline_s}
         return wire.decode_result(await self._call("POST", "/step", body, timeout_s=max(deadline_s, 0.0) + GRACE_S))
 
-    async def stop(self, by: str) -> StopResult:
-        """Stop the robot now; needs no lease. Answers when it has come to rest, at most 3 s later."""
-        return wire.decode_stop(await self._call("POST", "/stop", {"by": by}, timeout_s=GRACE_S))
+    async def stop(self, by: str, *, running_only: bool = False) -> StopResult:
+        """Stop the robot now; needs no lease. Answers when it has come to rest, at most 3 s later.
+
+        It ends also what was accepted before and has no lease yet; not with `running_only`.
+        """
+        body = {"by": by, "running_only": running_only}
+        return wire.decode_stop(await self._call("POST", "/stop", body, timeout_s=GRACE_S))
 
     async def halt(self, by: str) -> StopResult:
         """Stop, and refuse all motion until `release`, also across restarts."""

@@ -102,13 +102,14 @@ class Driver:
         finally:
             self._looking.release()
 
-    def stop(self, by: str, asked_s: float | None = None) -> StopResult:
-        """Ends the running step and the lease: what its holder was about to do is over too.
+    def stop(self, by: str, asked_s: float | None = None, *, running_only: bool = False) -> StopResult:
+        """Ends the running step and the lease: what its holder was about to do is over too, and so is what was accepted
+        before; that is left with `running_only`, by which an agent ends a command of its own.
 
         `asked_s` is when it was asked for, by the monotonic clock; the latency counts from there.
         """
         asked_s = time.monotonic() if asked_s is None else asked_s
-        self.leases.end("stop", by)
+        self.leases.end("stop", by, running_only=running_only)
         late_ms = 1000 * (time.monotonic() - asked_s)
         result = self.guard.stop()
         log.warning("stop by %s: %s", by, result)

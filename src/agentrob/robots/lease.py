@@ -71,11 +71,13 @@ class Leases:
             if lease and lease == self._lease:
                 self._lease = ""
 
-    def end(self, why: str, by: str = "") -> None:
-        """Take the lease away from whoever has it (a stop does), and from what was accepted before now."""
+    def end(self, why: str, by: str = "", *, running_only: bool = False) -> None:
+        """Take the lease away from whoever has it (a stop does), and from what was accepted before now; not from that
+        with `running_only`."""
         end = End(why, name_of(by))
         with self._lock:
-            self._last_end = (time.monotonic(), end)
+            if not running_only:
+                self._last_end = (time.monotonic(), end)
             if self._lease:
                 self._ended, self._lease = (self._lease, end), ""
 

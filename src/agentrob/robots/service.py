@@ -9,6 +9,7 @@ import socket
 import threading
 import time
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import uvicorn
@@ -83,10 +84,16 @@ def _since(data: dict[str, Any]) -> float | None:
 
 async def _who(request: Request) -> str:
     """Who stops. A stop counts also when it does not say properly whose it is."""
+    return (await _stopping(request))[0]
+
+
+async def _stopping(request: Request) -> tuple[str, bool]:
+    """Who stops, and whether only what runs now; in doubt all."""
     try:
-        return _text(await _body(request), "by")
+        data = await _body(request)
+        return _text(data, "by"), data.get("running_only") is True
     except RobotError:
-        return "somebody who did not say"
+        return "somebody who did not say", False
 
 
 def app(driver: Driver) -> Starlette:
@@ -159,8 +166,9 @@ class _Face:
 
     async def stop(self, request: Request) -> JSONResponse:
         asked_s = time.monotonic()
-        by = await _who(request)
-        return JSONResponse(encode(await in_thread(lambda: self.driver.stop(by, asked_s))))
+        by, running_only = await _stopping(request)
+        stop = partial(self.driver.stop, by, asked_s, running_only=running_only)
+        return JSONResponse(encode(await in_thread(stop)))
 
     async def halt(self, request: Request) -> JSONResponse:
         by = await _who(request)
