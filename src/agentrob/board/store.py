@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from functools import partial
+from pathlib import Path
 from typing import Any, Literal
 
 from sqlalchemy.exc import DBAPIError
@@ -236,6 +237,8 @@ class Store:
         at_us = writes.now_us()
         return await self.do(lambda t: writes.record(t, kind, robot, by, key, at_us))
 
-    async def add_image(self, by: Account, sha256: str, image: Image, key: str | None = None) -> tuple[Image, bool]:
-        """Register a picture whose file is in place; False when the key had been used: then it is the old one."""
-        return await self.do(lambda t: writes.add_image(t, by, sha256, image, key, self._limits.uploads))
+    async def add_image(
+        self, by: Account, file: Path, image: Image, key: str | None = None
+    ) -> tuple[Image, bool] | None:
+        """Register a picture; False when the key had been used: then it is the old one. None: its file is gone."""
+        return await self.do(lambda t: writes.add_image(t, by, file, image, key, self._limits.uploads))

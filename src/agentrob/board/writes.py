@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 from sqlalchemy import Connection, insert, select, update
@@ -171,15 +172,21 @@ def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key:
 
 
 def add_image(
-    t: Transaction, by: Account, sha256: str, image: Image, key: str | None, per_hour: int = 0
-) -> tuple[Image, bool]:
-    """An uploaded picture, and whether it is new. 429 when the account uploaded `per_hour` in the last hour."""
+    t: Transaction, by: Account, file: Path, image: Image, key: str | None, per_hour: int = 0
+) -> tuple[Image, bool] | None:
+    """An uploaded picture, and whether it is new. 429 when the account uploaded `per_hour` in the last hour.
+
+    None when its file was taken away since it was written: nobody takes one away during this transaction, nor, once
+    this is committed, later.
+    """
     if key and (old := _used(t.connection, by, "image", key)):
         return Reader(t.connection).image(str(old))[0], False
     if by.kind is not AccountKind.ROBOT_AGENT:
         limits.check_uploads(t.connection, by, per_hour)
+    if not file.exists():
+        return None
     values = {"media_type": image.media_type, "width": image.width, "height": image.height}
-    image_id = _insert(t, db.images, account_id=int(by.id), sha256=sha256, created_us=now_us(), **values)
+    image_id = _insert(t, db.images, account_id=int(by.id), sha256=file.name, created_us=now_us(), **values)
     _use_key(t, by, "image", key, image_id)
     return Image(str(image_id), image.width, image.height, image.media_type), True
 
