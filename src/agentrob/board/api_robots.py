@@ -145,7 +145,7 @@ def _own(by: Account, name: str) -> None:
 
 
 # -------------------------------------------------------------------- images
-@router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415))
+@router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415, 429))
 async def upload(request: Request, file: UploadFile, by: Member, key: Key = None) -> Response:
     """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins."""
     if not uploads.may(by):  # before reading it

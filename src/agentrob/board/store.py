@@ -225,7 +225,8 @@ class Store:
         card: Mapping[str, Any] | Literal["keep"] | None = "keep",
     ) -> Post:
         """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
-        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, body, key, images, card)  # noqa: E731
+        most = self._limits.posts
+        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, body, key, images, card, most)  # noqa: E731
         return await self.writer.do(job, lambda: writes.says_stop(body))
 
     async def remove(self, by: Account, post_id: str, reason: str = "") -> Post:

@@ -113,8 +113,9 @@ def edit(
     key: str | None,
     images: Sequence[str],
     card: Card | Literal["keep"] | None,
+    per_hour: int = 0,
 ) -> Post:
-    """A new text for the editor's own post; the old one is kept as a version."""
+    """A new text for the editor's own post; the old one is kept as a version. 429 beyond `per_hour` changes."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
     if post.author.id != editor.id:
@@ -124,6 +125,8 @@ def edit(
     if post.removed:
         raise BoardError(409, "removed", "the post was removed", "write a new one")
     may_post(editor, reader.board(post.board_id), body, reader.topic(post.topic_id))
+    if not says_stop(body):
+        limits.count_change(t.connection, editor, per_hour)
     at = now_us()
     version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
     t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
