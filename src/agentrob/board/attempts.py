@@ -1,8 +1,8 @@
 """Counts attempts to sign in, so that passwords cannot be guessed and argon2 cannot be used to exhaust the machine.
 
-Also counts what else has a limit in an hour and leaves no row with its time: accounts made, and changes. The count is in
-the database: one for all processes that serve it, and the same after a restart. Names and addresses are kept as hashes,
-for an hour, and in no backup.
+Also counts what else has a limit in an hour and leaves no row with its time: accounts made, and changes. The count is
+in the database: one for all processes that serve it, and the same after a restart. Names and addresses are kept as
+hashes, for an hour, and in no backup.
 """
 
 from __future__ import annotations
