@@ -233,10 +233,12 @@ class Store:
         """Hide a post for everybody; its author and moderators may (403). Again does nothing."""
         return await self.do(lambda t: writes.remove(t, by, post_id, reason))
 
-    async def record(self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None) -> Event:
+    async def record(
+        self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None, at_us: int | None = None
+    ) -> Event:
         """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
-        at_us = writes.now_us()
-        return await self.do(lambda t: writes.record(t, kind, robot, by, key, at_us))
+        happened_us = writes.now_us() if at_us is None else at_us
+        return await self.do(lambda t: writes.record(t, kind, robot, by, key, happened_us))
 
     async def add_image(
         self, by: Account, file: Path, image: Image, key: str | None = None
