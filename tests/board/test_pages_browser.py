@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from pages_windows import RUNNING, Windows, jpeg, new_topic, open_windows, robot_edits, robot_posts, running_chromium
 from pages_world import CARD, World, running_world
 from playwright.sync_api import Browser, Page, Route, expect
+
+from agentrob.board import server
 
 pytestmark = pytest.mark.browser
 
@@ -284,3 +287,8 @@ def test_the_robots_state_is_renewed(world: World, windows: Windows) -> None:
     expect(page.locator(".facts-state")).to_contain_text("walking")
     expect(page.locator(".battery")).to_contain_text("12 %")
     world.api("quadruped").put("/robots/quadruped", json={"card": CARD})
+
+
+def test_our_own_scripts_stay_small() -> None:
+    scripts = list((Path(server.__file__).parent / "static").glob("*.js"))
+    assert 0 < sum(len(script.read_text(encoding="utf-8").splitlines()) for script in scripts) <= 400
