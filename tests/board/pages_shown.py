@@ -40,7 +40,6 @@ PAGES = (
     Shown("command-none", "/c/{waiting}"),
     Shown("approval", "/c/{asks}", "root"),
     Shown("approval-of-others", "/c/{asks}", quick=False),
-    Shown("approval-asked", "/t/{approvals}", "root", quick=False),
     Shown("approval-given", "/c/{approved}", "root", quick=False),
     Shown("approval-refused", "/c/{denied}", "root"),
     Shown("approval-late", "/c/{expired}", quick=False),
@@ -50,6 +49,7 @@ PAGES = (
     Shown("robot", f"/robots/{ROBOT}"),
     Shown("robots", "/robots"),
     Shown("search", "/search?q=walk"),
+    Shown("search-meaning", "/search?q=stroll to the glass&by=meaning"),
     Shown("search-empty", "/search"),
     Shown("search-chinese", "/search?q=机器人 前进"),
     Shown("latest", "/latest"),
@@ -125,7 +125,7 @@ def decisions(world: World) -> dict[str, str]:
     made = world.api("alice").post("/topics", json={"board": "robots", "title": "A flip?", "body": text}).json()
     topic, asks = made["topic"]["id"], made["post"]["id"]
     robot_told.waits(world, topic, asks)
-    names = {"approvals": topic, "asks": asks}
+    names = {"asks": asks}
     for name, report in {
         "approved": robot_told.approved,
         "denied": robot_told.denied,

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from fastapi import APIRouter
 from fastapi.routing import APIRoute
+from meaning_double import Concepts
 from pages_shown import PAGES, alive, decisions, fill
 from pages_told import ROBOT
 from pages_windows import Windows, open_windows, running_chromium
@@ -42,7 +43,7 @@ NO_PAGES = {
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board"), sign_up=True) as world:
+    with running_world(tmp_path_factory.mktemp("board"), sign_up=True, encoder=Concepts) as world:
         yield world
 
 
