@@ -266,7 +266,7 @@ def wait_viewers(world: World, number: int) -> None:
 def test_the_camera_runs_only_while_somebody_looks(world: World, windows: Windows) -> None:
     wait_viewers(world, 0)
     page = windows.open("bob")
-    page.goto("/robots/quadruped")
+    page.goto("/robots/quadruped", wait_until="domcontentloaded")  # the camera may keep it loading
     wait_viewers(world, 1)
     frame(world)  # only pictures from after its arrival are a viewer's, and it shows one when the next one comes
     expect(page.locator(".camera img")).to_have_js_property("naturalWidth", 64)
@@ -281,7 +281,7 @@ def test_the_camera_runs_only_while_somebody_looks(world: World, windows: Window
 
 def test_the_robots_state_is_renewed(world: World, windows: Windows) -> None:
     page = windows.open("bob")
-    page.goto("/robots/quadruped")
+    page.goto("/robots/quadruped", wait_until="domcontentloaded")  # the camera may keep it loading
     expect(page.locator(".facts-state")).to_contain_text("idle")
     world.api("quadruped").put("/robots/quadruped", json={"card": CARD | {"state": "walking", "battery_percent": 12}})
     expect(page.locator(".facts-state")).to_contain_text("walking")
