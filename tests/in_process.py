@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from typer.testing import CliRunner
 
-from agentrob.cli import cli
+from agentrob.cli import cli, told
 from agentrob.errors import AgentRobError
 
 
@@ -31,6 +31,6 @@ def agentrob(folder: Path, *args: str, **env: str) -> Said:
         case None | SystemExit():
             return Said(done.exit_code, done.stdout, done.stderr)
         case AgentRobError() as error:
-            return Said(1, done.stdout, f"{done.stderr}agentrob: {error}\n")
+            return Said(1, done.stdout, f"{done.stderr}{told(error)}\n")
         case error:
             raise error

@@ -362,13 +362,19 @@ cli_board.add_to(cli, board_cli)
 cli_admin.add_to(board_cli, account_cli)
 
 
+def told(error: AgentRobError) -> str:
+    """An error in one line, with what would be valid where the error says that apart, as the board's do."""
+    hint = getattr(error, "hint", "")
+    return f"agentrob: {error}; {hint}" if hint else f"agentrob: {error}"
+
+
 def main() -> None:
     """The entry point: errors of ours are one line on standard error and exit code 1."""
     follow_parent()
     try:
         cli()
     except AgentRobError as e:
-        sys.exit(f"agentrob: {e}")
+        sys.exit(told(e))
 
 
 if __name__ == "__main__":

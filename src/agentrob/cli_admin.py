@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from agentrob.cli_board import ConfigFile, in_transaction, settings_of
+from agentrob.cli_board import ConfigFile, in_transaction, looked_up, settings_of
 from agentrob.errors import AgentRobError, ConfigError
 from agentrob.model import ActionClass, Role
 
@@ -34,12 +34,10 @@ def _do(config: Path | None, deed: str, *args: Any, **options: Any) -> Any:
 # ---------------------------------------------------------------------- accounts
 def account_list(config: ConfigFile = None) -> None:
     """All accounts."""
-    from agentrob.board import admin, administration
-    from agentrob.board.reader import Reader
+    from agentrob.board import administration
 
-    with admin.writing(settings_of(config)) as connection:
-        for a in administration.all_accounts(Reader(connection), "", 1_000_000):
-            typer.echo(f"{a.name}\t{a.kind}\t{a.role}{chr(9) + 'suspended' if a.suspended else ''}")
+    for a in looked_up(config, lambda reader: administration.all_accounts(reader, "", 1_000_000)):
+        typer.echo(f"{a.name}\t{a.kind}\t{a.role}{chr(9) + 'suspended' if a.suspended else ''}")
 
 
 def account_password(name: str, config: ConfigFile = None) -> None:
@@ -71,13 +69,11 @@ def account_erase(
 
 def account_tokens(name: str, config: ConfigFile = None) -> None:
     """The tokens of an account, without their secrets."""
-    from agentrob.board import admin, administration
-    from agentrob.board.reader import Reader
+    from agentrob.board import administration
 
-    with admin.writing(settings_of(config)) as connection:
-        for t in administration.tokens(Reader(connection), name):
-            state = "revoked" if t.revoked_at else "good"
-            typer.echo(f"{t.id}\t{t.label or '-'}\t{'+'.join(t.scopes)}\t{t.created_at:%Y-%m-%d}\t{state}")
+    for t in looked_up(config, lambda reader: administration.tokens(reader, name)):
+        state = "revoked" if t.revoked_at else "good"
+        typer.echo(f"{t.id}\t{t.label or '-'}\t{'+'.join(t.scopes)}\t{t.created_at:%Y-%m-%d}\t{state}")
 
 
 def account_display(name: str, shown: str, config: ConfigFile = None) -> None:
@@ -128,12 +124,8 @@ def boards_change(
 @boards_cli.command("list")
 def boards_list(config: ConfigFile = None) -> None:
     """All boards."""
-    from agentrob.board import admin
-    from agentrob.board.reader import Reader
-
-    with admin.writing(settings_of(config)) as connection:
-        for b in Reader(connection).boards():
-            typer.echo(f"{b.id}\t{b.name}\tread {b.read_role}, post {b.post_role}, command {b.command_role}")
+    for b in looked_up(config, lambda reader: reader.boards()):
+        typer.echo(f"{b.id}\t{b.name}\tread {b.read_role}, post {b.post_role}, command {b.command_role}")
 
 
 @robot_cli.command("show")
@@ -210,12 +202,10 @@ def invite_add(
 @invite_cli.command("list")
 def invite_list(config: ConfigFile = None) -> None:
     """Invites that can still be used."""
-    from agentrob.board import admin, administration
-    from agentrob.board.reader import Reader
+    from agentrob.board import administration
 
-    with admin.writing(settings_of(config)) as connection:
-        for i in administration.invites(Reader(connection)):
-            typer.echo(f"{i.id}\t{i.role}\t{i.left} left\tuntil {i.expires_at:%Y-%m-%d %H:%M} UTC")
+    for i in looked_up(config, administration.invites):
+        typer.echo(f"{i.id}\t{i.role}\t{i.left} left\tuntil {i.expires_at:%Y-%m-%d %H:%M} UTC")
 
 
 @invite_cli.command("revoke")
@@ -239,11 +229,9 @@ def _moderate(config: Path | None, deed: str, *args: Any) -> Any:
 @moderate_cli.command("read")
 def read(post: str, config: ConfigFile = None) -> None:
     """What a post says or said before it was hidden, and its earlier texts."""
-    from agentrob.board import admin, moderation
-    from agentrob.board.reader import Reader
+    from agentrob.board import moderation
 
-    with admin.writing(settings_of(config)) as connection:
-        found, versions, hidden_by = moderation.hidden(Reader(connection), post)
+    found, versions, hidden_by = looked_up(config, lambda reader: moderation.hidden(reader, post))
     typer.echo(f"{found.author.name}{f', hidden by {hidden_by}' if hidden_by else ''}: {found.raw}")
     for version in versions:
         typer.echo(f"until {version.until:%Y-%m-%d %H:%M:%S} UTC: {version.raw}")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -14,8 +15,11 @@ from agentrob.errors import ConfigError
 from agentrob.model import Role
 
 if TYPE_CHECKING:
+    from agentrob.board.reader import Reader
     from agentrob.board.settings import BoardSettings
+    from agentrob.board.writer import Transaction
 
+T = TypeVar("T")
 ConfigFile = Annotated[Path | None, typer.Option("--config", "-c", help="Configuration file. [default: agentrob.toml]")]
 
 
@@ -125,14 +129,13 @@ def audit(
     config: ConfigFile = None,
 ) -> None:
     """Who changed what, newest first."""
-    from agentrob.board import admin
     from agentrob.board import audit as log
 
-    with admin.writing(settings_of(config)) as connection:
-        for row in connection.execute(log.statement(None, limit, target)):
-            e = log.entry(row)
-            details = " ".join(f"{k}={v}" for k, v in e.detail.items())
-            typer.echo(f"{e.at:%Y-%m-%d %H:%M:%S} {e.actor} {e.action} {e.target} {details}".rstrip())
+    statement = log.statement(None, limit, target)
+    for row in in_transaction(settings_of(config), lambda t: t.connection.execute(statement).all()):
+        e = log.entry(row)
+        details = " ".join(f"{k}={v}" for k, v in e.detail.items())
+        typer.echo(f"{e.at:%Y-%m-%d %H:%M:%S} {e.actor} {e.action} {e.target} {details}".rstrip())
 
 
 def expire(config: ConfigFile = None) -> None:
@@ -145,13 +148,20 @@ def expire(config: ConfigFile = None) -> None:
     typer.echo(f"{len(digests)} pictures expired, {taken} files deleted")
 
 
-def in_transaction(settings: BoardSettings, job: Any) -> Any:
-    """Run a job of the writer here, beside a server that may be running."""
+def in_transaction(settings: BoardSettings, job: Callable[[Transaction], T]) -> T:
+    """Run a job of the writer here, beside a server that may be running, which waits for its end: print afterwards."""
     from agentrob.board import admin
     from agentrob.board.writer import Transaction
 
     with admin.writing(settings) as connection:
         return job(Transaction(connection))
+
+
+def looked_up(config: Path | None, read: Callable[[Reader], T]) -> T:
+    """What is in the forum's database now."""
+    from agentrob.board.reader import Reader
+
+    return in_transaction(settings_of(config), lambda t: read(Reader(t.connection)))
 
 
 def add_to(cli: typer.Typer, board: typer.Typer) -> None:

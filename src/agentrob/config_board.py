@@ -14,7 +14,8 @@ from agentrob.config_service import HookOutConfig
 class BoardLimitsConfig(Section):
     """How much one account may do in an hour; 0 means no such limit. Stops and robots' own posts are exempt.
 
-    `commands` are posts that mention a robot, `sign_ups` new accounts from one address.
+    As often as it may write `posts` it may edit them or choose tags. `commands` are posts that mention a robot,
+    `sign_ups` new accounts from one address.
     """
 
     posts: Annotated[int, Field(ge=0)] = 120

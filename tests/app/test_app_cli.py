@@ -162,10 +162,14 @@ def test_an_account_is_changed_suspended_and_its_tokens_made_void(lab: Lab) -> N
 
 
 def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) -> None:
-    for command in (["driver", "rex"], ["board", "serve"]):
+    for command, says in (
+        (["driver", "rex"], ""),
+        (["board", "serve"], "; set board.listen to another port, or end what listens there\n"),
+    ):
         done = agentrob(lab.folder, *command, AGENTROB_RUNTIME=lab.runtime)
         assert done.returncode == 1
         assert "Traceback" not in done.stderr
+        assert done.stderr.endswith(says)
         assert done.stderr.count("\n") <= 2
 
 
@@ -177,6 +181,7 @@ def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) ->
         (["sim", "--domain", "go2"], "is not ROBOT=DOMAIN"),
         (["drive", "go2", "walk forward"], ""),
         (["demo", "--port", "70000"], "less than or equal to 65535"),
+        (["board", "migrate", "--to", "0000"], "there is no revision '0000'; 0006_tags, 0005_processes"),
     ],
 )
 def test_what_cannot_be_is_answered_with_what_can(tmp_path: Path, args: list[str], says: str) -> None:

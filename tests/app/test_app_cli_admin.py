@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from agentrob.board import admin, moderation, writes
+from agentrob.board.records import EventKind
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Transaction
 from agentrob.cli import cli
@@ -123,6 +126,26 @@ def test_moderation_loses_nothing_and_all_is_in_the_log(shell: Shell) -> None:
     ]
     assert "reason=rude" in log
     assert shell.board("audit", "--target", f"post:{number}").count("\n") == 2
+
+
+@pytest.mark.parametrize("words", ["audit", "account list", "account tokens chief", "boards list", "invite list"])
+def test_whoever_reads_a_list_slowly_holds_up_nobody_who_writes(
+    shell: Shell, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pipe that is full blocks whoever prints: meanwhile the forum takes posts, and stops."""
+    post(shell, "something to read")
+    shell.board("invite", "add")
+    shell.board("account", "token", "chief")
+    impatient, printed = replace(shell.settings, busy_timeout_s=0.05), []
+
+    def into_a_full_pipe(line: str) -> None:
+        with admin.writing(impatient) as connection:
+            writes.record(Transaction(connection), EventKind.ROBOT_STOP, "quadruped", None, None, 0)
+        printed.append(line)
+
+    monkeypatch.setattr(typer, "echo", into_a_full_pipe)
+    shell.board(*words.split())
+    assert printed
 
 
 def test_a_backup_goes_into_an_empty_forum_and_an_export_has_no_secrets(shell: Shell, tmp_path: Path) -> None:

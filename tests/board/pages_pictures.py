@@ -10,7 +10,9 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Sequence
+import threading
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -19,6 +21,8 @@ from pages_windows import Windows, running_chromium
 from pages_world import World, running_world
 from PIL import Image
 from playwright.sync_api import Page
+
+from agentrob.meaning import Encoder
 
 SHEETS = Path(__file__).parents[2] / "docs/images/board"
 LOOKS = {
@@ -57,16 +61,37 @@ LOADED = """() => Promise.race([
 ])"""
 
 
-def settle(page: Page, path: str) -> None:
+def settle(world: World, names: Mapping[str, str], page: Page, path: str) -> None:
     """Go there and wait until its pictures are there; a live camera never ends loading."""
     page.goto(path, wait_until="domcontentloaded")
     page.evaluate(LOADED)
     if "/robots/" in path and page.locator("[data-camera]").count():
         page.locator(".camera img").wait_for()
+        for _ in range(2):  # a browser shows a live picture when the next one comes
+            alive(world, names)
+        page.evaluate(SEEN)
+
+
+SEEN = """async () => {
+  for (const until = Date.now() + 5000; !document.querySelector('.camera img')?.naturalWidth;) {
+    if (Date.now() > until) throw new Error('no live picture');
+    await new Promise(done => setTimeout(done, 50));
+  }
+}"""
+
+
+def understood(world: World) -> None:
+    """Wait until what the posts mean is known."""
+    asked, pause, until_s = {"q": "walk", "mode": "meaning"}, threading.Event(), time.monotonic() + 60.0
+    while not world.api("alice").get("/search", params=asked).json()["items"]:
+        if time.monotonic() > until_s:
+            raise TimeoutError("no post was understood within a minute")
+        pause.wait(0.2)
 
 
 def take(world: World, windows: Windows, wanted: Sequence[Shown], whole: Path | None) -> dict[str, list[bytes]]:
     names = fill(world)
+    understood(world)
     taken: dict[str, list[bytes]] = {shown.name: [] for shown in wanted}
     for look, ((width, height), theme) in LOOKS.items():
         for who in sorted({shown.who or "" for shown in wanted}):
@@ -74,7 +99,7 @@ def take(world: World, windows: Windows, wanted: Sequence[Shown], whole: Path | 
             page = windows.open(who or None, viewport=size, color_scheme=theme, reduced_motion="no-preference")
             for shown in (s for s in wanted if (s.who or "") == who):
                 alive(world, names)
-                settle(page, shown.path.format(**names))
+                settle(world, names, page, shown.path.format(**names))
                 taken[shown.name].append(page.screenshot())
                 if whole:
                     page.screenshot(path=whole / f"{shown.name}-{look}.png", full_page=True)
@@ -92,7 +117,7 @@ def main() -> None:
     SHEETS.mkdir(parents=True, exist_ok=True)
     with (
         TemporaryDirectory() as folder,
-        running_world(Path(folder), sign_up=True) as world,
+        running_world(Path(folder), sign_up=True, encoder=Encoder) as world,
         running_chromium() as chromium,
     ):
         for name, pictures in take(world, Windows(world, chromium), wanted, given.whole).items():

@@ -1,59 +1,24 @@
-"""A forum with everything on it that a page can show, and the list of all pages: for axe, and for the pictures in docs.
-
-What the robot tells is made by the agent's own report, plot and record.
-"""
+"""A forum with everything on it that a page can show, and the list of all pages: for axe and for the docs' pictures."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
+from dataclasses import dataclass
 
+import pages_told as robot_told
+from pages_told import IMAGES, ROBOT, tell
 from pages_world import CARD, World
 from sqlalchemy import update
 
-from agentrob.agent import look_words
-from agentrob.agent.extract import Thought
-from agentrob.agent.pictures import Picture
-from agentrob.agent.plot import path_plot
-from agentrob.agent.publish import public
-from agentrob.agent.records import Records
-from agentrob.agent.report import final
 from agentrob.board import admin
 from agentrob.board import schema as db
-from agentrob.minds.loop import Looked, LoopEnd, Turn
-from agentrob.minds.screening import Screened
-from agentrob.minds.usage import Usage
-from agentrob.model import (
-    Account,
-    ActionResult,
-    Command,
-    Decision,
-    Direction,
-    Intent,
-    Op,
-    Outcome,
-    Plan,
-    Primitive,
-    Report,
-    Role,
-    Understanding,
-    Verdict,
-)
 
-IMAGES = Path(__file__).parents[2] / "docs/images"
-ROBOT = "quadruped"
 CARD_SHOWN = CARD | {
     "ops": ["move", "turn", "hello", "heart", "get_front_image"],
     "limits": {"speed_mps": 0.5, "turn_dps": 45, "step_m": 5, "command_m": 10, "command_s": 60, "command_steps": 10},
     "state": "walking",
     "queue": 1,
 }
-USAGE = Usage("clever", "vision-large", 1812, 140, 1952, 0.0041, "USD", 1640.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +28,7 @@ class Shown:
     name: str
     path: str
     who: str | None = "alice"
+    quick: bool = True  # also looked at where time is short
 
 
 PAGES = (
@@ -72,9 +38,18 @@ PAGES = (
     Shown("command", "/c/{walk}"),
     Shown("command-looked", "/c/{look}"),
     Shown("command-none", "/c/{waiting}"),
+    Shown("approval", "/c/{asks}", "root"),
+    Shown("approval-of-others", "/c/{asks}", quick=False),
+    Shown("approval-given", "/c/{approved}", "root", quick=False),
+    Shown("approval-refused", "/c/{denied}", "root"),
+    Shown("approval-late", "/c/{expired}", quick=False),
+    Shown("command-stopped", "/c/{stopped}", quick=False),
+    Shown("command-removed", "/c/{removed}", quick=False),
+    Shown("robot-approves", f"/robots/{ROBOT}", "root"),
     Shown("robot", f"/robots/{ROBOT}"),
     Shown("robots", "/robots"),
     Shown("search", "/search?q=walk"),
+    Shown("search-meaning", "/search?q=stroll to the glass&by=meaning"),
     Shown("search-empty", "/search"),
     Shown("search-chinese", "/search?q=机器人 前进"),
     Shown("latest", "/latest"),
@@ -122,7 +97,7 @@ def fill(world: World) -> dict[str, str]:
     made = alice.post("/topics", json=topic).json()
     topic, walk = made["topic"]["id"], made["post"]["id"]
     earlier(world, walk, 8.0)
-    _tell(world, topic, walk, _walk(walk, topic))
+    tell(world, topic, walk, robot_told.walk(walk, topic))
     said = _says(
         world, "bob", topic, f"> walk forward 2 metres\n\n@alice that was **quick**. Next: `@{ROBOT} wave`?", walk
     )
@@ -131,7 +106,7 @@ def fill(world: World) -> dict[str, str]:
     )
     look = _says(world, "alice", topic, f"@{ROBOT} go and look for the red ball")
     earlier(world, look, 5.0)
-    _tell(world, topic, look, _look(look, topic), _looked())
+    tell(world, topic, look, robot_told.look(look, topic), robot_told.looked())
     waiting = _says(
         world, "alice", topic, f"@{ROBOT} turn right by 90 degrees\n\n| lap | time |\n|---|--:|\n| 1 | 12 s |"
     )
@@ -139,14 +114,38 @@ def fill(world: World) -> dict[str, str]:
     card = {"robot": ROBOT, "state": "running", "step": 1, "steps": 2, "doing": "turn right 90°", "trace_id": "5e01aa"}
     robot.post(f"/topics/{topic}/posts", json={"body": "Step 1 of 2.", "reply_to": waiting, "card": card})
     names = {"topic": topic, "walk": walk, "said": said, "look": look, "waiting": waiting, "next": ahead}
+    names |= decisions(world)
     alive(world, names)
     return names | links(world)
+
+
+def decisions(world: World) -> dict[str, str]:
+    """Commands that need an approval, and how each of them ended, or not yet."""
+    text = f"@{ROBOT} do a backflip"
+    made = world.api("alice").post("/topics", json={"board": "robots", "title": "A flip?", "body": text}).json()
+    topic, asks = made["topic"]["id"], made["post"]["id"]
+    robot_told.waits(world, topic, asks)
+    names = {"asks": asks}
+    for name, report in {
+        "approved": robot_told.approved,
+        "denied": robot_told.denied,
+        "expired": robot_told.expired,
+        "stopped": robot_told.stopped,
+        "removed": robot_told.denied,
+    }.items():
+        names[name] = post = _says(world, "alice", topic, f"@{ROBOT} walk 3 m" if name == "stopped" else text)
+        earlier(world, post, 45.0)
+        said = robot_told.decided(name == "approved", post) if name in ("approved", "denied", "removed") else {}
+        said |= {"stopped_by": "bob"} if name == "stopped" else {}
+        tell(world, topic, post, report(post, topic), **said)
+    world.api("alice").delete(f"/posts/{names['removed']}").raise_for_status()
+    return names
 
 
 def alive(world: World, names: Mapping[str, str]) -> None:
     """The robot's agent tells what it does, and what its room's camera sees."""
     robot, jpeg = world.api(ROBOT), (IMAGES / "world-room.jpg").read_bytes()
-    card = CARD_SHOWN | {"line": [names["waiting"], names["next"]]}
+    card = CARD_SHOWN | {"line": [names["waiting"], names["next"], names["asks"]]}
     robot.put(f"/robots/{ROBOT}", json={"card": card}).raise_for_status()
     robot.put(f"/robots/{ROBOT}/frame", content=jpeg, headers={"Content-Type": "image/jpeg"}).raise_for_status()
 
@@ -175,86 +174,3 @@ def _says(world: World, who: str, topic: str, body: str, reply_to: str | None = 
     answer = world.api(who).post(f"/topics/{topic}/posts", json={"body": body, "reply_to": reply_to})
     answer.raise_for_status()
     return str(answer.json()["post"]["id"])
-
-
-# -------------------------------------------------------------------- what the robot did
-def _command(post: str, topic: str, trace: str) -> Command:
-    alice = Account("2", "alice", role=Role.OPERATOR)
-    return Command(post, topic, "h", alice, ROBOT, "…", "en", datetime.now(UTC), trace)
-
-
-def _walk(post: str, topic: str) -> Report:
-    steps = (
-        Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0),
-        Primitive(Op.TURN, Direction.LEFT, degrees=90.0),
-        Primitive(Op.GET_FRONT_IMAGE),
-    )
-    straight = tuple((0.1 * n, 0.049 * n, 0.02 * math.sin(n / 6), 0.0) for n in range(41))
-    results = (
-        ActionResult(steps[0], Outcome.DONE, {"distance_m": 1.98, "sideways_m": 0.02}, "", "", 0.0, 4.6, straight),
-        ActionResult(steps[1], Outcome.DONE, {"degrees": 89.2}, "", "", 4.6, 7.1),
-        ActionResult(steps[2], Outcome.DONE, {}, "", "", 7.1, 7.4, image=(IMAGES / "world-room.jpg").read_bytes()),
-    )
-    plan = Plan(steps, ("`turn left` had no angle: taken as 90°.",))
-    timings = {"seen": 31.0, "first_motion": 148.0, "done": 7420.0}
-    verdict = Verdict(Decision.ALLOW, "screen.passed")
-    return Report(_command(post, topic, "4f1c22aa"), "done", verdict, plan, results, timings_ms=timings)
-
-
-def _look(post: str, topic: str) -> Report:
-    turn, move = Primitive(Op.TURN, Direction.LEFT, degrees=45.0), Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
-    photo = Primitive(Op.GET_FRONT_IMAGE)
-    results = (
-        ActionResult(photo, Outcome.DONE, image=(IMAGES / "world-obstacles.jpg").read_bytes()),
-        ActionResult(turn, Outcome.DONE, {"degrees": 44.1}, "", "", 1.0, 2.3),
-        ActionResult(move, Outcome.FAILED, {"distance_m": 0.41}, "obstacle", "Something is 0.5 m ahead.", 3.0, 5.2),
-    )
-    report = Report(
-        _command(post, topic, "9ab3c7d1"), "failed", Verdict(Decision.ALLOW, "screen.goal"), results=results
-    )
-    timings = {"seen": 40.0, "first_motion": 2210.0}
-    return Report(**_fields(report) | {"goal": "the red ball", "timings_ms": timings, "message": "It was not reached."})
-
-
-def _looked() -> Looked:
-    left, ahead = {"direction": "left", "degrees": 45}, {"direction": "forward", "distance_m": 1}
-    turns = (
-        Turn("get_front_image", {}, outcome="done", step=1, latency_ms=1640.0),
-        Turn("act_turn", left, outcome="done", step=2, words="It is on the left.", latency_ms=910.0),
-        Turn("act_move", ahead | {"distance_m": 9}, problem="at most 5 m a step", latency_ms=870.0),
-        Turn("act_move", ahead, outcome="failed", step=3, latency_ms=905.0),
-    )
-    end = LoopEnd("finished", "not_possible", ("a red ball behind a box",), "turned to it")
-    return Looked("the red ball", end, turns, (USAGE, USAGE), "clever")
-
-
-def _fields(report: Report) -> dict[str, Any]:
-    return {name: getattr(report, name) for name in Report.__slots__}
-
-
-def _tell(world: World, topic: str, command: str, report: Report, looked: Looked | None = None) -> None:
-    """Say it in the thread as the agent does, and send its record."""
-    robot = world.api(ROBOT)
-    page = robot.get(f"/commands/{command}").json()["url"]
-    pictures = [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
-    if plot := path_plot(report.results):
-        pictures.append(Picture("path", plot))
-        pictures.append(Picture("recording", (IMAGES / "recording-room.webp").read_bytes()))
-    images = [_upload(robot, picture) for picture in pictures]
-    notes = look_words.paragraphs(looked, report.results, "en")
-    steps = len(report.results)
-    card = {"robot": ROBOT, "state": report.status, "step": steps, "steps": steps, "trace_id": report.command.trace_id}
-    told = {"body": final(report, pictures, notes, page=page), "reply_to": command, "images": images, "card": card}
-    reply = robot.post(f"/topics/{topic}/posts", json=told).json()["post"]["id"]
-    understood = Understanding(Intent.COMMAND, plan=report.plan)
-    thought = Thought(understood, "clever", report.verdict, (USAGE,), screened=Screened("careful", usage=(USAGE,)))
-    more: Mapping[str, Any] = {"looked": asdict(looked)} if looked else {}
-    with TemporaryDirectory() as folder:
-        facts = Records(Path(folder)).write(report, thought, **more)
-    robot.put(f"/commands/{command}", json={"reply": reply, "record": public(facts, pictures)}).raise_for_status()
-
-
-def _upload(robot: Any, picture: Picture) -> str:
-    answer = robot.post("/images", files={"file": ("picture", picture.data, "application/octet-stream")})
-    answer.raise_for_status()
-    return str(answer.json()["id"])

@@ -18,7 +18,7 @@ from starlette.responses import Response
 
 from agentrob.board import access, accounts, admin, attempts
 from agentrob.board import schema as db
-from agentrob.board.attempts import PER_ADDRESS, PER_NAME, SIGN_UP_WINDOW_S, WINDOW_S
+from agentrob.board.attempts import HOUR_S, PER_ADDRESS, PER_NAME, WINDOW_S
 from agentrob.board.settings import BoardSettings, is_loopback, parse_listen
 from agentrob.config_board import BoardConfig
 from agentrob.errors import BoardError, ConfigError
@@ -218,7 +218,7 @@ def test_attempts_are_kept_for_an_hour_only_and_without_names_and_addresses(
     with admin.writing(board.settings) as connection:
         rows = connection.execute(select(db.attempts).order_by(db.attempts.c.id.desc()).limit(2)).all()
         assert not [row for row in rows if "somebody" in row.key or "6.6.6.6" in row.key]
-        later = accounts.now_us() + int(SIGN_UP_WINDOW_S * 1_000_000)
+        later = accounts.now_us() + int(HOUR_S * 1_000_000)
         monkeypatch.setattr(attempts, "now_us", lambda: later)
         attempts.count(connection, "", "7.7.7.7")
         left = set(connection.execute(select(db.attempts.c.key)).scalars())

@@ -79,6 +79,32 @@ def test_uploads_per_hour_are_bounded(strict: RunningBoard) -> None:
     check_too_many(send(3), "too_many_uploads")
 
 
+def test_edits_and_choices_of_tags_are_bounded_together_and_an_edit_into_a_stop_is_not(strict: RunningBoard) -> None:
+    strict.add("tagger")
+    client, words = strict.client("tagger"), {"board": "talk", "title": "t", "body": "b"}
+    made = client.post("/topics", json=words).json()
+    topic, post = f"/topics/{made['topic']['id']}/tags", f"/posts/{made['post']['id']}"
+    for n in range(3):
+        assert client.patch(post, json={"body": f"b{n}"}).status_code == 200
+        assert client.put(topic, json={"tags": [f"tag {n}"]}).status_code == 200
+    check_too_many(client.put(topic, json={"tags": ["another"]}), "too_many_changes")
+    check_too_many(client.patch(post, json={"body": "another"}), "too_many_changes")
+    assert client.put(topic, json={"tags": ["tag 2"]}).json()["tags"] == ["tag-2"], "they are that already"
+    assert client.patch(post, json={"body": "@quadruped stop"}).status_code == 200
+    browser = strict.browser("tagger")
+    (secret,) = [c.value for c in browser.cookies.jar]
+    page = browser.post(f"/t/{made['topic']['id']}/tags", data={"csrf": access.csrf_token(str(secret)), "tags": "mine"})
+    assert page.status_code == 429
+    assert "edited posts and chosen tags 6 times within the last hour" in page.text
+    assert 'value="mine"' in page.text
+
+
+def test_a_robot_s_own_edits_are_not_counted(strict: RunningBoard) -> None:
+    robot = strict.client("quadruped")
+    made = robot.post("/topics", json={"board": "talk", "title": "t", "body": "b"}).json()["post"]["id"]
+    assert {robot.patch(f"/posts/{made}", json={"body": f"{n}"}).status_code for n in range(8)} == {200}
+
+
 def test_sign_ups_from_one_address_are_bounded_and_failed_ones_do_not_count(strict: RunningBoard) -> None:
     sign_up = lambda name, address: strict.run(  # noqa: E731
         access.sign_up(strict.services, name, "long enough", address)

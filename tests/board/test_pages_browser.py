@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from pages_windows import RUNNING, Windows, jpeg, new_topic, open_windows, robot_edits, robot_posts, running_chromium
 from pages_world import CARD, World, running_world
 from playwright.sync_api import Browser, Page, Route, expect
+
+from agentrob.board import server
 
 pytestmark = pytest.mark.browser
 
@@ -263,7 +266,7 @@ def wait_viewers(world: World, number: int) -> None:
 def test_the_camera_runs_only_while_somebody_looks(world: World, windows: Windows) -> None:
     wait_viewers(world, 0)
     page = windows.open("bob")
-    page.goto("/robots/quadruped")
+    page.goto("/robots/quadruped", wait_until="domcontentloaded")  # the camera may keep it loading
     wait_viewers(world, 1)
     frame(world)  # only pictures from after its arrival are a viewer's, and it shows one when the next one comes
     expect(page.locator(".camera img")).to_have_js_property("naturalWidth", 64)
@@ -278,9 +281,14 @@ def test_the_camera_runs_only_while_somebody_looks(world: World, windows: Window
 
 def test_the_robots_state_is_renewed(world: World, windows: Windows) -> None:
     page = windows.open("bob")
-    page.goto("/robots/quadruped")
+    page.goto("/robots/quadruped", wait_until="domcontentloaded")  # the camera may keep it loading
     expect(page.locator(".facts-state")).to_contain_text("idle")
     world.api("quadruped").put("/robots/quadruped", json={"card": CARD | {"state": "walking", "battery_percent": 12}})
     expect(page.locator(".facts-state")).to_contain_text("walking")
     expect(page.locator(".battery")).to_contain_text("12 %")
     world.api("quadruped").put("/robots/quadruped", json={"card": CARD})
+
+
+def test_our_own_scripts_stay_small() -> None:
+    scripts = list((Path(server.__file__).parent / "static").glob("*.js"))
+    assert 0 < sum(len(script.read_text(encoding="utf-8").splitlines()) for script in scripts) <= 400

@@ -109,6 +109,27 @@ def test_a_record_can_be_sent_again_and_only_by_a_robot_of_its_own_answer(world:
     assert [a.status_code for a in answers] == [403, 403, 404, 413, 422, 422]
 
 
+def test_who_stopped_denied_or_approved_is_said_in_words_without_markdown(world: World) -> None:
+    robot, surfer = world.api("quadruped"), world.browser("bob")
+    at = datetime.now(UTC).isoformat()
+
+    def page(**record: object) -> str:
+        _, command = asked(world)
+        robot.put(f"/commands/{command}", json={"record": RECORD | record}).raise_for_status()
+        return surfer.get(f"/c/{command}").text
+
+    stopped = page(status="stopped", message="carol", stopped_by="carol")
+    assert '<dt>Stopped by</dt><dd dir="auto">carol</dd>' in stopped
+    assert stopped.count("carol") == 1, "the handle alone is no sentence"
+    assert ">Expired. Nobody approved it.<" in page(status="expired", message="**Expired.** Nobody approved it.")
+    approved = page(approval={"approved": True, "by": "carol", "at": at})
+    assert "</time> approved <" in approved
+    assert "<dt>Approved by</dt>" in approved
+    assert "</time> denied <" in page(approval={"approved": False, "by": "carol", "at": at})
+    for wrong in ("yesterday", "2026-11-22T10:00:00", 7, None, "0001-01-01T00:00:00+00:00"):
+        page(approval={"approved": True, "by": "carol", "at": wrong})
+
+
 def test_of_a_removed_post_nothing_is_told(world: World) -> None:
     topic, command = asked(world)
     told(world, topic, command)

@@ -206,6 +206,9 @@ def test_indexing_keeps_every_character_of_a_run_findable() -> None:
     assert expression(terms("路")) == 'chars : "路"'
     assert expression(terms("走路 go")) == 'words : "走路" AND words : "go"'
     assert expression(terms("走路2米")) == 'words : "走路 路 2 米" *'
+    assert around("a photo to print", "to") == (("a photo ", False), ("to", True), (" print", False))
+    assert around("it walked", "walk") == (("it ", False), ("walk", True), ("ed", False))
+    assert around("四足机器人", "机器") == (("四足", False), ("机器", True), ("人", False))
     assert around("a **bold** word here", "word") == (("a bold ", False), ("word", True), (" here", False))
 
 

@@ -20,6 +20,9 @@ RISING = ("account", "guest", "member", "operator", "moderator", "admin")
 LEAST = {
     "GET /me": "account",
     "GET /notifications": "guest",  # one's own: whoever has none gets none
+    "GET /unread": "guest",
+    "PUT /unread": "guest",
+    "PUT /topics/{topic_id}/read": "guest",
     "GET /accounts/{name}": "guest",
     "GET /boards": "guest",
     "GET /boards/{board_id}/topics": "guest",
@@ -66,6 +69,7 @@ BODIES: dict[str, Any] = {
     "POST /topics/{topic_id}/lock": {"locked": False},
     "POST /topics/{topic_id}/move": {"board": "talk"},
     "PUT /topics/{topic_id}/tags": {"tags": ["mine"]},
+    "PUT /unread": {"up_to": "0"},
     "PUT /robots/{name}": {"card": {}},
     "PUT /commands/{post_id}": {"record": {}},
     "POST /commands/{post_id}/approve": {"robot": "quadruped"},

@@ -71,7 +71,7 @@ def shaper(request: Request, account: Account | None) -> Shaper:
 
 
 def _two_answers(model: type[BaseModel]) -> dict[int | str, dict[str, Any]]:
-    return documented(404, 409) | {200: {"model": model, "description": "the key had been used: the old one"}}
+    return documented(404, 409, 429) | {200: {"model": model, "description": "the key had been used: the old one"}}
 
 
 # -------------------------------------------------------------------- accounts
@@ -207,7 +207,7 @@ async def post(request: Request, post_id: str, who: Reading) -> Response:
     return out(shaper(request, who.account).post(services(request).store.post(post_id)))
 
 
-@router.patch("/posts/{post_id}", response_model=PostOut, responses=documented(404, 409))
+@router.patch("/posts/{post_id}", response_model=PostOut, responses=documented(404, 409, 429))
 async def edit(request: Request, post_id: str, new: EditIn, by: Member, key: Key = None) -> Response:
     """A new text for one's own post."""
     _check_size(new.body)

@@ -10,6 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstr
 
 from agentrob.board import records
 from agentrob.board.rights import RobotSettings
+from agentrob.board.unread import News
 from agentrob.model import Account, AccountKind, Role
 
 T = TypeVar("T")
@@ -75,6 +76,21 @@ class TagsIn(_In):
     """All tags that a topic is to have."""
 
     tags: Tags
+
+
+#: The id of a post, also of one that is not there any more.
+PostId = Annotated[str, StringConstraints(pattern=r"^[0-9]{1,18}$")]
+
+
+class ReadIn(_In):
+    """`up_to` of the page of what is unread; `board` for one board only."""
+
+    up_to: PostId
+    board: str | None = Field(None, max_length=32)
+
+
+class TopicReadIn(_In):
+    up_to: PostId | None = Field(None, description="the last post that was read; without it all of the topic")
 
 
 class ReplyIn(_In):
@@ -155,6 +171,14 @@ class TagOut(_Out):
 
     tag: str
     topics: int
+
+
+class UnreadOut(_Out):
+    """A topic, how many posts of others are new in it (100: more than 99), and the first of them."""
+
+    topic: TopicOut
+    new: int
+    first: str | None
 
 
 class ImageOut(_Out):
@@ -242,6 +266,10 @@ class Paged(_Out, Generic[T]):
     next: str | None
 
 
+class UnreadPage(Paged[UnreadOut]):
+    up_to: str = Field(description="the newest post there is: to be sent back when all of this was read")
+
+
 class TopicWritten(_Out):
     topic: TopicOut
     post: PostOut
@@ -303,6 +331,9 @@ class Shaper:
             locked=t.locked,
             tags=t.tags,
         )
+
+    def unread(self, t: records.Topic, news: News | None) -> UnreadOut:
+        return UnreadOut(topic=self.topic(t), new=news.count if news else 0, first=news.first if news else None)
 
     def image(self, i: records.Image) -> ImageOut:
         return ImageOut(id=i.id, url=self.base_url + i.path, width=i.width, height=i.height)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, UploadFile
@@ -146,7 +145,7 @@ def _own(by: Account, name: str) -> None:
 
 
 # -------------------------------------------------------------------- images
-@router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415))
+@router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415, 429))
 async def upload(request: Request, file: UploadFile, by: Member, key: Key = None) -> Response:
     """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins."""
     if not uploads.may(by):  # before reading it
@@ -158,24 +157,31 @@ async def upload(request: Request, file: UploadFile, by: Member, key: Key = None
 @files.get("/images/{image_id}", include_in_schema=False)
 async def picture(request: Request, image_id: str, who: Reading) -> Response:
     """The file of a picture, for those who may read a post that shows it."""
-    image, path = _seen(services(request), image_id, who)
-    return FileResponse(path, media_type=image.media_type, headers=_KEPT, content_disposition_type="inline")
+    return await _file(services(request), *_seen(services(request), image_id, who))
 
 
 @files.get("/images/{image_id}/small", include_in_schema=False)
 async def thumbnail(request: Request, image_id: str, who: Reading) -> Response:
     """A picture small enough for a list of posts."""
-    image, path = _seen(services(request), image_id, who)
+    parts = services(request)
+    image, digest = _seen(parts, image_id, who)
     if not image.shrinks:
-        return FileResponse(path, media_type=image.media_type, headers=_KEPT, content_disposition_type="inline")
-    small = await asyncio.to_thread(images.small, path)
+        return await _file(parts, image, digest)
+    small = await asyncio.to_thread(images.small, images.path_of(parts.settings.images_dir, digest))
     return Response(small, media_type="image/webp", headers=_KEPT)
 
 
-def _seen(parts: Services, image_id: str, who: Viewer) -> tuple[Image, Path]:
+async def _file(parts: Services, image: Image, digest: str) -> Response:
+    path, stat = await uploads.file_of(parts, image, digest)
+    shown = {"media_type": image.media_type, "headers": _KEPT, "content_disposition_type": "inline"}
+    return FileResponse(path, stat_result=stat, **shown)  # type: ignore[arg-type]
+
+
+def _seen(parts: Services, image_id: str, who: Viewer) -> tuple[Image, str]:
+    """A picture and the hash that names its file, for those who may see it. 403, 404."""
     image, digest = parts.store.reader.image(image_id)
     if not parts.store.reader.image_shown(image.id, who.account):
         raise not_found("image", image_id)
     if (robot := parts.store.reader.image_robot(image.id)) is not None:
         buttons.check_camera(parts, robot, who.account)
-    return image, images.path_of(parts.settings.images_dir, digest)
+    return image, digest

@@ -22,11 +22,11 @@ async def listed(request: Request, who: Reading) -> Response:
     return out(Items(items=tuple(TagOut(tag=t.tag, topics=t.topics) for t in found)))
 
 
-@router.put("/topics/{topic_id}/tags", response_model=TopicOut, responses=documented(404))
+@router.put("/topics/{topic_id}/tags", response_model=TopicOut, responses=documented(404, 429))
 async def choose(request: Request, topic_id: str, new: TagsIn, by: Member) -> Response:
     """Other tags for a topic: one's own, or any for a moderator."""
-    store, found = services(request).store, tags.checked(new.tags)
+    store, found, most = services(request).store, tags.checked(new.tags), services(request).settings.limits.posts
     if store.topic(topic_id).author.id != by.id:
         await moderator(request)
-    changed = await store.do(lambda t: tags.change(t, by, topic_id, found))
+    changed = await store.do(lambda t: tags.change(t, by, topic_id, found, most))
     return out(shaper(request, by).topic(changed))

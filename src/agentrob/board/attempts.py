@@ -1,7 +1,8 @@
 """Counts attempts to sign in, so that passwords cannot be guessed and argon2 cannot be used to exhaust the machine.
 
-The count is in the database: one for all processes that serve it, and the same after a restart. Names and addresses are
-kept as hashes, for an hour, and in no backup.
+Also counts what else has a limit in an hour and leaves no row with its time: accounts made, and changes. The count is
+in the database: one for all processes that serve it, and the same after a restart. Names and addresses are kept as
+hashes, for an hour, and in no backup.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from agentrob.board.reader import Reader
 from agentrob.errors import BoardError
 
 WINDOW_S = 300.0
-SIGN_UP_WINDOW_S = 3600.0
+HOUR_S = 3600.0
 PER_NAME = 10
 PER_ADDRESS = 30
 
@@ -40,12 +41,21 @@ def count(connection: Connection, name: str, address: str) -> None:
 
 def count_sign_up(connection: Connection, address: str, most: int) -> None:
     """Count one account made from an address. 429 beyond `most` in an hour; 0 is no such limit."""
-    key = _key("sign-up", address)
-    if most and (wait_s := _wait_s(Reader(connection), key, most, SIGN_UP_WINDOW_S)) is not None:
+    if (wait_s := count_in_hour(connection, "sign-up", address, most)) is not None:
         said = f"{most} accounts were made from your address within the last hour, which is the limit"
         minutes = math.ceil(wait_s / 60)
         raise BoardError(429, "too_many_sign_ups", said, f"come again in {minutes} minutes", wait_s)
-    _add(connection, key)
+
+
+def count_in_hour(connection: Connection, kind: str, value: str, most: int) -> float | None:
+    """Count one. Beyond `most` in an hour it does not count: in how many seconds there is room. 0 is no such limit."""
+    if not most:
+        return None
+    key = _key(kind, value)
+    wait_s = _wait_s(Reader(connection), key, most, HOUR_S)
+    if wait_s is None:
+        _add(connection, key)
+    return wait_s
 
 
 def forget(connection: Connection, name: str) -> None:
@@ -68,7 +78,7 @@ def _wait_s(reader: Reader, key: str, limit: int, window_s: float) -> float | No
 
 def _add(connection: Connection, *keys: str) -> None:
     now = now_us()
-    connection.execute(delete(db.attempts).where(db.attempts.c.at_us <= now - int(SIGN_UP_WINDOW_S * 1_000_000)))
+    connection.execute(delete(db.attempts).where(db.attempts.c.at_us <= now - int(HOUR_S * 1_000_000)))
     connection.execute(insert(db.attempts), [{"key": key, "at_us": now} for key in keys])
 
 

@@ -14,7 +14,7 @@ import tarfile
 import tempfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, Any
@@ -157,9 +157,8 @@ def _add_pictures(
         chosen = chosen.where(i.id.in_(there))
     count = 0
     for digest in connection.execute(chosen).scalars():
-        path = path_of(folder, digest)
-        if path.exists():  # it may expire while the backup runs
-            tar.add(path, f"pictures/{digest}", recursive=False)
+        with suppress(FileNotFoundError):  # it may expire while the backup runs
+            tar.add(path_of(folder, digest), f"pictures/{digest}", recursive=False)
             count += 1
     return count
 

@@ -9,12 +9,15 @@ import structlog
 
 from agentrob.board import rights
 from agentrob.board.reader import not_found
-from agentrob.board.records import Event, EventKind
+from agentrob.board.records import Event, EventKind, from_us
 from agentrob.board.services import Services
+from agentrob.board.writes import now_us
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
-#: A stop is told without being written when writing takes longer (locked database, full disk): law 15.
+#: A stop is told before it is written when writing takes longer (locked database, full disk): law 15.
+TELL_S = 0.05
+#: Who pressed is answered then, written or not.
 WRITE_S = 0.25
 
 log = structlog.get_logger(__name__)
@@ -62,13 +65,16 @@ async def watch(services: Services, robot: str) -> None:
 async def _record_or_announce(
     services: Services, kind: EventKind, robot: str, by: Account | None, key: str | None
 ) -> Event:
-    at = datetime.now(UTC)
-    writing = asyncio.ensure_future(services.store.record(kind, robot, by, key=key))
+    at_us = now_us()
+    writing = asyncio.ensure_future(services.store.record(kind, robot, by, key=key, at_us=at_us))
     try:
-        return await asyncio.wait_for(asyncio.shield(writing), WRITE_S)
+        return await asyncio.wait_for(asyncio.shield(writing), TELL_S)
+    except (TimeoutError, BoardError):
+        event = Event(services.hub.last_id, kind, from_us(at_us), robot=robot, account=by)
+        services.hub.announce(event)
+    try:
+        return await asyncio.wait_for(asyncio.shield(writing), WRITE_S - TELL_S)
     except (TimeoutError, BoardError) as e:
         log.error("board.event_not_written", kind=str(kind), robot=robot, error=str(e) or "timeout")
         writing.add_done_callback(lambda task: task.cancelled() or task.exception())
-        event = Event(services.hub.last_id, kind, at, robot=robot, account=by)
-        services.hub.announce(event)
         return event

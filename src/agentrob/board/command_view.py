@@ -96,10 +96,10 @@ def command_view(post: Post, told: Told) -> CommandView:
         robot=told.robot,
         reply=told.reply,
         status=_text(record.get("status"), 24),
-        message=_text(record.get("message"), 600),
+        message=_message(record),
         trace_id=_text(record.get("trace_id"), 64),
         verdict=(_text(verdict.get("decision"), 24), _text(verdict.get("rule"), 80), _text(verdict.get("reason"), 600)),
-        timeline=_timeline(post, told.reply, _map(record.get("timings_ms"))),
+        timeline=_timeline(post, told.reply, _map(record.get("timings_ms")), _map(record.get("approval"))),
         steps=tuple(_step(_map(step)) for step in done) or tuple(_asked(_map(step)) for step in planned),
         planned=not done,
         facts=tuple(_facts(record, looked, summary)),
@@ -110,15 +110,26 @@ def command_view(post: Post, told: Told) -> CommandView:
     )
 
 
-def _timeline(post: Post, reply: Post | None, timings: Mapping[str, Any]) -> tuple[tuple[str, datetime, str], ...]:
+def _message(record: Mapping[str, Any]) -> str:
+    """The robot's words beside its status, without their Markdown; of a stopped command they are who stopped it, which
+    is among the facts."""
+    return "" if record.get("status") == "stopped" else _text(record.get("message"), 600).replace("**", "")
+
+
+def _timeline(
+    post: Post, reply: Post | None, timings: Mapping[str, Any], approval: Mapping[str, Any]
+) -> tuple[tuple[str, datetime, str], ...]:
     ms = {name: number for name, value in timings.items() if (number := _number(value)) is not None}
     moments = [(ms[name], words) for name, words in _MOMENTS.items() if name in ms]
     if reply is not None:
         told_at = reply.edited_at or reply.created_at
         moments.append(((told_at - post.created_at).total_seconds() * 1000, "told in the thread"))
+    if (said_at := _time(approval.get("at"))) is not None:
+        said = "approved" if approval.get("approved") is True else "denied"
+        moments.append(((said_at - post.created_at).total_seconds() * 1000, said))
     moments.sort(key=lambda moment: moment[0])
     told = tuple(
-        (words, post.created_at + timedelta(milliseconds=min(at, 1e9)), f"+{at / 1000:.2f}\u00a0s")
+        (words, post.created_at + timedelta(milliseconds=max(-1e9, min(at, 1e9))), f"+{at / 1000:.2f}\u00a0s")
         for at, words in moments
     )
     return (("posted", post.created_at, ""), *told)
@@ -256,6 +267,14 @@ def _number(value: object) -> float | None:
     except OverflowError:
         return None
     return float(value)
+
+
+def _time(value: object) -> datetime | None:
+    try:
+        at = datetime.fromisoformat(value) if isinstance(value, str) else None
+    except ValueError:
+        return None
+    return at if at is not None and at.tzinfo is not None else None
 
 
 def _text(value: object, most: int) -> str:

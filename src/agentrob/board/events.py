@@ -268,6 +268,7 @@ class EventStream(Response):
         del self.headers["content-length"]
         self._hub, self._listener, self._viewer = hub, listener, viewer
         self._after, self._heartbeat_s, self._allowed = after, heartbeat_s, allowed
+        self._early: deque[tuple[EventKind, str | None, datetime]] = deque(maxlen=100)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         try:
@@ -297,11 +298,21 @@ class EventStream(Response):
         while not self._listener.closed:
             happening = await self._listener.next(self._heartbeat_s)
             if happening is not None:
-                if happening.number > self._after or not happening.written:
+                if self._told_early(happening):
+                    self._after = max(self._after, happening.number)
+                elif happening.number > self._after or not happening.written:
                     await streams.part(send, self._bytes(happening))
                     self._after = max(self._after, happening.number)
             elif not self._listener.closed and self._hub.hears:
                 await streams.part(send, _heartbeat())
+
+    def _told_early(self, happening: Happening) -> bool:
+        """Whether this was told here before it could be written: then nobody hears it twice."""
+        event = happening.event
+        if not happening.written:
+            self._early.append((event.kind, event.robot, event.at))
+            return False
+        return event.robot is not None and (event.kind, event.robot, event.at) in self._early
 
     def _bytes(self, happening: Happening) -> bytes:
         post = happening.event.post

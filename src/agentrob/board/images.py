@@ -106,12 +106,14 @@ def _without_metadata(picture: Pillow.Image, kind: str) -> tuple[bytes, tuple[in
     return out.getvalue(), upright.size
 
 
-def keep(folder: Path, data: bytes) -> str:
-    """Write the file, whole or not at all, and return the hash that names it. 503 when the disk cannot take it."""
-    digest = hashlib.sha256(data).hexdigest()
-    path = path_of(folder, digest)
+def keep(folder: Path, data: bytes) -> Path:
+    """Write the file, whole or not at all, and return it; its name is the hash. 503 when the disk cannot take it.
+
+    Until a picture of the database needs it, it may be taken away again (`moderation.take_away`).
+    """
+    path = path_of(folder, hashlib.sha256(data).hexdigest())
     if path.exists():
-        return digest
+        return path
     try:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
@@ -125,7 +127,7 @@ def keep(folder: Path, data: bytes) -> str:
                 raise
     except OSError as e:
         raise BoardError(503, "storage", f"the image could not be kept: {e.strerror}", "try again later", 30.0) from e
-    return digest
+    return path
 
 
 @lru_cache(maxsize=64)
@@ -140,7 +142,12 @@ def small(path: Path) -> bytes:
             picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(out, "WEBP", quality=80)
             return out.getvalue()
     except OSError as e:
-        raise BoardError(404, "no_such_image", "the file of this picture is gone") from e
+        raise gone() from e
+
+
+def gone() -> BoardError:
+    """A picture that the database knows, whose file is not there."""
+    return BoardError(404, "no_such_image", "the file of this picture is gone", "ask an admin: a backup may have it")
 
 
 def path_of(folder: Path, digest: str) -> Path:

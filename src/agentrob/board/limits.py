@@ -12,9 +12,10 @@ from typing import Any
 from sqlalchemy import Connection, Integer, Select, Table, bindparam, select
 
 from agentrob.board import schema as db
+from agentrob.board.attempts import count_in_hour
 from agentrob.board.audit import now_us
 from agentrob.errors import BoardError
-from agentrob.model import Account
+from agentrob.model import Account, AccountKind
 
 HOUR_US = 3_600_000_000
 
@@ -50,6 +51,14 @@ def check_commands(connection: Connection, author: Account, most: int, robots: f
             times.append(row.created_us)
         if len(times) >= most:
             raise _too_many("commands", f"commanded robots {most} times", times[-1] + HOUR_US - now)
+
+
+def count_change(connection: Connection, by: Account, most: int) -> None:
+    """429 when the account edited posts or chose tags `most` times in the last hour. Robots are exempt."""
+    if by.kind is AccountKind.ROBOT_AGENT:
+        return
+    if (wait_s := count_in_hour(connection, "change", by.id, most)) is not None:
+        raise _too_many("changes", f"edited posts and chosen tags {most} times", int(wait_s * 1_000_000))
 
 
 def _check(connection: Connection, nth: Select[Any], by: Account, most: int, what: str, done: str) -> None:

@@ -79,14 +79,14 @@ async def choose(request: Request, viewer: Reading, topic_id: str) -> Response:
 
 @router.post("/t/{topic_id}/tags")
 async def chosen(request: Request, viewer: Anybody, topic_id: str) -> Response:
-    form, store = await forms.read(request), services(request).store
+    form, store, most = await forms.read(request), services(request).store, services(request).settings.limits.posts
     access.check_form(viewer, form.get("csrf"))
     by, topic = access.account_of(viewer), store.topic(topic_id)
     try:
         found = forms.tags_of(form)
-        await store.do(lambda t: tags.change(t, by, topic_id, found))
+        await store.do(lambda t: tags.change(t, by, topic_id, found, most))
     except BoardError as e:
-        if e.status != 422:
+        if e.status not in (422, 429):
             raise
         return _choose(request, viewer, topic, forms.field(form, "tags"), e)
     return go(topic.path)

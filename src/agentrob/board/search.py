@@ -133,7 +133,7 @@ def around(raw: str, query: str, length: int = 200) -> tuple[tuple[str, bool], .
     words = sorted(terms(query), key=len, reverse=True)
     if not words:
         return ((unmarked(raw[:length]), False),)
-    pattern = re.compile("|".join(re.escape(w.strip("@")) or re.escape(w) for w in words), re.IGNORECASE)
+    pattern = re.compile("|".join(map(_beginning, words)), re.IGNORECASE)
     # Of a long post only the part where it is found: pages are made on the event loop, which a stop needs too.
     found = pattern.search(raw)
     begin = max(0, found.start() - length) if found else 0
@@ -149,6 +149,12 @@ def around(raw: str, query: str, length: int = 200) -> tuple[tuple[str, bool], .
         [("…", False)] if start + length < len(plain) or begin + 3 * length < len(raw) else []
     )
     return tuple(piece for piece in pieces if piece[0])
+
+
+def _beginning(word: str) -> str:
+    """A pattern of where a word begins as it was written: in `photo` nobody looked for `to`."""
+    written = word.strip("@") or word
+    return ("" if not written[0].isascii() else r"(?<![A-Za-z0-9\u00c0-\u024f])") + re.escape(written)
 
 
 def checked(query: str) -> str:

@@ -28,6 +28,7 @@ from agentrob.board import (
     api_moderation,
     api_robots,
     api_tags,
+    api_unread,
     hooks,
     unread,
     uploads,
@@ -90,7 +91,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
     app.add_middleware(Gate, settings=settings)
     for router in (
         *(api.router, api_robots.router, api_commands.router, api_admin.router, api_moderation.router),
-        *(api_tags.router, api_robots.files),
+        *(api_tags.router, api_unread.router, api_robots.files),
     ):
         app.include_router(router)
     _add_pages(app)

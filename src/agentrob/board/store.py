@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from functools import partial
+from pathlib import Path
 from typing import Any, Literal
 
 from sqlalchemy.exc import DBAPIError
@@ -224,18 +225,23 @@ class Store:
         card: Mapping[str, Any] | Literal["keep"] | None = "keep",
     ) -> Post:
         """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
-        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, body, key, images, card)  # noqa: E731
+        most = self._limits.posts
+        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, body, key, images, card, most)  # noqa: E731
         return await self.writer.do(job, lambda: writes.says_stop(body))
 
     async def remove(self, by: Account, post_id: str, reason: str = "") -> Post:
         """Hide a post for everybody; its author and moderators may (403). Again does nothing."""
         return await self.do(lambda t: writes.remove(t, by, post_id, reason))
 
-    async def record(self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None) -> Event:
+    async def record(
+        self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None, at_us: int | None = None
+    ) -> Event:
         """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
-        at_us = writes.now_us()
-        return await self.do(lambda t: writes.record(t, kind, robot, by, key, at_us))
+        happened_us = writes.now_us() if at_us is None else at_us
+        return await self.do(lambda t: writes.record(t, kind, robot, by, key, happened_us))
 
-    async def add_image(self, by: Account, sha256: str, image: Image, key: str | None = None) -> tuple[Image, bool]:
-        """Register a picture whose file is in place; False when the key had been used: then it is the old one."""
-        return await self.do(lambda t: writes.add_image(t, by, sha256, image, key, self._limits.uploads))
+    async def add_image(
+        self, by: Account, file: Path, image: Image, key: str | None = None
+    ) -> tuple[Image, bool] | None:
+        """Register a picture; False when the key had been used: then it is the old one. None: its file is gone."""
+        return await self.do(lambda t: writes.add_image(t, by, file, image, key, self._limits.uploads))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import delete, func, insert, select
 
-from agentrob.board import audit
+from agentrob.board import audit, limits
 from agentrob.board import schema as db
 from agentrob.board.reader import Reader
 from agentrob.board.records import Post, Topic
@@ -49,8 +49,9 @@ def checked(words: Iterable[str]) -> tuple[str, ...]:
 
 
 # -------------------------------------------------------------------- writing
-def change(t: Transaction, by: Account, topic_id: str, found: Sequence[str]) -> Topic:
-    """Other tags for a topic. Who began it may, while they may post there, and moderators, which is logged. 403."""
+def change(t: Transaction, by: Account, topic_id: str, found: Sequence[str], per_hour: int = 0) -> Topic:
+    """Other tags for a topic. Who began it may, while they may post there, and moderators, which is logged. 403, and
+    429 beyond `per_hour` changes."""
     reader = Reader(t.connection)
     topic = reader.topic(topic_id)
     may_post(by, reader.board(topic.board_id), "", topic)
@@ -58,6 +59,7 @@ def change(t: Transaction, by: Account, topic_id: str, found: Sequence[str]) -> 
         what = "only who began a topic and moderators choose its tags"
         raise BoardError(403, "not_yours", what, "ask one of them")
     if set(found) != set(topic.tags):
+        limits.count_change(t.connection, by, per_hour)
         t.connection.execute(delete(db.topic_tags).where(db.topic_tags.c.topic_id == int(topic.id)))
         if rows := [{"topic_id": int(topic.id), "tag": tag} for tag in found]:
             t.connection.execute(insert(db.topic_tags), rows)

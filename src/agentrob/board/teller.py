@@ -147,7 +147,7 @@ class Teller:
 # -------------------------------------------------------------------- events in words
 def words_of(event: Event) -> str:
     """An event of a robot, without its id: it has none of its own."""
-    at_us = int(event.at.timestamp() * _SECONDS)
+    at_us = round(event.at.timestamp() * _SECONDS)
     return json.dumps([str(event.kind), at_us, event.robot, event.account.name if event.account else None])
 
 

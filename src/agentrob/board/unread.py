@@ -8,7 +8,7 @@ a server that is killed did not write yet is new once more.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -96,11 +96,16 @@ class Marks:
                 found[topic.id] = News(row.new, str(row.first))
         return found
 
-    def unread(self, reader: Reader, account: Account, cursor: str | None, limit: int) -> Page[tuple[Topic, News]]:
-        """Topics with something new, latest activity first, of the `LOOKED_AT` that were written in last."""
+    def unread(
+        self, reader: Reader, account: Account, cursor: str | None, limit: int, board_id: str | None = None
+    ) -> Page[tuple[Topic, News]]:
+        """Topics with something new, latest activity first, of the `LOOKED_AT` that were written in last, on one board
+        or on all. 404."""
         t, me = db.topics.c, int(account.id)
         latest = select(t.id, t.last_post_id).where(t.posts > 0, t.last_post_id > self._base(reader, me))
-        if (seen := reader.seen()) is not None:
+        if board_id is not None:
+            latest = latest.where(t.board_id == reader.board(board_id).id)
+        elif (seen := reader.seen()) is not None:
             latest = latest.where(t.board_id.in_(seen))
         if cursor:
             latest = latest.where(t.last_post_id < from_cursor(cursor))
@@ -114,8 +119,19 @@ class Marks:
         more = to_cursor(rows[limit - 1].last_post_id) if len(rows) > limit else None
         return Page(tuple((topic, news[topic.id]) for topic in topics if topic.id in news), more)
 
-    async def all_read(self, store: Store, account: Account, up_to: int) -> None:
-        """All posts up to this one count as read; never fewer than before."""
+    async def topic_read(self, store: Store, account: Account, topic: Topic, up_to: int) -> None:
+        """The posts of a topic up to this one count as read; never fewer than before."""
+        await self._mark(store, int(account.id), lambda _: {int(topic.id): min(up_to, int(topic.last_post_id))})
+
+    async def all_read(self, store: Store, account: Account, up_to: int, board_id: str | None = None) -> None:
+        """All posts up to this one count as read, on a board or on all; never fewer than before.
+
+        Of a board in the topics that `unread` looks through.
+        """
+        if board_id is not None:
+            base = self._base(store.reader, int(account.id))
+            await self._mark(store, int(account.id), lambda t: _marks_of(t, board_id, base, up_to))
+            return
         a, me = db.accounts.c, int(account.id)
 
         def job(t: Transaction) -> int:
@@ -125,6 +141,19 @@ class Marks:
             return int(t.connection.execute(_READ_UP_TO, {"me": me}).scalar_one())
 
         self._read_up_to[me] = await store.do(job)
+
+    async def _mark(self, store: Store, me: int, chosen: Callable[[Transaction], dict[int, int]]) -> None:
+        """Write marks of one account at once, by topic."""
+
+        def job(t: Transaction) -> dict[int, int]:
+            marks = chosen(t)
+            if rows := [{"account": me, "topic": topic, "post": post} for topic, post in marks.items()]:
+                t.connection.execute(_WRITE, rows)
+            return marks
+
+        for topic, post in (await store.do(job)).items():
+            if (me, topic) in self._known:  # else it is asked for when it is needed
+                self._known[me, topic] = max(post, self._known[me, topic])
 
     async def write(self, store: Store) -> None:
         """Write what is new. What cannot be written now is kept for the next time."""
@@ -159,6 +188,14 @@ class Marks:
             row = reader.first(_READ_UP_TO, me=me)
             self._read_up_to[me] = row.read_up_to if row else 0
         return self._read_up_to[me]
+
+
+def _marks_of(t: Transaction, board_id: str, base: int, up_to: int) -> dict[int, int]:
+    """The topics of a board that were written in last, each with its mark when it is read up to a post."""
+    c = db.topics.c
+    some = select(c.id, c.last_post_id).where(c.board_id == board_id, c.last_post_id > base)
+    rows = t.connection.execute(some.order_by(c.last_post_id.desc()).limit(LOOKED_AT))
+    return {row.id: min(up_to, row.last_post_id) for row in rows}
 
 
 async def keep_writing(marks: Marks, store: Store) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+from pathlib import Path
 
 import structlog
 from sqlalchemy import select
@@ -13,6 +15,9 @@ from agentrob.board.records import Image
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
+
+#: How often a picture is written anew whose file is deleted meanwhile, since the same one of somebody else's went.
+TRIES = 5
 
 log = structlog.get_logger(__name__)
 
@@ -39,5 +44,20 @@ async def take(services: Services, by: Account, data: bytes, key: str | None = N
     if not may(by):
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
     image, data = await asyncio.to_thread(images.check, data)
-    digest = await asyncio.to_thread(images.keep, services.settings.images_dir, data)
-    return await services.store.add_image(by, digest, image, key)
+    for _ in range(TRIES):
+        path = await asyncio.to_thread(images.keep, services.settings.images_dir, data)
+        if (taken := await services.store.add_image(by, path, image, key)) is not None:
+            return taken
+    raise BoardError(503, "storage", "the picture was taken away again and again", "try again in a moment", 1.0)
+
+
+async def file_of(services: Services, image: Image, digest: str) -> tuple[Path, os.stat_result]:
+    """Where the file of a picture is, and what it is. 404 when it is not there any more, 503 when it cannot be read."""
+    path = images.path_of(services.settings.images_dir, digest)
+    try:
+        return path, await asyncio.to_thread(path.stat)
+    except FileNotFoundError:
+        log.warning("board.picture_missing", image=image.id, file=str(path))
+        raise images.gone() from None
+    except OSError as e:
+        raise BoardError(503, "storage", f"the picture cannot be read now: {e.strerror}", "try again later") from e

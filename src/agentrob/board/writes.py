@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 from sqlalchemy import Connection, bindparam, insert, select, update
@@ -116,8 +117,9 @@ def edit(
     key: str | None,
     images: Sequence[str],
     card: Card | Literal["keep"] | None,
+    per_hour: int = 0,
 ) -> Post:
-    """A new text for the editor's own post; the old one is kept as a version."""
+    """A new text for the editor's own post; the old one is kept as a version. 429 beyond `per_hour` changes."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
     if post.author.id != editor.id:
@@ -127,6 +129,8 @@ def edit(
     if post.removed:
         raise BoardError(409, "removed", "the post was removed", "write a new one")
     may_post(editor, reader.board(post.board_id), body, reader.topic(post.topic_id))
+    if not says_stop(body):
+        limits.count_change(t.connection, editor, per_hour)
     at = now_us()
     version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
     t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
@@ -175,15 +179,21 @@ def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key:
 
 
 def add_image(
-    t: Transaction, by: Account, sha256: str, image: Image, key: str | None, per_hour: int = 0
-) -> tuple[Image, bool]:
-    """An uploaded picture, and whether it is new. 429 when the account uploaded `per_hour` in the last hour."""
+    t: Transaction, by: Account, file: Path, image: Image, key: str | None, per_hour: int = 0
+) -> tuple[Image, bool] | None:
+    """An uploaded picture, and whether it is new. 429 when the account uploaded `per_hour` in the last hour.
+
+    None when its file was taken away since it was written: nobody takes one away during this transaction, nor, once
+    this is committed, later.
+    """
     if key and (old := _used(t.connection, by, "image", key)):
         return Reader(t.connection).image(str(old))[0], False
     if by.kind is not AccountKind.ROBOT_AGENT:
         limits.check_uploads(t.connection, by, per_hour)
+    if not file.exists():
+        return None
     values = {"media_type": image.media_type, "width": image.width, "height": image.height}
-    image_id = _insert(t, db.images, account_id=int(by.id), sha256=sha256, created_us=now_us(), **values)
+    image_id = _insert(t, db.images, account_id=int(by.id), sha256=file.name, created_us=now_us(), **values)
     _use_key(t, by, "image", key, image_id)
     return Image(str(image_id), image.width, image.height, image.media_type), True
 

@@ -8,6 +8,19 @@ document.documentElement.classList.add("scripted");
 
 const say = (text) => { if (live && live.textContent !== text) live.textContent = text; };
 
+// An element with these properties and attributes.
+function make(tag, properties, attributes = {}) {
+  const made = Object.assign(document.createElement(tag), properties);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  return made;
+}
+
+// A piece of a page as the server makes it; null when it does not.
+async function piece(address, how = {}) {
+  const answer = await fetch(address, { headers: { Accept: "text/html" }, ...how });
+  return answer.ok ? new DOMParser().parseFromString(await answer.text(), "text/html").body : null;
+}
+
 // ---------------------------------------------------------------- times in the reader's own zone
 function localTimes(root) {
   const today = new Date().toDateString();
@@ -60,10 +73,8 @@ function listen(query, after, handle) {
   const resume = async () => {
     try {
       const answer = await fetch(`/api/v1/changes?limit=1&after=${encodeURIComponent(last)}`);
-      if (answer.status === 404) { // the board was put back from a backup: what this page shows may never have been
-        offer("The forum was put back: load this page anew", location.pathname + location.search);
-        return;
-      }
+      // The board was put back from a backup: what this page shows may never have been.
+      if (answer.status === 404) return offer("The forum was put back: load this page anew", location.pathname + location.search);
     } catch { /* not there yet */ }
     open();
   };
@@ -126,25 +137,22 @@ function offerMore(id) {
 function offer(text, href) {
   let pill = document.querySelector(".pill");
   if (!pill) {
-    pill = document.createElement("a");
-    pill.className = "pill button primary";
+    pill = make("a", { className: "pill button primary" });
     document.body.append(pill);
     const gone = () => {
       if (live && live.textContent === pill.textContent) say("");
       pill.remove();
     };
     pill.addEventListener("click", gone);
-    addEventListener("scroll", () => { if (pill.isConnected && pill.hash && arrived(pill.hash)) gone(); }, { passive: true });
+    addEventListener("scroll", () => {
+      const first = pill.isConnected && pill.hash && document.getElementById(pill.hash.slice(1));
+      if (first && first.getBoundingClientRect().top < innerHeight) gone();
+    }, { passive: true });
   }
   pill.textContent = text;
   pill.setAttribute("href", href);
   say(text);
 }
-
-const arrived = (hash) => {
-  const post = document.getElementById(hash.slice(1));
-  return post && post.getBoundingClientRect().top < innerHeight;
-};
 
 const pending = new Map(); // post id -> whether to fetch once more: many edits in a row cost few requests
 
@@ -153,12 +161,8 @@ async function refresh(id) {
   pending.set(id, false);
   try {
     const seen = "last" in main.dataset && !document.hidden ? "?seen=1" : "";
-    const answer = await fetch(`/p/${id}/fragment${seen}`, { headers: { Accept: "text/html" } });
-    if (answer.ok) {
-      const parsed = new DOMParser().parseFromString(await answer.text(), "text/html");
-      const fresh = parsed.querySelector("article.post");
-      if (fresh) place(document.adoptNode(fresh));
-    }
+    const fresh = (await piece(`/p/${id}/fragment${seen}`))?.querySelector("article.post");
+    if (fresh) place(document.adoptNode(fresh));
   } catch { setTimeout(refresh, 2000, id); } // the event came and will not come again
   const again = pending.get(id);
   pending.delete(id);
@@ -176,11 +180,7 @@ if (main.dataset.board) {
   listen("", main.dataset.after, (kind, event) => {
     const fresh = document.getElementById("fresh");
     if (kind !== "post.created" || !event.post || event.post.board_id !== main.dataset.board || fresh.firstChild) return;
-    const link = document.createElement("a");
-    link.className = "button";
-    link.href = location.pathname;
-    link.textContent = "New posts: show them";
-    fresh.append(link);
+    fresh.append(make("a", { className: "button", href: location.pathname, textContent: "New posts: show them" }));
   });
 }
 
@@ -209,12 +209,10 @@ for (const part of document.querySelectorAll("[data-refresh]")) {
   setInterval(async () => {
     if (document.hidden || part.contains(document.activeElement)) return;
     try {
-      const answer = await fetch(part.dataset.refresh, { headers: { Accept: "text/html" } });
-      if (!answer.ok) return;
-      const text = await answer.text();
-      if (text === part.dataset.shown) return;
-      part.dataset.shown = text;
-      part.replaceChildren(...new DOMParser().parseFromString(text, "text/html").body.childNodes);
+      const fresh = await piece(part.dataset.refresh);
+      if (!fresh || fresh.innerHTML === part.dataset.shown) return;
+      part.dataset.shown = fresh.innerHTML;
+      part.replaceChildren(...fresh.childNodes);
       localTimes(part);
     } catch { /* the next time */ }
   }, Number(part.dataset.every) || 3000);
@@ -227,8 +225,7 @@ if (camera) {
   let inView = false;
   const look = () => {
     if (inView && !document.hidden && !picture) {
-      picture = new Image();
-      picture.alt = `Live picture of the room with @${camera.dataset.name}`;
+      picture = make("img", { alt: `Live picture of the room with @${camera.dataset.name}` });
       picture.addEventListener("error", () => { picture?.remove(); picture = null; setTimeout(look, 3000); });
       picture.src = `${camera.dataset.camera}?t=${Date.now()}`;
       camera.append(picture);

@@ -17,9 +17,7 @@ if (text) {
     const shown = form.querySelector("[data-preview]");
     try {
       const body = new URLSearchParams({ csrf, body: text.value });
-      const answer = await fetch("/preview", { method: "POST", body, headers: { Accept: "text/html" } });
-      if (!answer.ok) throw new Error(String(answer.status));
-      shown.replaceChildren(...new DOMParser().parseFromString(await answer.text(), "text/html").body.childNodes);
+      shown.replaceChildren(...(await piece("/preview", { method: "POST", body })).childNodes);
       tell("");
     } catch {
       tell("There is no preview now. Is the forum there, and the text not too long?");
@@ -45,44 +43,31 @@ if (text) {
     }
   };
   const thumb = (image, name) => {
-    const item = document.createElement("li");
-    const shown = new Image();
-    shown.src = `/images/${image.id}/small`;
-    shown.alt = name;
-    const sent = Object.assign(document.createElement("input"), { type: "hidden", name: "images", value: image.id });
-    const away = Object.assign(document.createElement("button"), { type: "button", textContent: "Take away" });
-    away.setAttribute("aria-label", `Take away ${name}`);
+    const item = make("li");
+    const away = make("button", { type: "button", textContent: "Take away" }, { "aria-label": `Take away ${name}` });
     away.addEventListener("click", () => { item.remove(); text.focus(); });
-    item.append(shown, sent, away);
+    const sent = make("input", { type: "hidden", name: "images", value: image.id });
+    item.append(make("img", { src: `/images/${image.id}/small`, alt: name }), sent, away);
     return item;
   };
   if (thumbs) {
     const chosen = form.querySelector("input[type=file]");
     chosen.addEventListener("change", async () => { const files = [...chosen.files]; chosen.value = ""; await take(files); });
-    text.addEventListener("paste", (event) => {
-      if (event.clipboardData.files.length) { event.preventDefault(); take(event.clipboardData.files); }
-    });
     text.addEventListener("dragover", (event) => { event.preventDefault(); text.classList.add("dropping"); });
     text.addEventListener("dragleave", () => text.classList.remove("dropping"));
-    text.addEventListener("drop", (event) => {
-      text.classList.remove("dropping");
-      if (event.dataTransfer.files.length) { event.preventDefault(); take(event.dataTransfer.files); }
-    });
   }
-
-  if (!thumbs) {
-    for (const kind of ["paste", "drop"]) text.addEventListener(kind, (event) => {
-      if (!(event.clipboardData || event.dataTransfer).files.length) return;
-      event.preventDefault();
-      tell("Pictures are added by operators here; an administrator can make you one.");
-    });
-  }
+  for (const kind of ["paste", "drop"]) text.addEventListener(kind, (event) => {
+    text.classList.remove("dropping");
+    const files = (event.clipboardData || event.dataTransfer).files;
+    if (!files.length) return;
+    event.preventDefault();
+    if (thumbs) take(files);
+    else tell("Pictures are added by operators here; an administrator can make you one.");
+  });
 
   // -------------------------------------------------------------- names
   // A list below the text: arrows choose, Enter and Tab take, Escape closes; the text keeps the focus.
-  const offer = Object.assign(document.createElement("ul"), { className: "offer", id: "offer", hidden: true });
-  offer.setAttribute("role", "listbox");
-  offer.setAttribute("aria-label", "Names");
+  const offer = make("ul", { className: "offer", id: "offer", hidden: true }, { role: "listbox", "aria-label": "Names" });
   text.after(offer);
   const attributes = { "aria-autocomplete": "list", "aria-haspopup": "listbox", "aria-controls": "offer" };
   for (const [name, value] of Object.entries(attributes)) text.setAttribute(name, value);
@@ -110,16 +95,9 @@ if (text) {
     text.focus();
   };
   const item = (one, n) => {
-    const made = Object.assign(document.createElement("li"), { id: `offer-${n}` });
-    made.setAttribute("role", "option");
-    made.dataset.name = one.name;
-    const name = Object.assign(document.createElement("strong"), { textContent: `@${one.name}` });
-    const state = Object.assign(document.createElement("span"), { className: "faint", textContent: one.state });
-    if (one.robot) {
-      const dot = Object.assign(document.createElement("span"), { className: `dot ${one.live ? "on" : "off"}` });
-      made.append(dot);
-    }
-    made.append(name, state);
+    const made = make("li", { id: `offer-${n}` }, { role: "option", "data-name": one.name });
+    if (one.robot) made.append(make("span", { className: `dot ${one.live ? "on" : "off"}` }));
+    made.append(make("strong", { textContent: `@${one.name}` }), make("span", { className: "faint", textContent: one.state }));
     made.addEventListener("pointerdown", (event) => { event.preventDefault(); accept(one.name); });
     return made;
   };
