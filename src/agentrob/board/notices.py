@@ -25,6 +25,20 @@ _PEOPLE = select(db.accounts.c.id).where(
 )
 
 
+def _unread(boards: bool) -> Select[Any]:
+    """Counts what `me` has not seen, of all boards or of `boards`. Built once: every page shows the number."""
+    n, p, t, s = db.notices.c, db.posts.c, db.topics.c, db.notices_seen.c
+    seen = select(s.post_id).where(s.account_id == bindparam("me")).scalar_subquery()
+    fresh = select(n.post_id).where(n.account_id == bindparam("me"), n.post_id > func.coalesce(seen, 0))
+    fresh = fresh.join(db.posts, and_(p.id == n.post_id, p.removed.is_(False)))
+    if boards:
+        fresh = fresh.join(db.topics, t.id == p.topic_id).where(t.board_id.in_(bindparam("boards", expanding=True)))
+    return select(func.count()).select_from(fresh.limit(MOST).subquery())
+
+
+_UNREAD = {boards: _unread(boards) for boards in (False, True)}
+
+
 @dataclass(frozen=True, slots=True)
 class Notice:
     """`reason` is a word of `REASONS`; `fresh`: not seen before."""
@@ -57,8 +71,10 @@ def tell(
 
 def unread(reader: Reader, account: Account) -> int:
     """How many an account has not seen, at most `MOST`."""
-    fresh = _of(account, db.notices.c.post_id).where(db.notices.c.post_id > _seen(reader, account)).limit(MOST)
-    return int(reader.rows(select(func.count()).select_from(_visible(reader, fresh).subquery()))[0][0])
+    values: dict[str, Any] = {"me": int(account.id)}
+    if (seen := reader.seen()) is not None:
+        values["boards"] = list(seen)
+    return int(reader.rows(_UNREAD[seen is not None], **values)[0][0])
 
 
 def latest(reader: Reader, account: Account, cursor: str | None = None, limit: int = 30) -> Page[Notice]:
