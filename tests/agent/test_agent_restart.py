@@ -256,13 +256,38 @@ async def test_law_14_a_stop_that_the_forum_knows_nothing_of_ends_what_was_accep
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
 
 
-async def test_no_step_begins_while_the_agent_is_being_ended(scene: Scene) -> None:
+@pytest.mark.parametrize(("then", "state"), [("soon", "done"), ("late", "expired"), ("stopped", "stopped")])
+async def test_laws_5_6_and_14_ending_the_agent_while_a_command_moves_leaves_the_next_one_to_its_next_start(
+    scene: Scene, then: str, state: str
+) -> None:
+    async with scene.agent():
+        first = await scene.post("alice", "@quadruped walk forward 5 metres, then walk backward 5 metres")
+        second = await scene.post("alice", "@quadruped turn left 90 degrees")
+        await scene.state(second, "queued")
+        await scene.state(first, "running")
+    assert [reply.card.state for reply in (*scene.replies(first), *scene.replies(second))] == ["interrupted", "queued"]
+    match then:
+        case "late":
+            scene.world.clock_offset_s = 125
+        case "stopped":
+            async with scene.driver.client() as client:
+                await client.stop("somebody at the robot")
+    async with scene.agent():
+        assert (await scene.final(second)).card.state == state
+    assert len(scene.replies(first)) == 1
+
+
+async def test_law_6_a_motion_that_the_agent_s_end_overtook_has_not_begun(scene: Scene) -> None:
+    """It had its turn, and was on disk, when the agent was ended."""
     stood = await place(scene.driver)
     async with scene.agent() as agent:
         agent._ending = True
-        post = await scene.post("alice", "@quadruped walk forward 1 metre")
-        assert (await scene.final(post)).card.state == "interrupted"
+        post = await scene.post("alice", "@quadruped turn left 90 degrees, then walk forward 1 metre")
+        await scene.until(lambda: scene.replies(post) and not agent.line)
+    assert [reply.card.state for reply in scene.replies(post)] == ["seen"]
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+    async with scene.agent():
+        assert (await scene.final(post)).card.state == "done"
 
 
 @pytest.mark.parametrize("max_edits", [None, 0])

@@ -20,7 +20,7 @@ from agentrob.agent.approvals import LAPSED, Approvals
 from agentrob.agent.channel import Channel
 from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, decisive, execute
 from agentrob.agent.extract import Thought
-from agentrob.agent.journal import CANCELLED, DENIED, INTERRUPTED, Journal
+from agentrob.agent.journal import CANCELLED, DENIED, INTERRUPTED, Journal, NotBegun
 from agentrob.agent.line import Job, Line
 from agentrob.agent.look import look
 from agentrob.agent.look_goal import errand_of, in_words
@@ -265,7 +265,9 @@ class Course:
         return None
 
     async def _move(self, job: Job, plan: Plan) -> str:
-        """The motion itself; called at most once ever for a post."""
+        """The motion itself; called at most once ever for a post. One that the agent's end overtook does not begin."""
+        if self.ending():
+            raise NotBegun
         job.moving = True
         self.on_motion()
         known = job.thought is not None and job.thought.goal is not None

@@ -94,6 +94,7 @@ class Line:
     def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
         self._jobs: list[Job] = []
         self._turn: Job | None = None
+        self._closed = False
         self._on_change = on_change
 
     def __len__(self) -> int:
@@ -194,8 +195,12 @@ class Line:
             self._turn = job
         return job.ended is None
 
+    def close(self) -> None:
+        """Nobody gets a turn any more: who has not had one stays as it is, for the agent's next start."""
+        self._closed = True
+
     def _is_next(self, job: Job) -> bool:
-        return self._turn is None and next(j for j in self._jobs if not j.held) is job
+        return not self._closed and self._turn is None and next(j for j in self._jobs if not j.held) is job
 
     async def hold(self, job: Job, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
         """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended

@@ -170,7 +170,7 @@ class RobotAgent:
         begun = await self.journal.get_time("watermark")
         if begun is None:
             await self.journal.put("cursor", newest)
-            await self.journal.put("watermark", (begun := self.channel.now()).isoformat())
+            await self.journal.put("watermark", (begun := self.channel.compared_at).isoformat())
         self._watermark_at = begun
         await self.brake.remember(self.journal, begun)
         self.channel.cursor = await self.journal.get("cursor") or newest
@@ -217,6 +217,7 @@ class RobotAgent:
     async def _wind_down(self) -> None:
         """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""
         self._ending = True
+        self.line.close()
         if (job := self.line.moving) is not None:
             job.end(SHUTDOWN)
             if job.task is not None:
@@ -224,6 +225,9 @@ class RobotAgent:
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
+        if self._journal is not None:
+            with contextlib.suppress(JournalError):
+                await self.brake.keep(self._journal)
 
     @property
     def me(self) -> Account | None:
@@ -294,7 +298,7 @@ class RobotAgent:
             await insist(partial(self.forum.changes, self.channel.cursor))
             return
         _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
-        self._watermark_at = self.channel.now()
+        self._watermark_at = self.channel.compared_at
         self.inbox.clear()
         for job in self.line:
             job.end("replaced")
