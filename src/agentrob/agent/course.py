@@ -152,6 +152,8 @@ class Course:
             moved = known and await self.journal.moved(command.post_id)
             if not moved and (not known or state == "running" or state in FINAL):
                 return False, state in FINAL
+            if state in FINAL and not await self.journal.moved(command.post_id, ended=True):
+                return False, True
         await self.journal.posted(command.post_id, now.id)
         return True, False
 
@@ -221,7 +223,7 @@ class Course:
             status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
             message = verdict.reason if status == "asks_back" else ""
             return self._report(job, status, plan, verdict=verdict, message=message)
-        if (waiting := await self._pace(job)) is not None:
+        if not job.begun and (waiting := await self._pace(job)) is not None:
             return self._report(job, "refused", plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
             await self.approvals.wait(job, words.planned(plan, command.language, _goal(job)), verdict.reason)

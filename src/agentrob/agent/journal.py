@@ -330,10 +330,10 @@ class Journal(Rows):
         query = f"INSERT INTO motion (post, state, at) VALUES (?, '{CANCELLED}', ?) ON CONFLICT DO NOTHING"
         return bool(self._do(query, (post_id, time.time())))
 
-    async def moved(self, post_id: str) -> bool:
-        """Whether a motion of this post ever began."""
+    async def moved(self, post_id: str, ended: bool = False) -> bool:
+        """Whether a motion of this post ever began, or (`ended`) what came of it is kept."""
         found = await self._in_rows(self._one, "SELECT state FROM motion WHERE post = ?", (post_id,))
-        return found is not None and found[0] != CANCELLED
+        return found is not None and (found[0] == "ended" if ended else found[0] != CANCELLED)
 
     async def set_aside(self) -> None:
         """The forum was replaced and its ids mean other posts now: what was kept counts no more, open claims end."""

@@ -191,9 +191,9 @@ class RobotAgent:
         except ForumNotFound:
             await self._begin_anew()
         for claim in await self.journal.open_claims():
-            job = Job(claim.command, known=True, waited_s=claim.waited_s, asked=claim.asked)
-            # A motion that was begun is never repeated, so its report only needs telling.
             begun = await self.journal.moved(claim.command.post_id)
+            job = Job(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
+            job.asked = claim.asked
             limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
             if not begun and (why := claim.why_not(self.channel.now(), *limits)):
                 job.end(why)
