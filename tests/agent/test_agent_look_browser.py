@@ -22,6 +22,8 @@ from agentrob.config import ForumConfig
 from agentrob.forums.board import BoardForum
 from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 
+DRAWS = True
+
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 SHOTS = Path(__file__).parents[2] / "var/screenshots"
 CALLS = [

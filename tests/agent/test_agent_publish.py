@@ -21,6 +21,8 @@ from agentrob.errors import ForumUnreachable
 from agentrob.images.store import Link
 from agentrob.robots.client import DriverClient
 
+DRAWS = True
+
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
