@@ -9,6 +9,14 @@ import pytest
 from agent_process import end_agents
 from agent_scene import Driver, Scene, make_scene, robot_settings
 
+from agentrob.agent import pictures
+
+#: The smallest PNG.
+BLANK = bytes.fromhex(
+    "89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b550000000a49444154789c63f80f0001010100b138f614"
+    "0000000049454e44ae426082"
+)
+
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
@@ -28,3 +36,10 @@ def no_agent_is_left() -> Iterator[None]:
     """Not even by a test that failed."""
     yield
     end_agents()
+
+
+@pytest.fixture(autouse=True)
+def paths_are_not_drawn(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawing a path is half of what a command costs, so it is a fixed picture but in files that say `DRAWS`."""
+    if not getattr(request.module, "DRAWS", False):
+        monkeypatch.setattr(pictures, "path_plot", lambda _: BLANK)

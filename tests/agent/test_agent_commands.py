@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from agent_scene import Driver, Scene, make_scene
 
+DRAWS = True
+
 
 async def test_a_command_is_done_and_reported_with_what_was_measured(scene: Scene) -> None:
     async with scene.agent():

@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Iterator
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import pytest
-from agent_scene import Driver, Scene, make_scene, robot_settings
+from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 from agentrob.agent import channel
+from agentrob.forums.memory import MemoryForum
 from agentrob.model import Post
 
 Ill = Callable[..., Scene]
@@ -116,3 +118,22 @@ async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_
         assert "The forum was silent, so nobody could have stopped me. Asked 5 m, measured" in ended.raw
         assert "**Too old.**" in stale.raw
         assert all(len(scene.replies(post)) == 1 for post in (running, early, late))
+
+
+async def test_law_5_a_post_right_after_the_first_start_is_fresh_however_slowly_the_forum_told_its_time(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked_s = 0.0
+
+    class Slow(MemoryForum):
+        """Four seconds go by before it reads its clock, none after that."""
+
+        async def now(self) -> tuple[str, datetime]:
+            nonlocal asked_s
+            asked_s += 4.0
+            return await super().now()
+
+    monkeypatch.setattr(channel, "elapsed_s", lambda: time.monotonic() + asked_s)
+    async with scene.agent(forum=Slow(scene.world, ROBOT)):
+        post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
+        assert (await scene.final(post)).card.state == "done"

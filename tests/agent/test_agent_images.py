@@ -22,6 +22,8 @@ from agentrob.errors import ConfigError, ImageStoreError
 from agentrob.images import store as images
 from agentrob.images.store import Bucket, Link, make_store
 
+DRAWS = True
+
 JPEG = b"\xff\xd8\xff\xe0 not really"
 WALK = "@quadruped walk forward 0.5 m and take a photo"
 

@@ -14,10 +14,13 @@ from typing import Any
 import pytest
 from agent_process import Poster, end_agent, start_agent
 from agent_process import until as until_robot
-from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, serving
 
 from agentrob.agent.journal import Journal
+from agentrob.agent.turn import RobotAgent
+from agentrob.config import ForumConfig
 from agentrob.errors import JournalError
+from agentrob.forums.board import BoardForum
 from agentrob.forums.forum import EventKind
 from agentrob.minds.mind import Listener
 from agentrob.minds.rules import RulesMind
@@ -25,7 +28,7 @@ from agentrob.model import AccountKind, ActionResult, Plan, Primitive, Role, Sta
 from agentrob.robots.client import DriverClient
 
 sys.path.append(str(Path(__file__).parents[1] / "board"))
-from running_board import running_board
+from running_board import RunningBoard, running_board
 
 #: A robot that stands still may still settle by so much.
 STILL_M = 0.02
@@ -51,6 +54,12 @@ def slow_driver(tmp_path: Path) -> Iterator[Driver]:
     made.end()
 
 
+def agent_on(board: RunningBoard, driver: Driver, folder: Path) -> RobotAgent:
+    """The next agent on the same data folder, in this process."""
+    forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
+    return RobotAgent(ROBOT, driver.settings, forum, driver.client(), RulesMind(), folder)
+
+
 async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
     tmp_path: Path, slow_driver: Driver
 ) -> None:
@@ -58,15 +67,12 @@ async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
         agent = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
         topic = await alice.post(f"@{ROBOT} walk forward 4 m, then walk backward 3 m")
         await until_robot(slow_driver, lambda state: state.pose.x_m > 0.5)
-        agent.kill()
-        agent.wait()
+        end_agent(agent)
         await until_robot(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0), limit_s=5)
         stood = await position(slow_driver)
-        again = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
-        assert await alice.final(topic) == ["interrupted"]
-        assert await position(slow_driver) == pytest.approx(stood, abs=0.01)
-        for process in (agent, again):
-            end_agent(process)
+        async with serving(agent_on(board, slow_driver, tmp_path)):
+            assert await alice.final(topic) == ["interrupted"]
+            assert await position(slow_driver) == pytest.approx(stood, abs=0.01)
 
 
 async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_no_second_motion(
@@ -85,11 +91,10 @@ async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_n
         assert await alice.final(await alice.post(f"@{ROBOT} turn left 20 degrees")) == ["done"]
         stood = await position(slow_driver)
         end_agent(agent)
-        again = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
-        assert await alice.final(await alice.post(f"@{ROBOT} turn right 20 degrees")) == ["done"]
-        assert await position(slow_driver) == pytest.approx(stood, abs=STILL_M)
-        assert len(await alice.states(topic)) == 1
-        end_agent(again)
+        async with serving(agent_on(board, slow_driver, tmp_path)):
+            assert await alice.final(await alice.post(f"@{ROBOT} turn right 20 degrees")) == ["done"]
+            assert await position(slow_driver) == pytest.approx(stood, abs=STILL_M)
+            assert len(await alice.states(topic)) == 1
 
 
 async def test_law_6_a_second_agent_is_refused(scene: Scene) -> None:
@@ -345,10 +350,15 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
     assert await journal.once("post-1", lambda: answer("one")) == "one"
     assert await journal.move("1", lambda: answer("moved")) == "moved"
     assert await journal.cancel("2")
-    stuck = asyncio.create_task(journal.move("3", asyncio.Event().wait))
-    async with asyncio.timeout(5):
-        while not await journal.moved("3"):  # noqa: ASYNC110 (the row is waited for)
-            await asyncio.sleep(0.01)
+    begun = asyncio.Event()
+
+    async def hang() -> str:
+        begun.set()
+        await asyncio.Event().wait()
+        return "never"
+
+    stuck = asyncio.create_task(journal.move("3", hang))
+    await asyncio.wait_for(begun.wait(), 10)
     await journal.close()
     await asyncio.gather(stuck, return_exceptions=True)
     journal = await Journal.open(tmp_path, ROBOT)

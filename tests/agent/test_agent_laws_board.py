@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from agent_process import Poster, RunningBoard, until
-from agent_scene import ROBOT, Driver, robot_settings
+from agent_scene import ROBOT, Driver, robot_settings, serving
 from running_board import running_board
 
 from agentrob.agent.turn import RobotAgent
@@ -53,17 +53,10 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
 
 
 @asynccontextmanager
-async def serving(board: RunningBoard, client: DriverClient, folder: Path) -> AsyncIterator[None]:
+async def serving_on(board: RunningBoard, client: DriverClient, folder: Path) -> AsyncIterator[None]:
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
-    agent = RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), folder)
-    running = asyncio.create_task(agent.run())
-    try:
-        await asyncio.wait_for(agent.ready.wait(), 20)
+    async with serving(RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), folder)):
         yield
-    finally:
-        running.cancel()
-        await asyncio.gather(running, return_exceptions=True)
-        await agent.close()
 
 
 def change(board: RunningBoard, what: str, topic: str) -> None:
@@ -122,7 +115,7 @@ async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_
     board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, what: str
 ) -> None:
     client = Gated(driver)
-    async with serving(board, client, tmp_path):
+    async with serving_on(board, client, tmp_path):
         with Poster(board, "op") as op:
             first = await op.post(f"@{ROBOT} turn right 20 degrees")
             await asyncio.wait_for(client.busy.wait(), 20)
@@ -140,7 +133,7 @@ async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_
     board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, what: str
 ) -> None:
     client = Gated(driver)
-    async with serving(board, client, tmp_path):
+    async with serving_on(board, client, tmp_path):
         topic = await pilot.post(WALK)
         await asyncio.wait_for(client.busy.wait(), 20)
         await asyncio.to_thread(change, board, what, topic)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from agent_process import Poster
-from agent_scene import ROBOT, Driver, robot_settings
+from agent_scene import ROBOT, Driver, robot_settings, serving
 from look_brain import DONE, driving_brain
 
 sys.path.append(str(Path(__file__).parents[1] / "board"))
@@ -21,6 +21,8 @@ from agentrob.board import admin
 from agentrob.config import ForumConfig
 from agentrob.forums.board import BoardForum
 from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
+
+DRAWS = True
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 SHOTS = Path(__file__).parents[2] / "var/screenshots"
@@ -40,16 +42,9 @@ async def looked(board: RunningBoard, driver: Driver, folder: Path) -> str:
         brain.drives = list(CALLS)
         mind = brain.mind(folder)
         await mind.prepare()
-        agent = RobotAgent(ROBOT, settings, forum, driver.client(), mind, folder)
-        running = asyncio.create_task(agent.run())
-        try:
-            await asyncio.wait_for(agent.ready.wait(), 20)
+        async with serving(RobotAgent(ROBOT, settings, forum, driver.client(), mind, folder)):
             topic = await op.post(f"@{ROBOT} walk to the red ball and tell me what is beside it")
             assert await op.final(topic) == ["done"]
-        finally:
-            running.cancel()
-            await asyncio.gather(running, return_exceptions=True)
-            await agent.close()
     return topic
 
 

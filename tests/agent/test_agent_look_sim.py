@@ -22,6 +22,8 @@ from agentrob.model import AccountKind, Role
 sys.path.append(str(Path(__file__).parents[1] / "sim"))
 from served_world import Served, start_world
 
+DRAWS = True
+
 pytestmark = pytest.mark.sim
 ROBOT = "quadruped"
 #: Half of what the camera sees to either side; how wide the ball is; how near is near enough, from the camera.

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from agent_process import Poster, RunningBoard
-from agent_scene import ROBOT, Driver, robot_settings
+from agent_scene import ROBOT, Driver, robot_settings, serving
 
 sys.path.append(str(Path(__file__).parents[1] / "board"))
 sys.path.append(str(Path(__file__).parents[1] / "minds"))
@@ -98,9 +98,7 @@ async def test_a_configured_model_reads_looks_and_words_on_the_board(
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
     mind = app.make_mind(settings.mind, config)
     agent = RobotAgent(ROBOT, settings, forum, driver.client(), mind, tmp_path)
-    running = asyncio.create_task(agent.run())
-    try:
-        await asyncio.wait_for(agent.ready.wait(), 20)
+    async with serving(agent):
         with Poster(board, "op") as op:
             topic = await op.post(f"@{ROBOT} pray amble forward 1 m, dear")
             assert await op.final(topic) == ["done"], await thread(board, topic)
@@ -113,7 +111,3 @@ async def test_a_configured_model_reads_looks_and_words_on_the_board(
             said = await thread(board, topic)
             assert "for the words `to where the neighbour sunbathes`: somebody is to be watched or followed." in said
             assert "`model.surveillance`" in said
-    finally:
-        running.cancel()
-        await asyncio.gather(running, return_exceptions=True)
-        await agent.close()

@@ -33,6 +33,8 @@ from agentrob.model import (
     StatusCard,
 )
 
+DRAWS = True
+
 PIXEL = b"\x89PNG a picture"
 
 

@@ -12,7 +12,7 @@ import pytest
 from agent_process import Poster, RunningBoard
 from agent_scene import ROBOT, Driver
 from running_board import running_board
-from test_agent_laws_board import serving
+from test_agent_laws_board import serving_on
 
 from agentrob.agent import publish
 from agentrob.agent.pictures import Picture
@@ -20,6 +20,8 @@ from agentrob.agent.publish import MOST_BYTES, public
 from agentrob.errors import ForumUnreachable
 from agentrob.images.store import Link
 from agentrob.robots.client import DriverClient
+
+DRAWS = True
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +42,7 @@ async def told(board: RunningBoard, post: str) -> list[dict[str, Any]]:
 async def test_a_finished_command_has_a_page_with_what_was_asked_and_measured(
     board: RunningBoard, driver: Driver, tmp_path: Path
 ) -> None:
-    async with serving(board, DriverClient(driver.name, driver.socket), tmp_path):
+    async with serving_on(board, DriverClient(driver.name, driver.socket), tmp_path):
         with Poster(board, "op") as op:
             topic = await op.post(f"@{ROBOT} walk forward 0.5 metres, please, my dear")
             assert await op.final(topic) == ["done"]

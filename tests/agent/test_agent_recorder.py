@@ -30,6 +30,8 @@ from agentrob.forums.memory import MemoryForum
 from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Plan, Post, Primitive, Report
 from agentrob.robots.fake import FakeRobot
 
+DRAWS = True
+
 MOVE = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0, speed_mps=0.5)
 TURN = Primitive(Op.TURN, Direction.LEFT, degrees=90)
 ASIDE = Primitive(Op.MOVE, Direction.LEFT, distance_m=1.0, speed_mps=0.9)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
-from agentrob.agent import turn
+from agentrob.agent import rows, turn
 from agentrob.agent.journal import Journal
 from agentrob.errors import ForumError, RobotUnreachable
 from agentrob.forums.memory import MemoryForum
@@ -256,13 +256,38 @@ async def test_law_14_a_stop_that_the_forum_knows_nothing_of_ends_what_was_accep
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
 
 
-async def test_no_step_begins_while_the_agent_is_being_ended(scene: Scene) -> None:
+@pytest.mark.parametrize(("then", "state"), [("soon", "done"), ("late", "expired"), ("stopped", "stopped")])
+async def test_laws_5_6_and_14_ending_the_agent_while_a_command_moves_leaves_the_next_one_to_its_next_start(
+    scene: Scene, then: str, state: str
+) -> None:
+    async with scene.agent():
+        first = await scene.post("alice", "@quadruped walk forward 5 metres, then walk backward 5 metres")
+        second = await scene.post("alice", "@quadruped turn left 90 degrees")
+        await scene.state(second, "queued")
+        await scene.state(first, "running")
+    assert [reply.card.state for reply in (*scene.replies(first), *scene.replies(second))] == ["interrupted", "queued"]
+    match then:
+        case "late":
+            scene.world.clock_offset_s = 125
+        case "stopped":
+            async with scene.driver.client() as client:
+                await client.stop("somebody at the robot")
+    async with scene.agent():
+        assert (await scene.final(second)).card.state == state
+    assert len(scene.replies(first)) == 1
+
+
+async def test_law_6_a_motion_that_the_agent_s_end_overtook_has_not_begun(scene: Scene) -> None:
+    """It had its turn, and was on disk, when the agent was ended."""
     stood = await place(scene.driver)
     async with scene.agent() as agent:
         agent._ending = True
-        post = await scene.post("alice", "@quadruped walk forward 1 metre")
-        assert (await scene.final(post)).card.state == "interrupted"
+        post = await scene.post("alice", "@quadruped walk forward 0.2 metres")
+        await scene.until(lambda: scene.replies(post) and not agent.line)
+    assert [reply.card.state for reply in scene.replies(post)] == ["seen"]
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
+    async with scene.agent():
+        assert (await scene.final(post)).card.state == "done"
 
 
 @pytest.mark.parametrize("max_edits", [None, 0])
@@ -353,6 +378,42 @@ async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(
         assert (await scene.final(last)).card.state == "done"  # type: ignore[union-attr]
         reply = await scene.final(post)
     assert reply.card is not None
+    assert reply.card.state == ("done" if told else "interrupted")
+    assert max(abs(a - b) for a, b in zip(before, await place(scene.driver), strict=True)) < STILL_M
+
+
+@pytest.mark.parametrize("told", [pytest.param(True, marks=pytest.mark.slow), False])
+@pytest.mark.parametrize("why", ["edited", pytest.param("stopped", marks=pytest.mark.slow), "late"])
+async def test_law_6_of_a_motion_that_began_nothing_but_its_end_is_told_once(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, why: str, told: bool
+) -> None:
+    """The journal knows that it began, as after a crash; the forum knows that it ended, or that it runs."""
+    async with scene.agent() as agent:
+        post = await scene.post("alice", "@quadruped walk forward 5 metres")
+        running = await scene.state(post, "running")
+        with sqlite3.connect(scene.folder / "copy") as copy, sqlite3.connect(agent.folder / "journal.sqlite") as now:
+            now.backup(copy)
+        assert (await scene.final(post)).card.state == "done"
+        await scene.until(lambda: not agent.line)
+    for file in agent.folder.glob("journal.sqlite*"):
+        file.unlink()
+    (scene.folder / "copy").rename(agent.folder / "journal.sqlite")
+    if not told:
+        scene.world.posts[running.id] = running
+    match why:
+        case "edited":
+            await scene.world.sign_in("alice").edit(post.id, "@quadruped walk forward 2 metres")
+        case "stopped":
+            await scene.post("bob", "@quadruped stop")
+        case "late":
+            later = rows.boot_s() + 700.0
+            monkeypatch.setattr(rows, "boot_s", lambda: later)
+    before = await place(scene.driver)
+    async with scene.agent():
+        await scene.final(await scene.post("alice", "@quadruped help"))
+        if not told:
+            assert (await scene.final(post)).card.state == "interrupted"
+    (reply,) = scene.replies(post)
     assert reply.card.state == ("done" if told else "interrupted")
     assert max(abs(a - b) for a, b in zip(before, await place(scene.driver), strict=True)) < STILL_M
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import httpx2
 import pytest
-from agent_scene import FINAL, ROBOT, Driver, Scene, robot_settings
+from agent_scene import FINAL, ROBOT, Driver, Scene, robot_settings, serving
 
 from agentrob.agent.stops import FOLD_S
 from agentrob.agent.turn import RobotAgent
@@ -165,10 +165,7 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
             board.add(name)
         client = Logged(driver)
         forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
-        agent = RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), tmp_path)
-        serving = asyncio.create_task(agent.run())
-        try:
-            await asyncio.wait_for(agent.ready.wait(), 20)
+        async with serving(RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), tmp_path)):
             op = board.client("op")
             running = op.post("/topics", json={"board": "robots", "title": "Walk", "body": COMMAND}).json()["topic"][
                 "id"
@@ -187,10 +184,6 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
                 posts = op.get(f"/topics/{topic['id']}/posts", params={"limit": 100}).json()["items"]
                 ours = [post for post in posts if post["author"]["name"] == ROBOT and NOTICE not in post["raw"]]
                 assert len(ours) <= (2 if topic["id"] == running else 1), topic
-        finally:
-            serving.cancel()
-            await asyncio.gather(serving, return_exceptions=True)
-            await agent.close()
     assert client.log[0] == "move"
     assert client.log[-1] == "turn"
     assert set(client.log[1:-1]) == {"stop"}

@@ -80,3 +80,40 @@ def test_what_is_said_to_be_somewhere_is_no_command(text: str, metres: list[floa
 def test_what_is_asked_or_supposed_to_be_somewhere_moves_nothing(text: str) -> None:
     found = parse(text, ["quadruped"], [], frozenset(Op))
     assert found.intent is not Intent.COMMAND
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "走在你前面",
+        "走在你前面一米",
+        "走在您後面兩米",
+        "走在你前面2米的人",
+        "跑在你左边三米",
+        "坐在你前面",
+        "站在你前面两米",
+    ],
+)
+def test_who_is_near_the_robot_is_no_command_although_nobody_is_named(text: str) -> None:
+    assert parse(text, ["quadruped"], [], frozenset(Op)).intent is Intent.NOTHING
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "走在你前面。向前走1米",
+        "向前走1米。走在你前面",
+        "向前走5米，走在你前面2米",
+        "走在你前面2米，向前走5米",
+        "走在你前面，然后拍张照",
+        "左转90度，走在你前面",
+        "请走在你前面一米",
+    ],
+)
+def test_a_command_beside_somebody_near_the_robot_is_asked_back(text: str) -> None:
+    assert parse(text, ["quadruped"], [], frozenset(Op)).intent is Intent.ASK_BACK
+
+
+@pytest.mark.parametrize("text", ["你走在前面两米", "走在前面两米", "在你前面走两米", "往你前面走两米"])
+def test_a_walk_ahead_is_a_command(text: str) -> None:
+    assert [s.distance_m for s in parse(text, ["quadruped"], [], frozenset(Op)).plan.steps] == [2.0]

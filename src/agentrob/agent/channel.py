@@ -60,6 +60,12 @@ class Channel:
         at, compared_s = self._compared
         return at + timedelta(seconds=elapsed_s() - compared_s) if math.isfinite(compared_s) else datetime.now(UTC)
 
+    @property
+    def compared_at(self) -> datetime:
+        """What the forum's clock said when it was last asked, and so never later than it is: what is posted once
+        that was answered is newer, however long the answer was on its way."""
+        return self._compared[0]
+
     async def set_clock(self) -> str:
         """Compare clocks; returns the id of the newest event. Raises `ForumError`."""
         before_s = elapsed_s()

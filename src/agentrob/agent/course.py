@@ -20,7 +20,7 @@ from agentrob.agent.approvals import LAPSED, Approvals
 from agentrob.agent.channel import Channel
 from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, decisive, execute
 from agentrob.agent.extract import Thought
-from agentrob.agent.journal import CANCELLED, DENIED, INTERRUPTED, Journal
+from agentrob.agent.journal import CANCELLED, DENIED, INTERRUPTED, Journal, NotBegun
 from agentrob.agent.line import Job, Line
 from agentrob.agent.look import look
 from agentrob.agent.look_goal import errand_of, in_words
@@ -152,6 +152,8 @@ class Course:
             moved = known and await self.journal.moved(command.post_id)
             if not moved and (not known or state == "running" or state in FINAL):
                 return False, state in FINAL
+            if state in FINAL and not await self.journal.moved(command.post_id, ended=True):
+                return False, True
         await self.journal.posted(command.post_id, now.id)
         return True, False
 
@@ -221,7 +223,7 @@ class Course:
             status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
             message = verdict.reason if status == "asks_back" else ""
             return self._report(job, status, plan, verdict=verdict, message=message)
-        if (waiting := await self._pace(job)) is not None:
+        if not job.begun and (waiting := await self._pace(job)) is not None:
             return self._report(job, "refused", plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
             await self.approvals.wait(job, words.planned(plan, command.language, _goal(job)), verdict.reason)
@@ -265,7 +267,9 @@ class Course:
         return None
 
     async def _move(self, job: Job, plan: Plan) -> str:
-        """The motion itself; called at most once ever for a post."""
+        """The motion itself; called at most once ever for a post. One that the agent's end overtook does not begin."""
+        if self.ending():
+            raise NotBegun
         job.moving = True
         self.on_motion()
         known = job.thought is not None and job.thought.goal is not None

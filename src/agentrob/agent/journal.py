@@ -13,6 +13,7 @@ what must not be repeated is guarded by its own row, never by the engine.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import fcntl
 import socket
 import sqlite3
@@ -53,6 +54,10 @@ _PLAN = TypeAdapter(Plan)
 
 class _Ended(BaseException):
     """Ends a workflow's thread at shutdown without an outcome, so that the next start begins it anew."""
+
+
+class NotBegun(_Ended):
+    """Raised by a motion's deed that has done nothing: the motion has not begun, and is left to the next start."""
 
 
 class Journal(Rows):
@@ -284,7 +289,7 @@ class Journal(Rows):
         """In a workflow's thread: do the deed on the agent's own loop, where its connections live."""
         deed = self._deeds.get(workflow_id)
         if deed is None or self._ended.is_set():
-            raise _Ended
+            raise NotBegun
         future = asyncio.run_coroutine_threadsafe(_awaited(deed), self._loop)
         while True:
             try:
@@ -293,6 +298,8 @@ class Journal(Rows):
                 if self._ended.is_set():
                     future.cancel()
                     raise _Ended from None
+            except NotBegun:
+                raise
             except BaseException as e:
                 if self._ended.is_set():
                     raise _Ended from None
@@ -309,6 +316,9 @@ class Journal(Rows):
             return str(result)
         return CANCELLED if state == CANCELLED else INTERRUPTED
 
+    def _not_begun(self, post_id: str) -> None:
+        self._do("DELETE FROM motion WHERE post = ? AND state = 'begun'", (post_id,))
+
     def _end(self, post_id: str, result: str) -> None:
         self._do("UPDATE motion SET state = 'ended', result = ? WHERE post = ?", (result, post_id))
 
@@ -320,23 +330,10 @@ class Journal(Rows):
         query = f"INSERT INTO motion (post, state, at) VALUES (?, '{CANCELLED}', ?) ON CONFLICT DO NOTHING"
         return bool(self._do(query, (post_id, time.time())))
 
-    async def moved(self, post_id: str) -> bool:
-        """Whether a motion of this post ever began."""
+    async def moved(self, post_id: str, ended: bool = False) -> bool:
+        """Whether a motion of this post ever began, or (`ended`) what came of it is kept."""
         found = await self._in_rows(self._one, "SELECT state FROM motion WHERE post = ?", (post_id,))
-        return found is not None and found[0] != CANCELLED
-
-    # ---------------------------------------------------------------- meta
-    async def get(self, key: str) -> str | None:
-        found = await self._in_rows(self._one, "SELECT value FROM meta WHERE key = ?", (key,))
-        return str(found[0]) if found else None
-
-    async def put(self, key: str, value: str) -> None:
-        query = "INSERT INTO meta (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = excluded.value"
-        await self._in_rows(self._do, query, (key, value))
-
-    async def get_time(self, key: str) -> datetime | None:
-        found = await self.get(key)
-        return datetime.fromisoformat(found) if found else None
+        return found is not None and (found[0] == "ended" if ended else found[0] != CANCELLED)
 
     async def set_aside(self) -> None:
         """The forum was replaced and its ids mean other posts now: what was kept counts no more, open claims end."""
@@ -385,7 +382,12 @@ def _perform_motion(workflow_id: str) -> str:
     instead = journal._rows.submit(journal._begin, post_id).result()
     if instead is not None:
         return instead
-    result = journal._perform(workflow_id)
+    try:
+        result = journal._perform(workflow_id)
+    except NotBegun:
+        with contextlib.suppress(Exception):  # closed already: then it counts as interrupted
+            journal._rows.submit(journal._not_begun, post_id).result()
+        raise
     journal._rows.submit(journal._end, post_id, result).result()
     return result
 

@@ -22,15 +22,17 @@ class Job:
     """One post under way, from its claim to its final reply.
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
-    was. `ended` is a stable word as soon as the command may not go on; `paced`: its account may command now; while it
-    is `held`, others go before it. `asked`: it waits or waited for an approval, and what was said of it. `stop` brings
-    what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it ended.
-    `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `status` is
-    its status post, `task` what carries it through.
+    was. `begun`: so was its motion, and only its report is left to tell: nothing ends it any more. `ended` is a stable
+    word as soon as the command may not go on; `paced`: its account may command now; while it is `held`, others go
+    before it. `asked`: it waits or waited for an approval, and what was said of it. `stop` brings what the stop that
+    ended it did, `stopped_by` whose it was; `took_back` is how many others it ended. `thought` is what was made of it,
+    as soon as that is known, `looked` the loop of a model that steered; `status` is its status post, `task` what
+    carries it through.
     """
 
     command: Command
     known: bool = False
+    begun: bool = False
     accepted_s: float = field(default_factory=time.monotonic)
     waited_s: float = 0.0
     ended: str | None = None
@@ -53,6 +55,10 @@ class Job:
         self.timings_ms.setdefault(name, max(0.0, (at - self.command.posted_at).total_seconds() * 1000))
 
     @property
+    def can_end(self) -> bool:
+        return self.ended is None and not self.begun
+
+    @property
     def decided(self) -> Decided | None:
         """Who approved or denied it, as soon as somebody did."""
         return self.asked.decided if self.asked is not None else None
@@ -65,7 +71,7 @@ class Job:
 
     def end(self, why: str) -> None:
         """The first reason counts."""
-        if self.ended is None:
+        if self.can_end:
             self.ended = why
         self._changed.set()
 
@@ -94,6 +100,7 @@ class Line:
     def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
         self._jobs: list[Job] = []
         self._turn: Job | None = None
+        self._closed = False
         self._on_change = on_change
 
     def __len__(self) -> int:
@@ -162,7 +169,7 @@ class Line:
 
     def end_before(self, at: datetime, why: str) -> list[Job]:
         """End every command that was posted at `at` or earlier; returns those that had not been ended."""
-        found = [job for job in self._jobs if job.command.posted_at <= at and job.ended is None]
+        found = [job for job in self._jobs if job.command.posted_at <= at and job.can_end]
         for job in found:
             job.end(why)
         return found
@@ -172,7 +179,7 @@ class Line:
         found = [
             job
             for job in self._jobs
-            if job.command.author.id == account_id and job.command.posted_at < at and not job.moving and not job.ended
+            if job.command.author.id == account_id and job.command.posted_at < at and not job.moving and job.can_end
         ]
         for job in found:
             job.end(why)
@@ -180,8 +187,8 @@ class Line:
 
     async def turn(self, job: Job, expiry_s: float) -> bool:
         """Wait until it is the job's turn (True) or it was ended; False as well once it is `expiry_s` old."""
-        left_s = expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
-        if left_s <= 0:
+        left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
+        if left_s is not None and left_s <= 0:
             job.end("expired")
         try:
             async with asyncio.timeout(left_s):
@@ -194,8 +201,12 @@ class Line:
             self._turn = job
         return job.ended is None
 
+    def close(self) -> None:
+        """Nobody gets a turn any more: who has not had one stays as it is, for the agent's next start."""
+        self._closed = True
+
     def _is_next(self, job: Job) -> bool:
-        return self._turn is None and next(j for j in self._jobs if not j.held) is job
+        return not self._closed and self._turn is None and next(j for j in self._jobs if not j.held) is job
 
     async def hold(self, job: Job, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
         """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended

@@ -43,7 +43,7 @@ FROM claim LEFT JOIN approval ON approval.post = claim.post
 class Rows:
     """A database whose connection one thread owns, so that rows are written in the order in which that was asked for.
 
-    `_in_rows` hands that thread a call; what else is here is for such calls.
+    `_in_rows` hands that thread a call; what else begins with `_` is for such calls.
     """
 
     def __init__(self, thread_name: str) -> None:
@@ -80,6 +80,18 @@ class Rows:
     def _all(self, query: str, args: Sequence[Any] = ()) -> list[Any]:
         assert self._db is not None
         return self._db.execute(query, tuple(args)).fetchall()
+
+    async def get(self, key: str) -> str | None:
+        found = await self._in_rows(self._one, "SELECT value FROM meta WHERE key = ?", (key,))
+        return str(found[0]) if found else None
+
+    async def put(self, key: str, value: str) -> None:
+        query = "INSERT INTO meta (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = excluded.value"
+        await self._in_rows(self._do, query, (key, value))
+
+    async def get_time(self, key: str) -> datetime | None:
+        found = await self.get(key)
+        return datetime.fromisoformat(found) if found else None
 
 
 def migrate(db: sqlite3.Connection) -> None:

@@ -55,7 +55,8 @@ class Stops:
         self._now = now
         self._render = render
         self._under_way: set[asyncio.Future[None]] = set()
-        self._done_s = -math.inf
+        #: When the newest of our own stops was done (monotonic), also one of the agent before a restart.
+        self.done_s = -math.inf
         self._replies: dict[str, asyncio.Task[_Reply | None]] = {}
 
     async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
@@ -79,7 +80,7 @@ class Stops:
             yield
         finally:
             self._under_way.discard(done)
-            self._done_s = time.monotonic()
+            self.done_s = time.monotonic()
             done.set_result(None)
 
     async def since(self, accepted_s: float) -> float:
@@ -87,7 +88,7 @@ class Stops:
         not end: waits for our own stops, which were for earlier commands, and counts after them."""
         if self._under_way:
             await asyncio.wait(tuple(self._under_way))
-        return max(accepted_s, self._done_s)
+        return max(accepted_s, self.done_s)
 
     async def _stop(self, by: str, at: datetime, halt: bool) -> StopResult | None:
         late_ms = max(0.0, (self._now() - at).total_seconds() * 1000)

@@ -170,7 +170,7 @@ class RobotAgent:
         begun = await self.journal.get_time("watermark")
         if begun is None:
             await self.journal.put("cursor", newest)
-            await self.journal.put("watermark", (begun := self.channel.now()).isoformat())
+            await self.journal.put("watermark", (begun := self.channel.compared_at).isoformat())
         self._watermark_at = begun
         await self.brake.remember(self.journal, begun)
         self.channel.cursor = await self.journal.get("cursor") or newest
@@ -191,9 +191,9 @@ class RobotAgent:
         except ForumNotFound:
             await self._begin_anew()
         for claim in await self.journal.open_claims():
-            job = Job(claim.command, known=True, waited_s=claim.waited_s, asked=claim.asked)
-            # A motion that was begun is never repeated, so its report only needs telling.
             begun = await self.journal.moved(claim.command.post_id)
+            job = Job(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
+            job.asked = claim.asked
             limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
             if not begun and (why := claim.why_not(self.channel.now(), *limits)):
                 job.end(why)
@@ -217,6 +217,7 @@ class RobotAgent:
     async def _wind_down(self) -> None:
         """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""
         self._ending = True
+        self.line.close()
         if (job := self.line.moving) is not None:
             job.end(SHUTDOWN)
             if job.task is not None:
@@ -224,6 +225,9 @@ class RobotAgent:
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
+        if self._journal is not None:
+            with contextlib.suppress(JournalError):
+                await self.brake.keep(self._journal)
 
     @property
     def me(self) -> Account | None:
@@ -294,7 +298,7 @@ class RobotAgent:
             await insist(partial(self.forum.changes, self.channel.cursor))
             return
         _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
-        self._watermark_at = self.channel.now()
+        self._watermark_at = self.channel.compared_at
         self.inbox.clear()
         for job in self.line:
             job.end("replaced")

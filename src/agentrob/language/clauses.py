@@ -67,7 +67,8 @@ class _Reader(Marks):
         if kind in MARKS:
             MARKS[kind](self, token)
         elif self.mode is Mode.TALK and not self._leaves_talk(token):
-            self.talk_has_motion |= kind in (Kind.MOVE, Kind.TURN, Kind.OP)
+            self.talk_has_motion |= kind in _DEEDS
+            self.sentence.somebody_does |= kind in _DEEDS and self.sentence.somebody is not None
             self.sentence.status_asked |= kind is Kind.STATUS and token.value is not None
         elif self.mode is Mode.DENIED:
             self._deny(token)

@@ -88,6 +88,8 @@ class Sentence:
     fix_unclear: Token | None = None  # "no wait", and nothing after it
     times_unclear: Token | None = None  # "walk and turn, twice": which of them
     talked: bool = False
+    somebody: Token | None = None  # 走在你前面: who is near the robot, not said by name
+    somebody_does: bool = False  # … and a deed after it, perhaps a command
     question: bool = False
     cancelled: Token | None = None  # "never mind"
     denied: bool = False

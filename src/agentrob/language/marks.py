@@ -179,6 +179,7 @@ class Marks:
         self.mode = Mode.TALK
         self.sentence.talked = True
         self.sentence.question |= token.value == "question"
+        self.sentence.somebody = token if token.value == "somebody" else self.sentence.somebody
         self.talk_has_motion = False
         self.talk_doubts = token.value == "question"
         self.joined_by_and = False

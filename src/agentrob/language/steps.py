@@ -64,7 +64,10 @@ def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> st
     """What makes a sentence doubtful: conditions, denials without an end, questions. Empty when nothing does.
 
     A condition or denial that stands alone ("Don't … walk 1 m") may mean its neighbours when the post `wants` anything.
+    So may somebody who is near the robot: it is told only where nothing else is wanted.
     """
+    if (near := sentence.somebody) is not None and (wants or sentence.requested or sentence.somebody_does):
+        return say("ask.words", language, words=quote(text[near.start : near.end]))
     if wants and sentence.condition is not None:
         key = "ask.wait" if sentence.condition.value == "later" else "ask.condition"
         return say(key, language, words=quote(text[sentence.condition.start : sentence.condition.end]))
