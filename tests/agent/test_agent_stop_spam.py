@@ -48,9 +48,9 @@ class Logged(DriverClient):
         super().__init__(driver.name, driver.socket)
         self.log: list[str] = []
 
-    async def stop(self, by: str) -> StopResult:
+    async def stop(self, by: str, *, running_only: bool = False) -> StopResult:
         self.log.append("stop")
-        return await super().stop(by)
+        return await super().stop(by, running_only=running_only)
 
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         self.log.append(str(primitive.op))

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
-import time
 from collections.abc import Callable, Coroutine
 from datetime import UTC, datetime
 from typing import Any
@@ -14,7 +12,6 @@ from agentrob.agent.execute import STOP
 from agentrob.agent.inbox import Inbox
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job, Line
-from agentrob.agent.rows import boot, boot_s
 from agentrob.agent.stops import Stops
 from agentrob.forums.forum import Event, EventKind
 from agentrob.model import Account, Language, StopResult
@@ -53,15 +50,6 @@ class Brake:
         if self.stopped_at > kept:  # somebody stopped before we could write it down
             self._saving = self._spawn(self._save(journal))
         self.stopped_at = max(self.stopped_at, kept)
-        taken_in, _, done_s = (await journal.get("stop_done") or "").rpartition(" ")
-        if taken_in == boot():  # what was left in line is not ended by the stop with which the last agent ended
-            self._stops.done_s = max(self._stops.done_s, time.monotonic() - (boot_s() - float(done_s)))
-
-    async def keep(self, journal: Journal) -> None:
-        """For the next start: when our own newest stop was done, which the driver knows too."""
-        if math.isfinite(self._stops.done_s):
-            done_s = boot_s() - (time.monotonic() - self._stops.done_s)
-            await journal.put("stop_done", f"{boot()} {done_s}")
 
     def heard(self, event: Event, author: Account, language: Language, halt: bool) -> None:
         """A stop of the forum: end and cancel all that was posted earlier, and stop the robot, with nothing between."""

@@ -55,8 +55,7 @@ class Stops:
         self._now = now
         self._render = render
         self._under_way: set[asyncio.Future[None]] = set()
-        #: When the newest of our own stops was done (monotonic), also one of the agent before a restart.
-        self.done_s = -math.inf
+        self._done_s = -math.inf
         self._replies: dict[str, asyncio.Task[_Reply | None]] = {}
 
     async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
@@ -65,12 +64,16 @@ class Stops:
         None when no driver could be reached on either of its two channels.
         """
         with self._counted():
-            return await self._stop(by, at, halt)
+            try:
+                return await self._stop(by, at, halt)
+            finally:
+                self._done_s = time.monotonic()
 
     async def quietly(self, why: str) -> None:
-        """Stop because a command of ours ended before its time; raises `RobotError`."""
+        """Stop because a command of ours ended before its time; raises `RobotError`. It is no stop of somebody: what
+        waits is left, and a stop that came before this one still ends it (law 14)."""
         with self._counted():
-            await self._driver.stop(f"agent: {why}")
+            await self._driver.stop(f"agent: {why}", running_only=True)
 
     @contextlib.contextmanager
     def _counted(self) -> Iterator[None]:
@@ -80,7 +83,6 @@ class Stops:
             yield
         finally:
             self._under_way.discard(done)
-            self.done_s = time.monotonic()
             done.set_result(None)
 
     async def since(self, accepted_s: float) -> float:
@@ -88,7 +90,7 @@ class Stops:
         not end: waits for our own stops, which were for earlier commands, and counts after them."""
         if self._under_way:
             await asyncio.wait(tuple(self._under_way))
-        return max(accepted_s, self.done_s)
+        return max(accepted_s, self._done_s)
 
     async def _stop(self, by: str, at: datetime, halt: bool) -> StopResult | None:
         late_ms = max(0.0, (self._now() - at).total_seconds() * 1000)

@@ -225,9 +225,6 @@ class RobotAgent:
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-        if self._journal is not None:
-            with contextlib.suppress(JournalError):
-                await self.brake.keep(self._journal)
 
     @property
     def me(self) -> Account | None:
