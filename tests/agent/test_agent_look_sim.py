@@ -24,7 +24,7 @@ from served_world import Served, start_world
 
 DRAWS = True
 
-pytestmark = pytest.mark.sim
+pytestmark = [pytest.mark.sim, pytest.mark.slow]
 ROBOT = "quadruped"
 #: Half of what the camera sees to either side; how wide the ball is; how near is near enough, from the camera.
 HALF_DEG, BALL_M, NEAR_M = 37.6, 0.30, 0.9

@@ -125,6 +125,7 @@ def form_token(page: str) -> str:
     return found[1]
 
 
+@pytest.mark.slow
 def test_a_demo_that_was_killed_leaves_no_process_and_gives_no_link(tmp_path: Path) -> None:
     demo = start_demo(tmp_path / "data")
     children = descendants(demo.process.pid)
@@ -215,6 +216,7 @@ def test_the_humanoid_walks_turns_and_waves(tmp_path: Path) -> None:
     assert not other & {"move_begin", "action_begin"}, "the other robot did nothing"
 
 
+@pytest.mark.slow
 def test_a_post_that_mentions_both_robots_makes_each_do_its_own_part(tmp_path: Path) -> None:
     told = post_once(tmp_path / "data", "@quadruped turn left 45 degrees. @humanoid wave.")
     assert told["status"] == "done"

@@ -45,6 +45,7 @@ def test_several_cameras_at_once_are_drawn_without_smoothing(world: World, monke
     views = {"go2": front_view(world.model, "go2"), "room": overview(world.model)}
     shown = Cameras(world.model, views, lambda: world.pose)
     try:
+        assert shown.ready.wait(60), "no way of drawing was found"
         for _ in range(2):
             assert shown.jpeg("room")
         assert renderer.asked == [(800, True)] * 2

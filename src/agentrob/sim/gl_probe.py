@@ -12,7 +12,7 @@ from typing import Any
 
 #: From best to worst; when none works, pictures are traced with rays.
 BACKENDS = ("egl", "osmesa")
-LIMIT_S = 10.0
+LIMIT_S = 20.0
 
 
 def open_context(backend: str, width: int, height: int) -> Any:
