@@ -32,7 +32,9 @@ AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
 LIMIT_S = 30.0
 #: A robot that is stopped strays less than this for so long.
-REST_M, REST_S = 0.02, 0.4
+#: Standing is what the driver calls so, slower than 0.12 m/s: a body that was stopped in mid-step sways for a moment.
+REST_S = 0.4
+REST_M = 0.12 * REST_S
 STOPPED = r"zero velocity commanded after \d+ ms; stands still"
 CONFIG = """
 data = "{data}"
