@@ -216,10 +216,12 @@ def test_the_first_tab_leads_to_the_content_and_stop_is_reached_and_seen(
     expect(page.locator("#live")).to_contain_text("Stop sent to @quadruped")
 
 
-#: All that a person can do something with on this page and that can be seen, marked so that it is known again.
+#: All that a person can do something with on this page and that can be seen, marked so that it is known again. Of radio
+#: buttons that belong together Tab reaches the chosen one, and the arrows the others: so browsers do it.
 MARK = """() => { let n = 0;
   for (const e of document.querySelectorAll('a[href], button, input, select, textarea, summary, [tabindex="0"]')) {
     if (e.type === 'hidden' || e.disabled || !e.checkVisibility()) continue;
+    if (e.type === 'radio' && !e.checked && [...e.form.elements[e.name]].some(one => one.checked)) continue;
     e.dataset.walk = n++;
   }
   return n; }"""
