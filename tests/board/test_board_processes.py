@@ -226,6 +226,20 @@ def test_who_signs_in_on_one_is_signed_in_on_the_other(forum: Forum) -> None:
         assert [browser.get(p.url + "/api/v1/me").json()["name"] for p in forum.processes] == ["ann", "ann"]
 
 
+def test_what_was_read_on_one_is_soon_read_on_the_other(forum: Forum) -> None:
+    topic = post_topic(forum.as_("op", forum.a))["topic"]["id"]
+    here, there = (forum.as_("member", process) for process in forum.processes)
+
+    def new(client: httpx2.Client) -> list[str]:
+        return [item["topic"]["id"] for item in client.get("/unread").json()["items"]]
+
+    assert topic in new(here)
+    assert topic in new(there)
+    here.put(f"/topics/{topic}/read", json={}).raise_for_status()
+    assert topic not in new(here)
+    wait_for(lambda: topic not in new(there))
+
+
 def test_guesses_are_counted_over_both(forum: Forum) -> None:
     admin.create_account(forum.settings, "eve", password="correct horse")
     with httpx2.Client(timeout=LIMIT_S) as browser:

@@ -180,6 +180,18 @@ def test_what_a_person_s_topics_were_tagged_goes_with_them(board: RunningBoard) 
     assert "private-matter" not in board.client("op").get("/tags").text
 
 
+def test_what_a_person_has_read_is_forgotten_with_their_posts(board: RunningBoard) -> None:
+    board.add("forgetful")
+    made = topic(board)
+    board.client("forgetful").put(f"/topics/{made['id']}/read", json={}).raise_for_status()
+    reads = select(func.count()).select_from(db.topic_reads).join(db.accounts).where(db.accounts.c.name == "forgetful")
+    with admin.writing(board.settings) as connection:
+        assert connection.execute(reads).scalar_one() == 1
+    board.run(erase_content(board.services, "admin", "forgetful"))
+    with admin.writing(board.settings) as connection:
+        assert connection.execute(reads).scalar_one() == 0
+
+
 # -------------------------------------------------------------------- what is new
 def badges(page: str) -> dict[str, tuple[str, str]]:
     """By topic: what its badge says, and where it leads."""

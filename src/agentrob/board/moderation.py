@@ -84,7 +84,8 @@ def move(t: Transaction, by: Account, topic_id: str, board_id: str, reason: str 
 
 # -------------------------------------------------------------------- for good
 def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[str]]:
-    """Delete all that an account wrote and uploaded: how many posts and pictures, and the files to take away.
+    """Delete all that an account wrote and uploaded: how many posts and pictures, and the files to take away. What it
+    has read is forgotten too.
 
     The rows stay, empty, so that replies keep their place and no id is used twice; the account stays too.
     """
@@ -115,6 +116,7 @@ def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[st
     t.connection.execute(update(db.topics).where(topics.author_id == number).values(title=ERASED))
     begun = select(topics.id).where(topics.author_id == number)
     t.connection.execute(delete(db.topic_tags).where(db.topic_tags.c.topic_id.in_(begun)))
+    t.connection.execute(delete(db.topic_reads).where(db.topic_reads.c.account_id == number))
     pictures = db.images.c
     digests = _drop(t, and_(pictures.account_id == number, pictures.gone_us.is_(None)))
     audit.note(t.connection, actor, "account.erase", f"account:{account.name}", posts=len(ids), pictures=len(digests))

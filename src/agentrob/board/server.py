@@ -116,7 +116,8 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
         following = _alone(parts.hub, duties)
 
     async def work() -> None:  # each process keeps by itself what the posts mean, and what its readers have read
-        await asyncio.gather(following, parts.store.follow_meanings(), unread.keep_writing(parts.marks, parts.store))
+        marking = unread.keep_writing(parts.marks, parts.store, parts.settings.shared)
+        await asyncio.gather(following, parts.store.follow_meanings(), marking)
 
     return work()
 

@@ -16,7 +16,8 @@ import structlog
 from sqlalchemy import Integer, and_, bindparam, func, select, text, update
 
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, from_cursor, to_cursor
+from agentrob.board.cursors import from_cursor, to_cursor
+from agentrob.board.reader import Reader
 from agentrob.board.records import Page, Topic
 from agentrob.board.writer import Transaction
 from agentrob.errors import BoardError
@@ -171,12 +172,16 @@ class Marks:
             log.warning("board.marks_not_written", marks=len(rows), error=str(e))
             self._pending = pending | self._pending
 
+    def forget(self) -> None:
+        """Ask the database anew; what is not written yet is kept."""
+        self._known, self._read_up_to = dict(self._pending), {}
+
     # ---------------------------------------------------------------- pieces
     def _of(self, reader: Reader, me: int, topics: Iterable[Topic]) -> Mapping[str, int]:
         """Up to which post each topic was read."""
         base = self._base(reader, me)
         if len(self._known) > MAX_KEPT:
-            self._known, self._read_up_to = dict(self._pending), {me: base}
+            self.forget()
         missing = [number for topic in topics if (me, number := int(topic.id)) not in self._known]
         if missing:
             there = {row.topic_id: row.post_id for row in reader.rows(_MARKS, me=me, topics=missing)}
@@ -198,8 +203,11 @@ def _marks_of(t: Transaction, board_id: str, base: int, up_to: int) -> dict[int,
     return {row.id: min(up_to, row.last_post_id) for row in rows}
 
 
-async def keep_writing(marks: Marks, store: Store) -> None:
-    """Write what was read every few seconds, until cancelled."""
+async def keep_writing(marks: Marks, store: Store, shared: bool) -> None:
+    """Write what was read every few seconds, until cancelled; where the database is `shared` by several processes, see
+    what was read at the others as often."""
     while True:
         await asyncio.sleep(WRITE_EVERY_S)
         await marks.write(store)
+        if shared:
+            marks.forget()
