@@ -314,7 +314,8 @@ class ActionResult:
 class StopResult:
     """What a stop did.
 
-    `latency_ms`: from asked to zero velocity commanded. `confirmed`: the robot's own state shows rest.
+    `latency_ms`: from asked to zero velocity commanded. `confirmed`: the robot's own state shows rest. `ended_s`: what
+    was accepted until then, by the monotonic clock of the driver's host, is over.
     """
 
     latency_ms: float
@@ -322,6 +323,7 @@ class StopResult:
     was_moving: bool = False
     coasted_m: float | None = None
     message: str = ""
+    ended_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

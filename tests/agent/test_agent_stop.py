@@ -94,6 +94,32 @@ async def test_law_14_what_is_still_being_read_is_cancelled_too_and_a_later_post
     assert "ended or cancelled" in answer[0].raw
 
 
+async def test_law_14_a_stop_at_the_robot_while_it_comes_to_rest_ends_what_was_posted_in_between(
+    tmp_path: Path,
+) -> None:
+    slow = Driver(tmp_path, robot_settings(options={"time_scale": 1, "faults": {"stop_s": 1.5}}), name="slow")
+    scene = make_scene(slow, tmp_path)
+    try:
+        async with scene.agent(), slow.client() as other:
+            first = scene.world.posts[await running(scene)]
+            await scene.post("bob", "@quadruped stop")
+            async with asyncio.timeout(5):
+                while await other.holder() is not None:  # noqa: ASYNC110 (another process)
+                    await asyncio.sleep(0.01)
+            second = await scene.post("alice", "@quadruped turn left 90 degrees")
+            await scene.until(lambda: scene.replies(second))
+            beside = await other.stop("somebody at the robot")
+            reply = await scene.final(second)
+            states = [(await scene.final(first)).card.state, reply.card.state]
+            third = await scene.post("alice", "@quadruped wave")
+            states.append((await scene.final(third)).card.state)
+    finally:
+        slow.end()
+    assert beside.was_moving, "it still came to rest"
+    assert states == ["stopped", "stopped", "done"]
+    assert "somebody at the robot" in reply.raw
+
+
 async def test_law_17_a_halt_holds_until_it_is_released(scene: Scene) -> None:
     async with scene.agent():
         await scene.post("bob", "@quadruped emergency stop!")

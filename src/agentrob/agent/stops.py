@@ -55,7 +55,7 @@ class Stops:
         self._now = now
         self._render = render
         self._under_way: set[asyncio.Future[None]] = set()
-        self._done_s = -math.inf
+        self._ended_s = -math.inf
         self._replies: dict[str, asyncio.Task[_Reply | None]] = {}
 
     async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
@@ -64,10 +64,10 @@ class Stops:
         None when no driver could be reached on either of its two channels.
         """
         with self._counted():
-            try:
-                return await self._stop(by, at, halt)
-            finally:
-                self._done_s = time.monotonic()
+            result = await self._stop(by, at, halt)
+            if result is not None:
+                self._ended_s = max(self._ended_s, math.nextafter(result.ended_s, math.inf))
+            return result
 
     async def quietly(self, why: str) -> None:
         """Stop because a command of ours ended before its time; raises `RobotError`. It is no stop of somebody: what
@@ -87,10 +87,11 @@ class Stops:
 
     async def since(self, accepted_s: float) -> float:
         """Since when the driver may know of no stop, for a command accepted at `accepted_s` (monotonic) that we did
-        not end: waits for our own stops, which were for earlier commands, and counts after them."""
+        not end: waits for our own stops, which were for earlier commands, and counts from when the driver ended those:
+        a stop by somebody at the robot, while it still came to rest, is not hidden by ours."""
         if self._under_way:
             await asyncio.wait(tuple(self._under_way))
-        return max(accepted_s, self._done_s)
+        return max(accepted_s, self._ended_s)
 
     async def _stop(self, by: str, at: datetime, halt: bool) -> StopResult | None:
         late_ms = max(0.0, (self._now() - at).total_seconds() * 1000)

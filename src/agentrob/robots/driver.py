@@ -109,15 +109,15 @@ class Driver:
         `asked_s` is when it was asked for, by the monotonic clock; the latency counts from there.
         """
         asked_s = time.monotonic() if asked_s is None else asked_s
-        self.leases.end("stop", by, running_only=running_only)
+        ended_s = self.leases.end("stop", by, running_only=running_only)
         late_ms = 1000 * (time.monotonic() - asked_s)
         result = self.guard.stop()
         log.warning("stop by %s: %s", by, result)
-        return replace(result, latency_ms=round(result.latency_ms + late_ms, 3))
+        return replace(result, latency_ms=round(result.latency_ms + late_ms, 3), ended_s=ended_s)
 
     def halt(self, by: str) -> StopResult:
-        self.leases.end("halt", by)
-        return self.guard.halt(name_of(by))
+        ended_s = self.leases.end("halt", by)
+        return replace(self.guard.halt(name_of(by)), ended_s=ended_s)
 
     def release(self, by: str) -> None:
         self.guard.release(by)

@@ -71,15 +71,17 @@ class Leases:
             if lease and lease == self._lease:
                 self._lease = ""
 
-    def end(self, why: str, by: str = "", *, running_only: bool = False) -> None:
+    def end(self, why: str, by: str = "", *, running_only: bool = False) -> float:
         """Take the lease away from whoever has it (a stop does), and from what was accepted before now; not from that
-        with `running_only`."""
+        with `running_only`. Returns when that was, in monotonic seconds."""
         end = End(why, name_of(by))
         with self._lock:
+            ended_s = time.monotonic()
             if not running_only:
-                self._last_end = (time.monotonic(), end)
+                self._last_end = (ended_s, end)
             if self._lease:
                 self._ended, self._lease = (self._lease, end), ""
+            return ended_s
 
     def refuse_ended(self, since_s: float) -> None:
         """`LeaseLost` when a stop or a halt came at or after `since_s`."""
