@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from typing import Any
@@ -89,6 +90,25 @@ def test_the_page_of_a_command_shows_what_decided_and_what_was_measured(world: W
     items = world.api("bob").get(f"/commands/{command}").json()["items"]
     assert [(i["robot"], i["reply"], i["record"]) for i in items] == [("quadruped", reply, RECORD)]
     assert items[0]["url"] == f"{world.base}/c/{command}"
+
+
+def test_what_strayed_by_nothing_is_left_out_and_no_amount_is_a_negative_nothing(world: World) -> None:
+    _, command = asked(world)
+
+    def said(**measured: float) -> str:
+        steps = [{**RECORD["steps"][0], "measured": measured}]
+        record = RECORD | {"steps": steps, "notes": ["I read `2 metres` as 2 m."]}
+        world.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
+        page = world.browser("bob").get(f"/c/{command}").text
+        assert "I read &#34;2 metres&#34; as 2 m." in page
+        found = re.search(r'<th scope="row">1</th><td>[^<]*</td><td>([^<]*)</td>', page)
+        assert found
+        return found[1]
+
+    assert said(distance_m=1.98, sideways_m=-0.004, heading_deg=0.04, drift_m=0.0049) == "1.98 m"
+    strayed = said(distance_m=1.98, sideways_m=-0.006, heading_deg=-0.06, drift_m=0.0129)
+    assert strayed == "1.98 m, -0.01 m sideways, -0.1° off, 0.01 m drifted"
+    assert said(distance_m=-0.001) == "0.00 m"
 
 
 def test_a_record_can_be_sent_again_and_only_by_a_robot_of_its_own_answer(world: World) -> None:

@@ -14,13 +14,16 @@ from agentrob.board.records import Image, Post
 from agentrob.board.robot_view import op_in_words
 
 _UNITS = {
-    "distance_m": "{:.2f} m",
-    "sideways_m": "{:.2f} m sideways",
-    "degrees": "{:.1f}°",
-    "heading_deg": "{:.1f}° off",
-    "speed_mps": "{:.2f} m/s",
-    "seconds": "{:.1f} s",
+    "distance_m": "{:z.2f} m",
+    "sideways_m": "{:z.2f} m sideways",
+    "degrees": "{:z.1f}°",
+    "heading_deg": "{:z.1f}° off",
+    "drift_m": "{:z.2f} m drifted",
+    "speed_mps": "{:z.2f} m/s",
+    "seconds": "{:z.1f} s",
 }
+#: Not worth saying where it rounds to nothing.
+_ASIDE = frozenset({"sideways_m", "heading_deg", "drift_m"})
 _MOMENTS = {"seen": "seen by the robot's agent", "first_motion": "first motion", "done": "at rest, all steps done"}
 _PICTURES = {"step": "Photo of step", "path": "Path that was measured", "recording": "Recording"}
 MOST = 60
@@ -161,8 +164,9 @@ def _amounts(amounts: Mapping[str, Any]) -> str:
     for name, value in list(amounts.items())[:8]:
         number = _number(value)
         if number is not None and name in _UNITS:
-            if number or name not in ("sideways_m", "heading_deg"):
-                said.append(_UNITS[name].format(number))
+            words = _UNITS[name].format(number)
+            if name not in _ASIDE or any(digit in words for digit in "123456789"):
+                said.append(words)
         elif number is not None:
             said.append(f"{name.replace('_', ' ')[:40]} {number:g}")
         else:
@@ -195,7 +199,7 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mappin
         ("Stopped by", _text(record.get("stopped_by"), 80)),
         ("Stop took", "" if latency is None else f"{latency:.0f} ms"),
         ("Stop confirmed", "" if not stop else "yes" if stop.get("confirmed") is True else "no"),
-        ("Notes", " ".join(_text(note, 200) for note in _list(record.get("notes"))[:8])),
+        ("Notes", " ".join(_text(note, 200) for note in _list(record.get("notes"))[:8]).replace("`", '"')),
         ("Shortened", "the record was too long to be sent whole" if record.get("shortened") is True else ""),
     ]
     return [(name, value) for name, value in facts if value]
