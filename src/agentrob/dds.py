@@ -10,13 +10,16 @@ machine, and the process hung for good).
 
 A callback given to DDS lives as long as the process: an entity that Python's cyclic collector takes (whoever drops a
 client of the SDK without closing it) stays in the C library, which goes on calling what was freed (seen: segmentation
-fault in the receiving thread, seconds later). So too everything is deleted before the interpreter takes itself apart.
+fault in the receiving thread, seconds later). So too everything is deleted before the interpreter takes itself apart,
+and no callback begins from then on: the SDK prints on standard output what comes of taking from what is deleted.
 """
 
 from __future__ import annotations
 
 import atexit
 import threading
+import time
+from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
@@ -45,6 +48,10 @@ class _ByteForUint8:
 
 _one_topic = threading.Lock()
 _listeners: list[Listener] = []  # a few for each client
+_ended = threading.Event()
+_calling: set[int] = set()  # threads of the C library that are in a callback
+#: Callbacks that have begun get so long before everything is deleted.
+_LAST_CALLS_S = 0.2
 
 
 def patch() -> None:
@@ -61,7 +68,7 @@ def patch() -> None:
 
     @wraps(listen)
     def for_good(self: Listener, *args: Any, **kwargs: Any) -> None:
-        listen(self, *args, **kwargs)
+        listen(self, *args, **{event: _until_the_end(callback) for event, callback in kwargs.items()})
         _listeners.append(self)
 
     Topic.__init__ = one_at_a_time
@@ -69,8 +76,25 @@ def patch() -> None:
     atexit.register(_end)
 
 
+def _until_the_end(callback: Callable[..., None]) -> Callable[..., None]:
+    def call(*args: Any) -> None:
+        me = threading.get_ident()
+        _calling.add(me)
+        try:
+            if not _ended.is_set():
+                callback(*args)
+        finally:
+            _calling.discard(me)
+
+    return call
+
+
 def _end() -> None:
     """Delete the participants with all that they hold: no thread of the C library calls Python after this."""
+    _ended.set()
+    limit_s = time.monotonic() + _LAST_CALLS_S
+    while _calling and time.monotonic() < limit_s:
+        time.sleep(0.001)
     for entity in list(Entity._entities.values()):
         if isinstance(entity, DomainParticipant):
             entity._delete(entity._ref)
