@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import gc
 import json
 import os
 import signal
@@ -112,6 +113,9 @@ def follow_parent() -> None:
 
 
 def say_ready(**facts: Any) -> None:
-    """Print the ready line."""
+    """Print the ready line. What is there by then is there for good, and no search for garbage looks at it again: in a
+    robot's agent such a search took 0.1 to 0.2 s, in which it would have heard no stop."""
+    gc.collect()
+    gc.freeze()
     sys.stdout.write(json.dumps({"ready": True, **facts}) + "\n")
     sys.stdout.flush()
