@@ -21,6 +21,7 @@ import httpx2
 import structlog
 
 from agentrob.errors import ConfigError
+from agentrob.tls import tls
 
 #: A delivery is tried so often, with these pauses between, and at most so many wait for one receiver.
 PAUSES_S = (1.0, 5.0, 30.0, 120.0, 300.0)
@@ -87,8 +88,7 @@ class Outbox:
         """For ever."""
         if not self._receivers:
             return
-        trusted = httpx2.create_ssl_context()  # also those that SSL_CERT_FILE names
-        http = httpx2.AsyncClient(timeout=TIMEOUT_S, trust_env=False, follow_redirects=False, verify=trusted)
+        http = httpx2.AsyncClient(timeout=TIMEOUT_S, trust_env=False, follow_redirects=False, verify=tls())
         async with http, asyncio.TaskGroup() as group:
             for receiver in self._receivers:
                 group.create_task(self._serve(http, receiver))

@@ -25,6 +25,7 @@ from agentrob.forums.board import BoardForum
 from agentrob.forums.discourse import DiscourseForum
 from agentrob.forums.forum import Forum
 from agentrob.forums.nodebb import NodeBBForum
+from agentrob.tls import tls
 
 THERE = datetime(2031, 5, 6, 7, 8, 9, tzinfo=UTC)
 
@@ -69,9 +70,9 @@ def test_without_a_clock_of_the_forum_a_date_is_held_against_ours() -> None:
 @pytest.fixture
 def fresh_certificates() -> Iterator[None]:
     """They are read once in a process: before and after these tests anew."""
-    wire.tls.cache_clear()
+    tls.cache_clear()
     yield
-    wire.tls.cache_clear()
+    tls.cache_clear()
 
 
 def _authority(folder: Path) -> Path:
@@ -125,7 +126,7 @@ async def test_a_forum_with_a_certificate_of_its_own_is_believed_where_ssl_cert_
         with pytest.raises(ForumUnreachable, match=r"(?i)certificate"):
             await stranger.boards()
         await stranger.close()
-        wire.tls.cache_clear()
+        tls.cache_clear()
         monkeypatch.setenv("SSL_CERT_FILE", str(pem))
         believed = kind(ForumConfig(url=url), "token")
         with pytest.raises(ForumLimited) as told:

@@ -15,8 +15,9 @@ import httpx2
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
-from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, tls, translated, where
+from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, translated, where
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
+from agentrob.tls import tls
 
 _KINDS = frozenset(EventKind)
 _JSON = dict[str, Any]

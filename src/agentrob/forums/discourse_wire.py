@@ -14,7 +14,8 @@ import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.discourse_settings import Credentials
-from agentrob.forums.wire import USER_AGENT, asked_wait_s, bounded_s, same_origin, tls, told_time, translated, where
+from agentrob.forums.wire import USER_AGENT, asked_wait_s, bounded_s, same_origin, told_time, translated, where
+from agentrob.tls import tls
 
 #: A limit that lasts longer (edits of a day, posts of a first day) is not waited for.
 LONGEST_WAIT_S = 600.0

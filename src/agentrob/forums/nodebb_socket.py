@@ -17,7 +17,8 @@ from websockets.exceptions import InvalidHandshake, WebSocketException
 
 from agentrob.errors import ForumError
 from agentrob.forums.nodebb_wire import NodeBBWire
-from agentrob.forums.wire import USER_AGENT, tls
+from agentrob.forums.wire import USER_AGENT
+from agentrob.tls import tls
 
 _BACKOFF_S = (0.5, 30.0)
 _NEWS = frozenset(

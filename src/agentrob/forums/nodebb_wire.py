@@ -17,7 +17,8 @@ import httpx2
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.nodebb_clock import HeaderClock
 from agentrob.forums.nodebb_settings import Credentials
-from agentrob.forums.wire import USER_AGENT, bounded_s, retry_after_s, same_origin, tls, told_time, translated, where
+from agentrob.forums.wire import USER_AGENT, bounded_s, retry_after_s, same_origin, told_time, translated, where
+from agentrob.tls import tls
 
 #: A refused sign-in is not tried again for so long: NodeBB locks accounts after a few.
 DENIED_S = 60.0

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import ssl
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
-from functools import cache
 
 import httpx2
 
@@ -18,13 +16,6 @@ from agentrob.errors import ForumError, ForumUnreachable
 USER_AGENT = "AgentRob/0.1"
 #: Whatever wait is told, it is asked again after an hour at the latest: none lasts for ever by a slip of the forum.
 LONGEST_RETRY_S = 3600.0
-
-
-@cache
-def tls() -> ssl.SSLContext:
-    """Whose certificates are believed: those that SSL_CERT_FILE or SSL_CERT_DIR name, else the library's own. Reading
-    them takes a moment, so once will do."""
-    return httpx2.create_ssl_context()
 
 
 @contextmanager

@@ -82,11 +82,13 @@ class ForumClient:
             from mcp.client.client import Client
             from mcp.client.streamable_http import streamable_http_client
 
+            from agentrob.tls import tls
+
             http = httpx2.AsyncClient(
                 headers={"Authorization": f"Bearer {token}"},
                 timeout=httpx2.Timeout(timeout_s, connect=5.0),
                 trust_env=False,
-                verify=httpx2.create_ssl_context(),  # also those that SSL_CERT_FILE names
+                verify=tls(),
             )
             made.append(http)
             transport = streamable_http_client(url, http_client=http)

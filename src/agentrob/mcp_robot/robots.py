@@ -17,6 +17,7 @@ from pydantic_core import from_json
 
 from agentrob.forums.forum import TRACE_ID
 from agentrob.mcp.envelope import ToolError
+from agentrob.tls import tls
 
 CALL_S = 15.0
 #: How often somebody who waits for a command is told how far it is.
@@ -34,9 +35,7 @@ class Service:
         self.robot = robot
         self._base = f"{url}/api/v1/robots/{quote(robot, safe='')}"
         self._headers = {"Authorization": f"Bearer {token}"}
-        self._http = http or httpx2.AsyncClient(
-            timeout=CALL_S, trust_env=False, follow_redirects=False, verify=httpx2.create_ssl_context()
-        )
+        self._http = http or httpx2.AsyncClient(timeout=CALL_S, trust_env=False, follow_redirects=False, verify=tls())
 
     async def ask(self, method: str, path: str = "", body: Any = None, **headers: str) -> dict[str, Any]:
         """The JSON of the answer; a `ToolError` for whatever is none."""
