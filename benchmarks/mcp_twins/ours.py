@@ -11,8 +11,8 @@ def main() -> None:
 
     unused = ("rich",) if "--http" in sys.argv else ("rich", "uvicorn")
     with quick_imports(folders=("mcp", "mcp.server"), without=unused):
-        from agentrob.app import log_to_stderr
         from agentrob.forums.memory import MemoryForum
+        from agentrob.logs import log_to_stderr
         from agentrob.mcp import tools
         from agentrob.mcp.identity import Accounts, Identity, Rights
         from agentrob.mcp.stdio import run

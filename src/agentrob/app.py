@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import json
 import os
 import signal
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +13,11 @@ from agentrob import config as configuration
 from agentrob.child import say_ready
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import BoardError, ConfigError
+from agentrob.logs import log_to_stderr
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find
 
 if TYPE_CHECKING:
-    from structlog.typing import Processor
-
     from agentrob.agent.turn import RobotAgent
     from agentrob.board.settings import BoardSettings
     from agentrob.forums.forum import Forum
@@ -84,42 +81,6 @@ def only_robot(config: Config, name: str | None) -> str:
         return next(iter(config.robots))
     known = ", ".join(sorted(config.robots)) or "none is configured"
     raise ConfigError(f"which robot? Name one of: {known}")
-
-
-#: One list for good: loggers keep the one that they began with, and who captures the log changes it in place.
-_PROCESSORS: list[Processor] = []
-
-
-def log_to_stderr() -> None:
-    """Standard output belongs to ready lines and results; people read the log."""
-    import structlog
-
-    renderer = structlog.dev.ConsoleRenderer(
-        colors=sys.stderr.isatty(), exception_formatter=structlog.dev.plain_traceback
-    )
-    _PROCESSORS[:] = [
-        structlog.contextvars.merge_contextvars,
-        structlog.processors.add_log_level,
-        structlog.processors.TimeStamper(fmt="iso"),
-        renderer,
-    ]
-    structlog.configure(
-        processors=_PROCESSORS,
-        logger_factory=structlog.WriteLoggerFactory(_Lossy()),  # type: ignore[arg-type]  # a line is written at once
-        cache_logger_on_first_use=True,
-    )
-
-
-class _Lossy:
-    """Standard error as it is now; its full disk costs lines, and never the process that writes them."""
-
-    def write(self, text: str) -> None:
-        with contextlib.suppress(OSError):
-            sys.stderr.write(text)
-
-    def flush(self) -> None:
-        with contextlib.suppress(OSError):
-            sys.stderr.flush()
 
 
 # ---------------------------------------------------------------------- board

@@ -13,6 +13,7 @@ from agentrob import __version__, app, cli_admin, cli_board, serving
 from agentrob import config as configuration
 from agentrob.child import follow_parent
 from agentrob.errors import AgentRobError
+from agentrob.logs import log_to_stderr
 from agentrob.model import AccountKind, Role
 
 cli = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
@@ -92,7 +93,7 @@ def demo_link(data: Annotated[Path | None, typer.Option(help="The demo's data fo
 @mind_cli.callback()
 def _results_on_stdout() -> None:
     """What is said of models that fail is no part of a result."""
-    app.log_to_stderr()
+    log_to_stderr()
 
 
 # ---------------------------------------------------------------------- language and robots
@@ -178,7 +179,7 @@ def drive(
     """Drive a robot without a forum."""
     from agentrob import drive as driving
 
-    app.log_to_stderr()
+    log_to_stderr()
     raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json, mind))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from agentrob import app
 from agentrob.child import say_ready
 from agentrob.config import Config
+from agentrob.logs import log_to_stderr
 
 if TYPE_CHECKING:
     from agentrob.forums.forum import Forum
@@ -17,7 +18,7 @@ def serve_agent(config: Config, name: str) -> None:
     """Run an agent and its HTTP service until SIGTERM or Ctrl-C."""
     from agentrob.service import server
 
-    app.log_to_stderr()
+    log_to_stderr()
     listens = config.service.loop
 
     async def serve() -> None:
@@ -41,7 +42,7 @@ def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
     with quick_imports(folders=("mcp", "mcp.server"), without=unused):
         from agentrob.mcp import wiring
 
-        app.log_to_stderr()
+        log_to_stderr()
         wiring.prepare(http)
 
     def open_forum(token: str) -> Forum:
@@ -55,7 +56,7 @@ def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
 
 def serve_mcp_robot(config: Config, http: bool) -> None:
     """The robots as tools for one MCP client over stdio, or over HTTP, through their HTTP services."""
-    app.log_to_stderr()
+    log_to_stderr()
     if http:
         from agentrob.mcp_robot import over_http as server
     else:

@@ -20,7 +20,7 @@ from pathlib import Path
 from agentrob.quick import quick_imports
 with quick_imports():
     from agentrob.agent.turn import RobotAgent
-    from agentrob.app import log_to_stderr
+    from agentrob.logs import log_to_stderr
     from agentrob.config import ForumConfig, RobotConfig
     from agentrob.forums.board import BoardForum
     from agentrob.minds.rules import RulesMind

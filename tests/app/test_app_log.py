@@ -7,7 +7,7 @@ import sys
 
 LOGS = """
 import structlog
-from agentrob.app import log_to_stderr
+from agentrob.logs import log_to_stderr
 log_to_stderr()
 for _ in range(100):
     structlog.get_logger().error("a line", why="a reason of some length" * 20)

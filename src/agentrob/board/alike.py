@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import BindParameter, String, bindparam, text
 
+from agentrob.board.cursors import from_cursor, to_cursor
 from agentrob.board.meanings import Meanings
-from agentrob.board.reader import Reader, from_cursor, to_cursor
+from agentrob.board.reader import Reader
 from agentrob.board.records import Page, Post
 from agentrob.board.search import boards_seen, given_up, in_order, terms
 from agentrob.board.words import TAGGED

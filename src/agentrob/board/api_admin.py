@@ -38,8 +38,8 @@ from agentrob.board.admin_models import (
 from agentrob.board.api import Cursor, Limit, out
 from agentrob.board.api_models import AccountOut, Items, Paged, account_out
 from agentrob.board.buttons import known_robot
+from agentrob.board.cursors import from_cursor, to_cursor
 from agentrob.board.problem import documented
-from agentrob.board.reader import from_cursor, to_cursor
 from agentrob.board.services import Services, services
 from agentrob.board.writer import Job, T
 from agentrob.errors import BoardError

@@ -9,7 +9,8 @@ from typing import Any
 from sqlalchemy import Select, and_, bindparam, func, insert, select, update
 
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, from_cursor, to_cursor
+from agentrob.board.cursors import from_cursor, to_cursor
+from agentrob.board.reader import Reader
 from agentrob.board.records import Page, Post
 from agentrob.board.writer import Transaction
 from agentrob.model import Account, AccountKind

@@ -10,6 +10,7 @@ from sqlalchemy import Connection, Executable, Integer, Row, Select, and_, bindp
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board import schema as db
+from agentrob.board.cursors import from_cursor, to_cursor
 from agentrob.board.database import unavailable
 from agentrob.board.records import Board, Event, Image, Page, Post, Topic, Version, from_us
 from agentrob.board.rows import account_from, board_from, event_from, event_id, post_from, topic_from
@@ -376,21 +377,6 @@ class Reader:
 def event_number(given_out: str) -> int:
     """Where the event of an id stands in the order."""
     return int(given_out.partition("-")[0])
-
-
-def to_cursor(number: int) -> str:
-    return format(number, "x")
-
-
-def from_cursor(cursor: str) -> int:
-    """The id after which a page begins; 422 for what was never given out as a cursor."""
-    try:
-        number = int(cursor, 16)
-    except ValueError:
-        number = -1
-    if not 0 <= number <= _LARGEST_ID:
-        raise BoardError(422, "bad_cursor", "that is not a cursor", "send `next` of the page before, as it was given")
-    return number
 
 
 def _cursor(ids: Sequence[int], limit: int) -> str | None:

@@ -16,7 +16,8 @@ from typing import Any, TypeVar
 from sqlalchemy import Connection, and_, select, text
 
 from agentrob.board import schema as db
-from agentrob.board.reader import Reader, from_cursor, to_cursor
+from agentrob.board.cursors import from_cursor, to_cursor
+from agentrob.board.reader import Reader
 from agentrob.board.records import Page, Post
 from agentrob.board.render import unmarked
 from agentrob.board.words import INDEXED, Where, index_query
