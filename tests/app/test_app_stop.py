@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 from uuid import uuid4
 
@@ -31,10 +32,8 @@ from agentrob.robots.client import DriverClient
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
 LIMIT_S = 30.0
-#: A robot that is stopped strays less than this for so long.
-#: Standing is what the driver calls so, slower than 0.12 m/s: a body that was stopped in mid-step sways for a moment.
-REST_S = 0.4
-REST_M = 0.12 * REST_S
+#: Of a robot that stands, the mean place of two halves of this time differs by less: it may sway, but goes nowhere.
+REST_M, REST_S = 0.02, 0.8
 STOPPED = r"zero velocity commanded after \d+ ms; stands still"
 CONFIG = """
 data = "{data}"
@@ -171,7 +170,9 @@ def at_rest(robot: DriverClient) -> bool:
             assert pose is not None
             places.append((pose.x_m, pose.y_m))
             await asyncio.sleep(0.02)
-        return max(math.dist(places[0], place) for place in places) < REST_M
+        half = len(places) // 2
+        before, after = ([fmean(one) for one in zip(*some, strict=True)] for some in (places[:half], places[half:]))
+        return math.dist(before, after) < REST_M
 
     return bool(asyncio.run(_with(robot, look())))
 

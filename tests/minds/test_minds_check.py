@@ -8,16 +8,14 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
 from faulty_server import FaultyServer, called, said
+from in_process import Said, agentrob
 from model_double import Double
-from typer.testing import CliRunner
 
-from agentrob.cli import cli
 from agentrob.config import MindConfig
-from agentrob.errors import AgentRobError
 from agentrob.minds.check import Checked, check
 
 Start = Callable[[list[dict[str, Any]]], Double]
@@ -127,20 +125,10 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     assert "  the rules have nothing against it; good could not look: no_key\n" in failed.stdout
 
 
-class Said(NamedTuple):
-    """What came of a command."""
-
-    returncode: int
-    stdout: str
-    stderr: str
-
-
 def run_mind(folder: Path, *args: str, **env: str) -> Said:
     """The command in this process, which has loaded the libraries: in each process of its own that takes seconds."""
-    config = ["--config", str(folder / "agentrob.toml")]
-    done = CliRunner().invoke(cli, ["mind", *args, *config], env={"AGENTROB_DATA": str(folder), **env})
-    said = f"agentrob: {done.exception}" if isinstance(done.exception, AgentRobError) else done.stderr
-    return Said(done.exit_code, done.stdout, said)
+    config = ("--config", str(folder / "agentrob.toml"))
+    return agentrob(folder, "mind", *args, *config, AGENTROB_DATA=str(folder), **env)
 
 
 def run_program(folder: Path, *args: str) -> Said:
