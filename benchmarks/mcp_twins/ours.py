@@ -7,10 +7,9 @@ import sys
 
 
 def main() -> None:
-    from agentrob.quick import quick_imports
+    from agentrob.mcp.sdk import sdk_imports
 
-    unused = ("rich",) if "--http" in sys.argv else ("rich", "uvicorn")
-    with quick_imports(folders=("mcp", "mcp.server"), without=unused):
+    with sdk_imports("--http" in sys.argv):
         from agentrob.forums.memory import MemoryForum
         from agentrob.logs import log_to_stderr
         from agentrob.mcp import tools

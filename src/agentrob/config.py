@@ -169,12 +169,12 @@ class RobotConfig(Section):
     allow_flip: bool = False
     room_camera: str = ""
     room_reset: str = ""
-    fence: FenceConfig = FenceConfig()
-    limits: LimitsConfig = LimitsConfig()
-    rates: RatesConfig = RatesConfig()
-    approval: ApprovalConfig = ApprovalConfig()
-    look: LookConfig = LookConfig()
-    recording: RecordingConfig = RecordingConfig()
+    fence: FenceConfig = Field(default_factory=FenceConfig)
+    limits: LimitsConfig = Field(default_factory=LimitsConfig)
+    rates: RatesConfig = Field(default_factory=RatesConfig)
+    approval: ApprovalConfig = Field(default_factory=ApprovalConfig)
+    look: LookConfig = Field(default_factory=LookConfig)
+    recording: RecordingConfig = Field(default_factory=RecordingConfig)
     options: dict[str, Any] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -232,7 +232,7 @@ class MindConfig(Section):
     concurrency: Annotated[int, Field(ge=1, le=64)] = 2
     max_output_tokens: Annotated[int, Field(ge=16)] = 2_000
     fallbacks: tuple[str, ...] = ()
-    limits: MindLimitsConfig = MindLimitsConfig()
+    limits: MindLimitsConfig = Field(default_factory=MindLimitsConfig)
     price: PriceConfig | None = None
 
     @property
@@ -265,12 +265,12 @@ class Config(Section):
     """The whole file. `data` is where databases, journals and pictures are kept."""
 
     data: str = ""
-    board: BoardConfig = BoardConfig()
-    forum: ForumConfig = ForumConfig()
-    images: ImagesConfig = ImagesConfig()
-    mcp: McpConfig = McpConfig()
-    mcp_robot: McpRobotConfig = McpRobotConfig()
-    service: ServiceConfig = ServiceConfig()
+    board: BoardConfig = Field(default_factory=BoardConfig)
+    forum: ForumConfig = Field(default_factory=ForumConfig)
+    images: ImagesConfig = Field(default_factory=ImagesConfig)
+    mcp: McpConfig = Field(default_factory=McpConfig)
+    mcp_robot: McpRobotConfig = Field(default_factory=McpRobotConfig)
+    service: ServiceConfig = Field(default_factory=ServiceConfig)
     robots: dict[Name, RobotConfig] = Field(default_factory=dict)
     minds: dict[Name, MindConfig] = Field(default_factory=dict)
 

@@ -11,4 +11,6 @@ Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{1,31}$")]
 
 
 class Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    """Built when it is first used: most commands read few tables."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)

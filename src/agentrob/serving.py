@@ -36,10 +36,9 @@ def serve_agent(config: Config, name: str) -> None:
 
 def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
     """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
-    from agentrob.quick import quick_imports
+    from agentrob.mcp.sdk import sdk_imports
 
-    unused = ("rich",) if http else ("rich", "uvicorn")
-    with quick_imports(folders=("mcp", "mcp.server"), without=unused):
+    with sdk_imports(http):
         from agentrob.mcp import wiring
 
         log_to_stderr()
@@ -56,9 +55,12 @@ def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
 
 def serve_mcp_robot(config: Config, http: bool) -> None:
     """The robots as tools for one MCP client over stdio, or over HTTP, through their HTTP services."""
+    from agentrob.mcp.sdk import sdk_imports
+
     log_to_stderr()
-    if http:
-        from agentrob.mcp_robot import over_http as server
-    else:
-        from agentrob.mcp_robot import server  # type: ignore[no-redef]
+    with sdk_imports(http):
+        if http:
+            from agentrob.mcp_robot import over_http as server
+        else:
+            from agentrob.mcp_robot import server  # type: ignore[no-redef]
     server.run(config.mcp_robot)

@@ -54,6 +54,18 @@ async def test_a_client_lives_a_whole_life_with_a_stdio_server(setup: McpSetup) 
         assert (await client.get_topic(post.topic_id)).posts[0].body == "hello"
 
 
+def test_what_no_event_loop_can_wait_for_is_read_and_written_too(setup: McpSetup, tmp_path: Path) -> None:
+    asked, answered = tmp_path / "asked.jsonl", tmp_path / "answered.jsonl"
+    asked.write_text("".join(json.dumps(INITIALIZE | {"id": number}) + "\n" for number in (1, 2)))
+    with asked.open() as source, answered.open("w") as target:
+        done = subprocess.run(
+            setup.command(), stdin=source, stdout=target, env=setup.environment("op"), timeout=LIMIT_S, check=False
+        )
+    assert done.returncode == 0
+    first, *_ = map(json.loads, answered.read_text().splitlines())
+    assert (first["id"], first["result"]["serverInfo"]["name"]) == (1, "agentrob-forum")
+
+
 async def test_the_logs_of_server_and_board_have_the_trace_id_of_the_answer(setup: McpSetup, tmp_path: Path) -> None:
     command, *args = setup.command()
     note = tmp_path / "log"

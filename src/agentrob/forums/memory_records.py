@@ -88,7 +88,8 @@ class MemoryRecords:
         if post_id not in self.posts:
             raise ForumNotFound(f"there is no post {post_id}")
         post = self.posts[post_id]
-        return replace(post, author=self.accounts[post.author.name])
+        author = self.accounts[post.author.name]
+        return post if post.author is author else replace(post, author=author)
 
     def written_under(self, name: str, key: str) -> Post | None:
         post_id = self._keys.get((name, key))

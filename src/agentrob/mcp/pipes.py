@@ -3,14 +3,18 @@ says it.
 
 The SDK's own reads and writes through worker threads and hands each message on from task to task. As there, what this
 process prints goes to standard error meanwhile, so that nothing but messages is on the wire. A client that stops
-reading stops us from writing, and is left when it closes its end.
+reading stops us from writing, and is left when it closes its end. Files and devices, which no event loop can wait for,
+are copied to and from pipes by a thread each.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
+import shutil
+import stat
 import sys
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from types import TracebackType
@@ -32,11 +36,14 @@ MAX_LINE = 16 * 1024 * 1024
 @asynccontextmanager
 async def stdio_pipes() -> AsyncIterator[tuple[LinesIn, LinesOut]]:
     """Streams of messages from standard input and to standard output, as `Server.run` takes them."""
-    reader, writer = await _open()
+    reader, writer, copying = await _open()
     yield LinesIn(reader), LinesOut(writer)
     with anyio.move_on_after(LAST_WORDS_S):  # what is answered already still goes out, to a client that reads
         with suppress(ConnectionError):
             await writer.drain()
+        if copying is not None:
+            writer.close()
+            await anyio.to_thread.run_sync(copying.join, abandon_on_cancel=True)
 
 
 class _Stream:
@@ -141,11 +148,19 @@ def written(message: types.JSONRPCMessage) -> bytes:
     return message.model_dump_json(by_alias=True, exclude_unset=True).encode()
 
 
-async def _open() -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    """The wire, from copies of the descriptors; 0 is then the null device and 1 standard error."""
+async def _open() -> tuple[asyncio.StreamReader, asyncio.StreamWriter, threading.Thread | None]:
+    """The wire, from copies of the descriptors, and the thread that copies the answers, if one does; 0 is then the null
+    device and 1 standard error."""
     loop = asyncio.get_running_loop()
     sys.stdout.flush()
-    incoming, outgoing = os.fdopen(os.dup(0), "rb", 0), os.fdopen(os.dup(1), "wb", 0)
+    source, target, copying = os.dup(0), os.dup(1), None
+    if not _is_pipe(source):
+        (source, end), file = os.pipe(), source
+        _copy(file, end)
+    if not _is_pipe(target):
+        (end, target), file = os.pipe(), target
+        copying = _copy(end, file)
+    incoming, outgoing = os.fdopen(source, "rb", 0), os.fdopen(target, "wb", 0)
     null = os.open(os.devnull, os.O_RDONLY)
     os.dup2(null, 0)
     os.close(null)
@@ -154,4 +169,21 @@ async def _open() -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), incoming)
     transport, protocol = await loop.connect_write_pipe(asyncio.streams.FlowControlMixin, outgoing)
     transport.set_write_buffer_limits(high=0)  # `drain` waits until all is on the wire
-    return reader, asyncio.StreamWriter(transport, protocol, None, loop)
+    return reader, asyncio.StreamWriter(transport, protocol, None, loop), copying
+
+
+def _is_pipe(descriptor: int) -> bool:
+    mode = os.fstat(descriptor).st_mode
+    return stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)
+
+
+def _copy(source: int, target: int) -> threading.Thread:
+    """Copy from one descriptor to the other until the end of either."""
+
+    def copy() -> None:
+        with suppress(OSError), os.fdopen(source, "rb", 0) as incoming, os.fdopen(target, "wb", 0) as outgoing:
+            shutil.copyfileobj(incoming, outgoing)
+
+    thread = threading.Thread(target=copy, name="copying", daemon=True)
+    thread.start()
+    return thread
