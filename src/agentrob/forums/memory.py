@@ -15,14 +15,16 @@ import asyncio
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.forums.memory_records import MemoryRecords
 from agentrob.meaning import LEAST, alike
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+
+if TYPE_CHECKING:
+    from agentrob.config import ForumConfig
 
 T = TypeVar("T")
 
