@@ -96,14 +96,15 @@ class Encoder:
             self._end()
 
     def _running(self) -> subprocess.Popen[bytes]:
-        if self._closed:
-            raise MeaningError("the search by meaning has ended")
-        if self._process is None or self._process.poll() is not None:
+        if not self._closed and (self._process is None or self._process.poll() is not None):
             self._end()
             pipe = subprocess.PIPE
             # One thread: it shall leave the other cores to those who wait for something.
             env = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
             self._process = subprocess.Popen(self._command, stdin=pipe, stdout=pipe, env=env, start_new_session=True)
+        if self._closed or self._process is None:  # also when `close` came while it was started, and saw none to kill
+            self._end()
+            raise MeaningError("the search by meaning has ended")
         return self._process
 
     def _end(self) -> None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -79,6 +82,26 @@ def test_closing_waits_for_nobody_and_ends_the_process() -> None:
     assert process.poll() is not None
     with pytest.raises(MeaningError, match="ended"):
         encoder.encode(["x"])
+
+
+def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    encoder, started = Encoder(COMMAND), list[subprocess.Popen[bytes]]()
+    closing = threading.Thread(target=encoder.close)
+
+    class Late(subprocess.Popen[bytes]):
+        def __init__(self, *args: Any, **kwargs: Any) -> None:
+            closing.start()
+            while not encoder._closed:
+                time.sleep(0.001)
+            super().__init__(*args, **kwargs)
+            started.append(self)
+
+    monkeypatch.setattr(subprocess, "Popen", Late)
+    with pytest.raises(MeaningError, match="ended"):
+        encoder.encode(["wait"])
+    closing.join(10)
+    assert not closing.is_alive()
+    assert [process.poll() is not None for process in started] == [True]
 
 
 def test_vectors_are_as_alike_as_their_directions() -> None:
