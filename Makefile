@@ -7,6 +7,8 @@
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
+# Tests wait for robots half of the time: three at a time keep two cores busy.
+MANY := -n 3
 # Tests start Python by the hundred; without compiled files each would compile all that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -20,8 +22,8 @@ test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
 	@scripts/axe
-	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not alone and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not alone and (sim or browser)" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not alone and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow and not alone and (sim or browser)" $(ARGS)
 	$(BIN)/pytest -q -m "not slow and alone" $(ARGS)
 
 test-slow: setup-dev
@@ -43,7 +45,7 @@ lint: setup-dev
 
 check: lint
 	@scripts/model-double
-	$(BIN)/pytest -q -n 2 -m "not slow and not alone and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q $(MANY) -m "not slow and not alone and not sim and not browser" $(ARGS)
 
 format: setup-dev
 	$(BIN)/ruff format .
