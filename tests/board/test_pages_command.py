@@ -162,6 +162,15 @@ def test_of_a_removed_post_nothing_is_told(world: World) -> None:
     assert world.api("quadruped").put(f"/commands/{command}", json={"record": RECORD}).status_code == 404
 
 
+def test_a_robot_that_has_not_ended_a_command_can_be_stopped_on_its_page(world: World) -> None:
+    topic, command = asked(world)
+    surfer = world.browser("bob")
+    for path in (f"/c/{command}", f"/c/{command}?part=views"):
+        assert 'action="/robots/quadruped/stop"' in surfer.get(path).text
+    told(world, topic, command)
+    assert "/stop" not in surfer.get(f"/c/{command}").text
+
+
 def test_a_post_without_a_record_says_so_and_what_is_none_is_404(world: World) -> None:
     _, command = asked(world)
     surfer = world.browser("bob")

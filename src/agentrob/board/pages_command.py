@@ -29,6 +29,8 @@ async def command(request: Request, viewer: Reading, post_id: str, part: str = "
     data = {"post": post, "views": views, "topic": known.store.topic(post.topic_id), "hidden": hidden}
     data["board"] = known.store.board(post.board_id)
     data |= {"waiting": approvals.of_post(known, post, viewer.account), "key": forms.nonce()}
+    ended = {view.robot for view in views}
+    data["awaited"] = [r.name for r in known.store.robots() if r.name in post.mentions and r.name not in ended]
     template = "command_views.html" if part == "views" else "command.html"
     return show(request, viewer, template, data, here="home")
 
