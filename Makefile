@@ -7,7 +7,7 @@
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
-# Tests wait for robots half of the time: three at a time keep two cores busy.
+# Tests wait for robots half of the time: three at a time keep two cores busy. A simulated world has to keep pace.
 MANY := -n 3
 # Tests start Python by the hundred; without compiled files each would compile all that it imports.
 unexport PYTHONDONTWRITEBYTECODE
@@ -23,7 +23,8 @@ test: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not alone and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow and not alone and (sim or browser)" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow and not alone and browser and not sim" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not alone and sim" $(ARGS)
 	$(BIN)/pytest -q -m "not slow and alone" $(ARGS)
 
 test-slow: setup-dev

@@ -12,10 +12,12 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 from urllib.parse import urlsplit
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
+
+from agentrob.config_section import Section
 
 
-class ImagesConfig(BaseModel):
+class ImagesConfig(Section):
     """Where the pictures of replies are kept. `inline`: on the forum, in the post. `s3`, `tos`: in a bucket, and the
     post has links that expire after `link_s` seconds (whoever has such a link can look until then).
 
@@ -23,8 +25,6 @@ class ImagesConfig(BaseModel):
     S3-compatible endpoint, which is known from the `region`. The keys are in the environment, in the variables that
     `key_env` and `secret_env` name, else in the usual ones (`AWS_ACCESS_KEY_ID` …, `TOS_ACCESS_KEY` …).
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     store: Literal["inline", "s3", "tos"] = "inline"
     bucket: Annotated[str, Field(pattern=r"^([a-z0-9][a-z0-9.-]{1,61}[a-z0-9])?$")] = ""

@@ -25,7 +25,7 @@ def quick_imports(
 ) -> Iterator[None]:
     """Import within this. `folders` are packages whose `__init__` is left out, each after the one it is in; `without`
     are libraries that are not found meanwhile, for others that go without. What is imported from the modules `later` is
-    only a name until it is called, as with the lazy imports of Python 3.15. Afterwards all is there for who asks.
+    only a name until it is used, as with the lazy imports of Python 3.15. Afterwards all is there for who asks.
     With `models_later` pydantic's models that are defined meanwhile are built when they are first used."""
     left_out = [name for name in (*without, *later) if name not in sys.modules]
     made = [] if folders and folders[0] in sys.modules else _bare(folders)
@@ -73,13 +73,24 @@ class _Names(ModuleType):
 
 
 class _Name:
-    """Something of such a module: imported when it is called."""
+    """Something of such a module: imported when it is called or asked for something, or as a type of pydantic's."""
 
     def __init__(self, module: str, name: str) -> None:
         self._module, self._name = module, name
 
+    def _meant(self) -> Any:
+        return getattr(importlib.import_module(self._module), self._name)
+
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        return getattr(importlib.import_module(self._module), self._name)(*args, **kwargs)
+        return self._meant()(*args, **kwargs)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self._meant(), name)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return handler.generate_schema(self._meant())
 
 
 def _complete_when_asked(package: ModuleType) -> None:

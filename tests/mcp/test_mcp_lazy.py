@@ -30,7 +30,8 @@ from agentrob.mcp.sdk import sdk_imports
 with sdk_imports(http=False):
     import agentrob.mcp.stdio
 import sys
-assert not {"mcp.client.client", "uvicorn", "greenlet", "mcp.server.auth.provider"} & set(sys.modules)
+later = {"mcp.client.client", "uvicorn", "greenlet", "mcp.server.auth.provider"}
+assert not {*later, "mcp_types._v2025_11_25", "mcp_types._v2026_07_28"} & set(sys.modules)
 import mcp_types
 from pydantic import BaseModel, TypeAdapter
 assert not mcp_types.ListRootsResult.__pydantic_complete__, "built when it is first used"
