@@ -31,8 +31,10 @@ def board_info(b: Board) -> BoardInfo:
     return BoardInfo(id=b.id, name=b.name, description=b.description)
 
 
+@lru_cache(maxsize=256)
 def post_info(p: Post, max_chars: int | None = None) -> PostInfo:
-    """A post with its body cut at `max_chars`; `left` says how much is missing."""
+    """A post with its body cut at `max_chars`; `left` says how much is missing. A thread is read again and again, and
+    most of its posts are as they were."""
     body, tag = untagged(p.raw, p.author)
     cut = max_chars is not None and len(body) > max_chars
     return PostInfo(
