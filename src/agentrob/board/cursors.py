@@ -6,7 +6,8 @@ from typing import Final
 
 from agentrob.errors import BoardError
 
-_LARGEST_ID: Final = 2**63 - 1
+#: Of any row.
+LARGEST_ID: Final = 2**63 - 1
 
 
 def to_cursor(number: int) -> str:
@@ -19,6 +20,6 @@ def from_cursor(cursor: str) -> int:
         number = int(cursor, 16)
     except ValueError:
         number = -1
-    if not 0 <= number <= _LARGEST_ID:
+    if not 0 <= number <= LARGEST_ID:
         raise BoardError(422, "bad_cursor", "that is not a cursor", "send `next` of the page before, as it was given")
     return number

@@ -10,7 +10,7 @@ from sqlalchemy import Connection, Executable, Integer, Row, Select, and_, bindp
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board import schema as db
-from agentrob.board.cursors import from_cursor, to_cursor
+from agentrob.board.cursors import LARGEST_ID, from_cursor, to_cursor
 from agentrob.board.database import unavailable
 from agentrob.board.records import Board, Event, Image, Page, Post, Topic, Version, from_us
 from agentrob.board.rows import account_from, board_from, event_from, event_id, post_from, topic_from
@@ -22,7 +22,6 @@ T = TypeVar("T")
 MAX_KEPT = 500
 #: The longest page that anybody gets.
 MAX_LIMIT = 100
-_LARGEST_ID = 2**63 - 1
 
 _AUTHOR = (
     db.accounts.c.id.label("a_id"),
@@ -76,7 +75,7 @@ BEFORE_ALL = "0"
 
 def row_id(text: str, what: str) -> int:
     """An id as a number. What cannot be one is not there: 404."""
-    if text.isascii() and text.isdigit() and (number := int(text[:20])) <= _LARGEST_ID and len(text) < 20:
+    if text.isascii() and text.isdigit() and (number := int(text[:20])) <= LARGEST_ID and len(text) < 20:
         return number
     raise not_found(what, text)
 
