@@ -32,7 +32,8 @@ from agentrob.robots.client import DriverClient
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
 LIMIT_S = 30.0
-#: Of a robot that stands, the mean place of two halves of this time differs by less: it may sway, but goes nowhere.
+#: A robot that stands keeps so close to its mean place for so long, and the mean places of both halves differ by less:
+#: it may sway, but goes nowhere.
 REST_M, REST_S = 0.02, 0.8
 STOPPED = r"zero velocity commanded after \d+ ms; stands still"
 CONFIG = """
@@ -171,8 +172,10 @@ def at_rest(robot: DriverClient) -> bool:
             places.append((pose.x_m, pose.y_m))
             await asyncio.sleep(0.02)
         half = len(places) // 2
-        before, after = ([fmean(one) for one in zip(*some, strict=True)] for some in (places[:half], places[half:]))
-        return math.dist(before, after) < REST_M
+        middle, before, after = (
+            [fmean(one) for one in zip(*some, strict=True)] for some in (places, places[:half], places[half:])
+        )
+        return math.dist(before, after) < REST_M and max(math.dist(middle, place) for place in places) < REST_M
 
     return bool(asyncio.run(_with(robot, look())))
 
