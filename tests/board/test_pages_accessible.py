@@ -236,6 +236,28 @@ FOCUSED = """() => { const e = document.activeElement;
   return [Number(e.dataset.walk ?? -1), shown && look.outlineStyle === 'solid', e.outerHTML.slice(0, 120)]; }"""
 
 
+#: How many radio buttons belong to the one that has the focus, and its value.
+GROUP = """() => { const e = document.activeElement;
+  return e.type === 'radio' ? [e.form.elements[e.name].length ?? 1, e.value] : null; }"""
+
+
+def missed_by_arrows(page: Page) -> list[str]:
+    """What is wrong with going through the radio buttons around the focus by arrows; ends where it began."""
+    if (group := page.evaluate(GROUP)) is None:
+        return []
+    size, chosen = group
+    values, wrong = [chosen], list[str]()
+    for _ in range(size):
+        page.keyboard.press("ArrowDown")
+        values.append((page.evaluate(GROUP) or [0, "nothing"])[1])
+        _, seen, what = page.evaluate(FOCUSED) or (-1, False, "nothing has it")
+        if not seen:
+            wrong.append(f"its focus is not seen: {what}")
+    if len(set(values)) != size or values[-1] != chosen:
+        wrong.append(f"arrows reach {values} of {size}")
+    return wrong
+
+
 def walked(page: Page) -> list[str]:
     """What is wrong with going through a page by Tab alone: not reached, not seen, or held fast."""
     marks, got, wrong = page.evaluate(MARK), list[int](), list[str]()
@@ -249,6 +271,7 @@ def walked(page: Page) -> list[str]:
         got.append(mark)
         if not seen:
             wrong.append(f"its focus is not seen: {what}")
+        wrong += missed_by_arrows(page)
     else:
         wrong.append("Tab never leaves it")
     missing = sorted(set(range(marks)) - set(got))
