@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 from typing import Any
 
@@ -85,14 +84,21 @@ def test_closing_waits_for_nobody_and_ends_the_process() -> None:
 
 
 def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    encoder, started = Encoder(COMMAND), list[subprocess.Popen[bytes]]()
+    shut, started = threading.Event(), list[subprocess.Popen[bytes]]()
+
+    class Watched(Encoder):
+        def __setattr__(self, name: str, value: Any) -> None:
+            super().__setattr__(name, value)
+            if (name, value) == ("_closed", True):
+                shut.set()
+
+    encoder = Watched(COMMAND)
     closing = threading.Thread(target=encoder.close)
 
     class Late(subprocess.Popen[bytes]):
         def __init__(self, *args: Any, **kwargs: Any) -> None:
             closing.start()
-            while not encoder._closed:
-                time.sleep(0.001)
+            assert shut.wait(10)
             super().__init__(*args, **kwargs)
             started.append(self)
 

@@ -112,3 +112,10 @@ def test_children_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     while Path(f"/proc/{pid}/stat").exists() and "Z" not in Path(f"/proc/{pid}/stat").read_text().split()[2]:
         assert time.monotonic() < deadline, "the child outlived its parent"
         os.sched_yield()
+
+
+def test_what_a_process_has_when_it_is_ready_is_never_looked_through_for_garbage_again() -> None:
+    code = "import gc, agentrob.child as c; c.say_ready(); print(gc.get_freeze_count(), len(gc.get_objects()))"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    frozen, rest = map(int, said.splitlines()[1].split())
+    assert frozen > 50 * rest

@@ -62,6 +62,31 @@ def test_a_client_that_was_dropped_without_being_closed_does_not_crash_the_proce
     assert (ended.returncode, ended.stdout.strip()) == (0, "alive"), ended.stderr
 
 
+ENDS = """
+import threading
+from agentrob import dds
+begun, calls = threading.Event(), []
+
+def called(number):
+    begun.set()
+    time.sleep(0.1)
+    calls.append(number)
+
+call = dds._until_the_end(called)
+threading.Thread(target=call, args=(1,)).start()
+assert begun.wait(10)
+dds._end()
+print(calls)
+call(2)
+print(calls)
+"""
+
+
+def test_the_end_waits_for_a_callback_that_has_begun_and_none_begins_after_it() -> None:
+    ended = run(ENDS)
+    assert (ended.returncode, ended.stdout.split("\n")) == (0, ["[1]", "[1]", ""]), ended.stderr
+
+
 def test_a_process_ends_well_in_the_middle_of_a_stream_of_messages() -> None:
     talker = subprocess.Popen(
         [sys.executable, "-c", SPEAK + TALKS, str(DOMAIN), "60"], stdout=subprocess.PIPE, text=True
