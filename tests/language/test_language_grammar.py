@@ -272,7 +272,8 @@ def test_talk_questions_reports_and_denials_are_no_commands(text: str) -> None:
         ("电量多少", Intent.STATUS),
         ("stop", Intent.STOP),
         ("停", Intent.STOP),
-        ("halt", Intent.HALT),
+        ("halt", Intent.STOP),
+        ("emergency stop", Intent.HALT),
         ("help, walk forward 1 m", Intent.COMMAND),
     ],
 )

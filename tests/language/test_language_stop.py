@@ -19,10 +19,11 @@ stop. Then walk 2 m|ok stop|hey robot stop right now|no, stop!|stop stop stop|st
 do not move
 stop turning left|please stop walking forward
 stop moving|stand still|cancel|can you stop?|**stop**|stop `now`|`x` stop|stop <b>now</b>|🛑|stop it|whoa
+halt|Halt!|please halt|please halt now!|halt it|stop, halt|kill switch
 停|停！|停下|停下来|请停下|停止|别动|不要动|站住|马上停下|快停下|立刻停止|停停停|@quadruped 停|停，然后拍照
 请你停一下|停止移动|暂停|取消
 """
-HALTS = "halt|Halt!|emergency stop|e-stop now|急停|紧急停止|@quadruped 急停！|stop, halt|please halt"
+HALTS = "emergency stop|Emergency stop!!|e-stop now|estop|e stop|please emergency stop|急停|紧急停止|@quadruped 急停！"
 NO_STOPS = """
 walk 2 m and stop|don't stop|do not stop|never stop|please don't stop|stop sign ahead|stopping distance|bus stop
 nonstop
@@ -44,9 +45,13 @@ def test_a_stop_stops(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", _rows(HALTS))
-def test_a_halt_halts(text: str) -> None:
-    expected = Intent.STOP if text.startswith("stop,") else Intent.HALT
-    assert stop_intent(visible_text(text)) is expected
+def test_law_17_an_explicit_emergency_stop_locks(text: str) -> None:
+    assert stop_intent(visible_text(text)) is Intent.HALT
+
+
+@pytest.mark.parametrize("text", _rows(STOPS))
+def test_law_17_nothing_else_locks(text: str) -> None:
+    assert stop_intent(visible_text(text)) is Intent.STOP
 
 
 @pytest.mark.parametrize("text", _rows(NO_STOPS))

@@ -82,7 +82,16 @@ async def test_it_is_a_mind() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["stop", "@quadruped stop!", "停", "@quadruped halt", "@quadruped help", "@quadruped status"]
+    "text",
+    [
+        "stop",
+        "@quadruped stop!",
+        "停",
+        "@quadruped halt",
+        "@quadruped emergency stop",
+        "@quadruped help",
+        "@quadruped status",
+    ],
 )
 async def test_law_15_a_stop_asks_no_model(text: str) -> None:
     model = Scripted(command(forward(2, "m", "stop")))

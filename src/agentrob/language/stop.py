@@ -21,11 +21,13 @@ stop|stop it|stop that|stop this|stop there|stop here|stop everything|stop all|s
 stop going|stop turning left|stop turning right|stop turning around|stop walking forward|stop walking backward
 stop moving forward|stop moving backward|stop going forward|stop going back
 stop driving|stop the robot|stop the dog|full stop|stop motion|stop all motion|stop the motion|freeze
-abort|abort it|abort that|abort mission|cease|stand still|stay still|hold still|hold it|hold your position
+halt|halt it|kill switch|abort|abort it|abort that|abort mission|cease|stand still|stay still|hold still|hold it
+hold your position
 do not move|don't move|dont move|whoa|quit|quit it|quit moving|cancel|cancel that|cancel it|cancel everything
 cancel all
 """
-_HALT_EN = "halt|halt it|emergency stop|e-stop|estop|emergency halt|kill switch"
+#: Law 17: only what names an emergency stop locks the robot; "halt" is a stop as any other.
+_HALT_EN = "emergency stop|emergency-stop|e-stop|estop|e stop|emergency halt"
 _POLITE_EN = """
 please|pls|plz|now|right now|at once|immediately|instantly|asap|quickly|quick|just|robot|dog|doggy|hey|hi|hello|ok
 okay|no|oh|oh no|oh god|everyone|everybody|all|you|sir|must|thanks|thank you|for god's sake|and|then|wait|nope|yo
@@ -82,7 +84,8 @@ _LONG_RUN = re.compile(r"([a-z])\1{2,}")
 def stop_intent(visible: str) -> Intent | None:
     """`Intent.STOP` or `Intent.HALT` when the text is a stop (law 13), otherwise None.
 
-    `visible` is what `visible_text` gives. A halt also refuses all motion until the robot's owner releases it.
+    `visible` is what `visible_text` gives. Only an explicit emergency stop is a `HALT` (law 17): it also
+    refuses all motion until the robot's owner releases it.
     """
     for clause in _clauses(without_mentions(visible)):
         verdict = _read_clause(clause)

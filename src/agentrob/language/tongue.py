@@ -15,8 +15,9 @@ class Tongue:
 
     `sentences` are what robots say, by the keys of `phrases_en`; a sentence that is missing is said in English. `stop`,
     `halt` and `polite` are phrases separated by |; they only add to the stop words of all languages (law 13), which
-    stand in `stop`. `together` are the words for all robots at once ("both of you"). `stated` is a regular expression
-    of what says at the beginning of a clause what is where, and would else be read as a command (前面五米是墙).
+    stand in `stop`; `halt` is for explicit emergency stops, which lock the robot
+    (law 17). `together` are the words for all robots at once ("both of you"). `stated` is a regular expression of what
+    says at the beginning of a clause what is where, and would else be read as a command (前面五米是墙).
     """
 
     words: Lexicon
