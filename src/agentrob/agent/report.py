@@ -62,7 +62,9 @@ def planned(plan: Plan, language: Language, goal: str = "") -> str:
 
 
 def doing(step: Primitive, language: Language) -> str:
-    """A step in words: "walk forward 1 m"."""
+    """A step in words: "walk forward 1 m". An operation that nobody here has words for is told by its name."""
+    if not known(f"do.{step.op}"):
+        return disarmed(step.op.replace("_", " "))
     direction = say(f"direction.{step.direction}", language) if step.direction else ""
     words = say(f"do.{step.op}", language, direction=direction, distance_m=step.distance_m, degrees=step.degrees)
     return say("do.speed", language, step=words, speed_mps=step.speed_mps) if step.speed_mps else words

@@ -161,6 +161,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "do.speed": ("{step} at {speed_mps:g} m/s", "{step}，速度 {speed_mps:g} 米/秒"),
     "do.hello": ("wave", "挥手"),
     "do.heart": ("make a heart", "比心"),
+    "do.clap": ("clap", "拍手"),
+    "do.shake": ("shake hands", "握手"),
     "do.backflip": ("backflip", "后空翻"),
     "do.sit": ("sit", "坐下"),
     "do.stand": ("stand", "站立"),

@@ -37,7 +37,12 @@ _LIMITS = {
     "command_s": ("One command", "s"),
     "command_steps": ("One command", "steps"),
 }
-_OPS = {"get_front_image": "take a photo", "hello": "wave"}
+_OPS = {
+    "get_front_image": "take a photo",
+    "hello": "wave",
+    "heart": "make a heart",
+    "shake": "shake hands",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,11 @@ def say(key: str, language: Language, **values: object) -> str:
     return (tongue(DEFAULT).sentences[key] if found is None else found).format_map(values)
 
 
+def can_say(key: str) -> bool:
+    """Whether there is such a sentence."""
+    return key in tongue(DEFAULT).sentences
+
+
 def quote(words: str) -> str:
     """Somebody's words as inline code: one line, at most 100 characters, with mentions disarmed."""
     plain = " ".join(words.replace("`", "'").replace("@", "(at)").replace(OMITTED, "…").split())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from agentrob.language.phrases import say
+from agentrob.language.phrases import can_say, say
 from agentrob.model import Language, Op, Plan, Primitive
 
 _OUTLINED = 10
@@ -35,7 +35,7 @@ def deeds(ops: frozenset[Op], language: Language) -> str:
 
 
 def step_sentence(step: Primitive, language: Language) -> str:
-    """One step as a command: "walk forward 1.5 m"."""
+    """One step as a command: "walk forward 1.5 m". An operation without words here is told by its name."""
     values = {
         "direction": say(f"direction.{step.direction}", language) if step.direction else "",
         "metres": _number(step.distance_m),
@@ -43,7 +43,7 @@ def step_sentence(step: Primitive, language: Language) -> str:
         "speed": _number(step.speed_mps),
     }
     key = "step.move_at" if step.op is Op.MOVE and step.speed_mps is not None else f"step.{step.op}"
-    return say(key, language, **values)
+    return say(key, language, **values) if can_say(key) else step.op.replace("_", " ")
 
 
 def _number(value: float | None) -> str:

@@ -63,7 +63,7 @@ def tools_of(mandate: Mandate, capabilities: Capabilities) -> tuple[Tool, ...]:
         elif op is Op.GET_FRONT_IMAGE:
             found.append(Tool(tool_name(op), "Takes a picture with the front camera and shows it to you.", Nothing))
         else:
-            found.append(Tool(tool_name(op), _GESTURES[op], Nothing))
+            found.append(Tool(tool_name(op), _GESTURES.get(op, f"Does: {op}."), Nothing))
     return (*found, Tool(FINISH, "Ends the work and says what was seen and done.", Finish))
 
 
