@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import tracemalloc
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -186,7 +187,8 @@ def test_nobody_gets_the_answer_to_somebody_else_s_question(board: RunningBoard)
 
 def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
-    kept, reader = Topics(max_kept=100), board.services.store.everything  # read on the board's own loop
+    kept = Topics(max_kept=100 + 3 * hot.ENTRY_BYTES)  # three of 30, and what it takes to find them
+    reader = board.services.store.everything  # read on the board's own loop
     made: list[int] = []
 
     def ask(n: int, size: int = 30) -> int:
@@ -196,7 +198,7 @@ def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
     assert made == [1, 2, 3, 4], "1 was kept"
     assert [ask(1), ask(2)] == [1, 2]
     assert made == [1, 2, 3, 4, 2], "2 was the least lately used"
-    ask(9, size=1000)
+    ask(9, size=1000 + 3 * hot.ENTRY_BYTES)
     assert len(kept._kept) == 0, "what is too large by itself is not kept"
 
 
@@ -217,3 +219,53 @@ def test_what_another_process_writes_is_told_to_open_streams(board: RunningBoard
         later.join(LIMIT_S)
     assert (told["event"], told["data"]["post"]["id"], told["data"]["post"]["raw"]) == ("post.removed", post, "")
     assert told["data"]["post"]["author"]["kind"] == AccountKind.HUMAN
+
+
+def test_what_is_kept_of_answers_has_a_bound_whatever_is_asked_with(fresh_board: Callable[..., RunningBoard]) -> None:
+    """Cookies, queries and sessions of any size and number: keys are kept too, and count."""
+    board = fresh_board(public_read=True)
+    topic, _ = topic_on(board, "talk")
+    stranger, path = httpx2.Client(base_url=board.url), f"/api/v1/topics/{topic}/posts"
+    kept = kept_answers(board)
+
+    def ask(n: int, **headers: str) -> None:
+        assert stranger.get(path, params={"limit": 1, "x": f"{n}" * 500}, headers=headers).status_code == 200
+
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        for n in range(400):
+            ask(n, Cookie=f"{board.settings.cookie}={n:043}; other={'x' * 30_000}")
+        grown = tracemalloc.get_traced_memory()[0] - before
+    finally:
+        tracemalloc.stop()
+    assert len(kept._answers) == 400, "each was kept"
+    assert grown < 400 * hot.ENTRY_BYTES + 2_000_000
+    assert kept._size >= 400 * hot.ENTRY_BYTES
+
+
+@pytest.mark.parametrize("cursor", ["0" * 60_000 + "1", " 1", "+1", "0x1", "1_0", "A"])
+def test_a_cursor_that_was_never_given_out_is_none(board: RunningBoard, cursor: str) -> None:
+    """It is part of what pages are kept by, and would take as much memory as somebody likes."""
+    topic, _ = topic_on(board, "talk")
+    assert board.browser("op").get(f"/t/{topic}", params={"after": cursor}).status_code == 422
+
+
+def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBoard) -> None:
+    topic, _ = topic_on(board, "talk")
+    browser, path = board.browser("op"), f"/api/v1/topics/{topic}/posts"
+    session = browser.cookies[board.settings.cookie]
+    kept = kept_answers(board)
+    for n in range(3):
+        cookie = f"{board.settings.cookie}={session}; other={n}"
+        assert httpx2.get(board.url + path, headers={"Cookie": cookie}).status_code == 200
+    assert len(kept._answers) == 1
+
+
+def kept_answers(board: RunningBoard) -> hot.Hot:
+    """What the running server keeps before its app, empty."""
+    layer: Any = board.server.app.middleware_stack
+    while not isinstance(layer, hot.Hot):
+        layer = layer.app
+    layer._answers, layer._size = {}, 0
+    return layer
