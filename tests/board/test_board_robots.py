@@ -8,16 +8,20 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import httpx2
 import pytest
 from PIL import Image
 from running_board import LIMIT_S, RunningBoard
 
-from agentrob.board import admin, buttons, images
+from agentrob.board import admin, administration, buttons, images, stage
+from agentrob.board.events import Listener
+from agentrob.board.records import EventKind
 from agentrob.board.stage import LIVE_FOR
 from agentrob.board.writer import Transaction
 from agentrob.errors import BoardError
+from agentrob.model import Role
 
 
 def picture(width: int = 64, height: int = 48, kind: str = "JPEG", **options: object) -> bytes:
@@ -188,10 +192,54 @@ def test_viewers_are_counted_and_see_each_new_picture(fresh_board: Callable[...,
             assert next(shown) == first
             assert robot.put(path, content=second).json() == {"viewers": 2}
             assert (next(shown), next(other)) == (second, second), "the other came after the first"
-    stage = board.services.stage
-    wait_for(lambda: stage.robot("quadruped").viewers == 0)
-    events = op.get("/changes", params={"after": "0"}).json()["items"]
-    assert [(e["kind"], e["robot"], e["account"]) for e in events] == [("robot.watch", "quadruped", None)]
+    wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
+
+
+def told_of_viewers(board: RunningBoard) -> tuple[Listener, Callable[[], list[str]]]:
+    """The server's own ears, and the robots of which they heard that somebody looks."""
+    listener = board.run(_listen(board))
+
+    def heard() -> list[str]:
+        happened = [h.event for h in listener._pending]
+        return [str(e.robot) for e in happened if e.kind is EventKind.ROBOT_WATCH and e.account is None]
+
+    return listener, heard
+
+
+async def _listen(board: RunningBoard) -> Listener:
+    return board.services.hub.listen(boards=None)
+
+
+def test_whoever_opens_and_drops_the_camera_writes_nothing(fresh_board: Callable[..., RunningBoard]) -> None:
+    """Nobody is signed in; the robot's agent hears that somebody looks, but not a hundred times."""
+    board = fresh_board(public_read=True)
+    stranger, op = board.client(), board.client("op")
+    _, heard = told_of_viewers(board)
+    before, begun_s = op.get("/changes").json()["now"]["id"], time.monotonic()
+    for _ in range(100):
+        with stranger.stream("GET", "/robots/quadruped/camera.mjpg") as response:
+            assert response.status_code == 200
+        wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
+    most = 1 + (time.monotonic() - begun_s) / stage.WATCH_EVERY_S
+    assert op.get("/changes", params={"after": before}).json()["items"] == [], "reading leaves no events"
+    assert 1 <= len(heard()) <= most
+
+
+def test_an_agent_that_missed_a_viewer_is_told_when_it_next_tells_of_its_robot(
+    fresh_board: Callable[..., RunningBoard], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    board = fresh_board()
+    robot = board.client("quadruped")
+    with board.client("op").stream("GET", "/robots/quadruped/camera.mjpg") as shown:
+        wait_for(lambda: board.services.stage.robot("quadruped").viewers == 1)
+        _, heard = told_of_viewers(board)  # only now does the agent begin to listen
+        monkeypatch.setattr(stage, "WATCH_EVERY_S", 0.0)
+        robot.put("/robots/quadruped", json={"card": {}}).raise_for_status()
+        assert heard() == ["quadruped"]
+        robot.put("/robots/quadruped/frame", content=picture()).raise_for_status()
+        assert next(pictures(shown)) == picture()
+        robot.put("/robots/quadruped", json={"card": {}}).raise_for_status()
+        assert heard() == ["quadruped"], "it shows pictures already"
 
 
 def test_an_old_picture_is_nobodys_to_see(fresh_board: Callable[..., RunningBoard]) -> None:
@@ -211,6 +259,40 @@ def test_a_lost_right_ends_the_live_picture(board: RunningBoard, monkeypatch: py
         admin.change_account(board.settings, account, suspended=True)
         assert list(pictures(response)) == [], "it ends, and whole"
     wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
+
+
+@pytest.mark.parametrize("lost", ["camera_role raised", "viewer demoted", "viewer no longer owner"])
+def test_a_lost_right_to_the_camera_ends_the_live_picture(
+    fresh_board: Callable[..., RunningBoard], monkeypatch: pytest.MonkeyPatch, lost: str
+) -> None:
+    """Whatever let somebody look is asked again; whoever still may look goes on."""
+    board = fresh_board()
+    account = board.add("onlooker", role=Role.OPERATOR)
+    first: dict[str, dict[str, Any]] = {
+        "camera_role raised": {"camera_role": Role.OPERATOR},
+        "viewer demoted": {"camera_role": Role.OPERATOR},
+        "viewer no longer owner": {"camera_role": Role.ADMIN, "owner": "onlooker"},
+    }
+    change_robot(board, **first[lost])
+    monkeypatch.setattr("agentrob.board.streams.RECHECK_S", 0.05)
+    robot, path = board.client("quadruped"), "/robots/quadruped/camera.mjpg"
+    with board.client("admin").stream("GET", path) as other, board.client("onlooker").stream("GET", path) as response:
+        wait_for(lambda: board.services.stage.robot("quadruped").viewers == 2)
+        if lost == "camera_role raised":
+            change_robot(board, camera_role=Role.MODERATOR)
+        elif lost == "viewer demoted":
+            admin.change_account(board.settings, account, role=Role.MEMBER)
+        else:
+            change_robot(board, owner="")
+        assert list(pictures(response)) == [], "it ends, and whole"
+        robot.put("/robots/quadruped/frame", content=picture()).raise_for_status()
+        assert next(pictures(other)) == picture()
+    assert board.client("onlooker").get("/robots/quadruped/frame.jpg").status_code == 403
+
+
+def change_robot(board: RunningBoard, **changes: Any) -> None:
+    with admin.writing(board.settings) as connection:
+        administration.change_robot(connection, "shell", "quadruped", **changes)
 
 
 # -------------------------------------------------------------------- images in posts

@@ -279,9 +279,15 @@ async def events(
     return EventStream(parts.hub, listener, who.account, start, heartbeat, still_allowed(parts, who))
 
 
-def still_allowed(parts: Services, who: Viewer) -> Callable[[], bool]:
+def still_allowed(
+    parts: Services, who: Viewer, check: Callable[[Account | None], None] = lambda account: None
+) -> Callable[[], bool]:
     """Whether whoever opened a stream still sees all that it saw then: not signed out, not suspended, the token not
-    revoked, no board closed to it."""
+    revoked, no board closed to it.
+
+    `check` is what else was asked when the stream was opened: it is asked again of the account as it is by then, and
+    raises `BoardError` when that may not look any more.
+    """
     saw = sight.now()
 
     def allowed() -> bool:
@@ -291,7 +297,14 @@ def still_allowed(parts: Services, who: Viewer) -> Callable[[], bool]:
             account = signed_in(parts.store.reader, who.secret)
             if account is None or account.suspended:
                 return False
+        check(account)
         sees = sight.readable(parts.store.everything.all_boards(), account, parts.settings.public_read)
         return saw <= sees
 
-    return allowed
+    def asked() -> bool:
+        try:
+            return allowed()
+        except BoardError:
+            return False
+
+    return asked

@@ -73,7 +73,8 @@ async def publish(request: Request, name: str, told: RobotIn, by: Member) -> Res
     parts = services(request)
     _own(by, name)
     _check_card(told.card)
-    parts.stage.publish(name, told.card)
+    if parts.stage.publish(name, told.card).kept_waiting:
+        buttons.watch(parts, name)
     return out(_robot(parts, by))
 
 
@@ -111,10 +112,14 @@ async def camera(request: Request, name: str, who: Reading) -> Response:
     """Live pictures as a multipart stream. Whoever opens it is a viewer; the first one makes a `robot.watch` event."""
     parts = services(request)
     name = buttons.known_robot(parts, name).name
-    buttons.check_camera(parts, name, who.account)
+
+    def check(account: Account | None) -> None:
+        buttons.check_camera(parts, name, account)
+
+    check(who.account)
     if parts.stage.robot(name).viewers == 0:
-        await buttons.watch(parts, name)
-    return CameraStream(parts.stage, name, still_allowed(parts, who))
+        buttons.watch(parts, name)
+    return CameraStream(parts.stage, name, still_allowed(parts, who, check))
 
 
 @router.post("/robots/{name}/stop", response_model=EventOut)

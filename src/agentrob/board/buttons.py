@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from datetime import UTC, datetime
 
 import structlog
 
-from agentrob.board import rights
+from agentrob.board import rights, stage
 from agentrob.board.reader import not_found
 from agentrob.board.records import Event, EventKind, from_us
 from agentrob.board.services import Services
@@ -57,9 +58,30 @@ def check_camera(services: Services, robot: str, viewer: Account | None) -> None
         raise BoardError(403, "camera_role", what, "ask the robot's owner")
 
 
-async def watch(services: Services, robot: str) -> None:
-    """Tell the robot's agent that somebody looks now."""
-    await _record_or_announce(services, EventKind.ROBOT_WATCH, robot, None, None)
+def watch(services: Services, robot: str) -> None:
+    """Tell the robot's agent that somebody looks now, at most once in `WATCH_EVERY_S`.
+
+    It is told and never written: whoever only reads, signed in or not, leaves nothing in the database. An agent that
+    did not listen just then is told when it next publishes its card.
+    """
+    now = services.stage.robot(robot)
+    wait_s = now.called_s + stage.WATCH_EVERY_S - time.monotonic()
+    if wait_s <= 0:
+        _tell_agent(services, robot)
+    elif now.call is None:
+        now.call = asyncio.get_running_loop().call_later(wait_s, _tell_agent_again, services, robot)
+
+
+def _tell_agent(services: Services, robot: str) -> None:
+    services.stage.robot(robot).called_s = time.monotonic()
+    services.hub.announce(Event(services.hub.last_id, EventKind.ROBOT_WATCH, from_us(now_us()), robot=robot))
+
+
+def _tell_agent_again(services: Services, robot: str) -> None:
+    now = services.stage.robot(robot)
+    now.call = None
+    if now.watched:
+        _tell_agent(services, robot)
 
 
 async def _record_or_announce(

@@ -22,11 +22,16 @@ BOUNDARY = b"frame"
 LIVE_FOR = timedelta(seconds=15)
 #: A picture of another process is old after this, where nobody looks at it.
 WANTED_S = 0.5
+#: A robot's agent is told at most so often that somebody looks.
+WATCH_EVERY_S = 1.0
+#: Agents show ten pictures a second; one that has shown none for so long has to be told that somebody looks.
+SHOWING_S = 1.0
 
 
 @dataclass(slots=True)
 class RobotNow:
-    """One robot as its agent last told. `seen_at` is None before it did; `card_s` and `frame_s` are monotonic.
+    """One robot as its agent last told. `seen_at` is None before it did; `card_s`, `frame_s` and `called_s`, when its
+    agent was last told that somebody looks, are monotonic. `call` is when it will be told again.
 
     `viewers` look here, `elsewhere` on other processes.
     """
@@ -40,12 +45,19 @@ class RobotNow:
     frames: int = 0
     viewers: int = 0
     elsewhere: int = 0
+    called_s: float = -WATCH_EVERY_S
+    call: asyncio.TimerHandle | None = None
     waiters: set[asyncio.Future[None]] = field(default_factory=set)
 
     @property
     def watched(self) -> int:
         """How many look, wherever."""
         return self.viewers + self.elsewhere
+
+    @property
+    def kept_waiting(self) -> bool:
+        """Whether somebody looks and its agent shows nothing."""
+        return self.watched > 0 and time.monotonic() - self.frame_s > SHOWING_S
 
 
 class Stage:
