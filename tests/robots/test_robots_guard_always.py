@@ -6,7 +6,7 @@ import math
 
 import pytest
 from guard_scene import B, L, Make, R, fake_of, move, turn, until
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from agentrob.config import FenceConfig
@@ -14,8 +14,8 @@ from agentrob.errors import RobotError
 from agentrob.model import Direction, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.fence import Fence
-from agentrob.robots.motion import known
-from agentrob.robots.ranges import Ranges
+from agentrob.robots.motion import known, wrap
+from agentrob.robots.ranges import Ranges, sides
 
 steps = st.one_of(
     st.builds(
@@ -144,3 +144,76 @@ def test_law_8_a_robot_that_falls_silent_leaves_no_readings_behind(make: Make) -
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
     until(lambda: not guard._ranges.enough)  # so the first word after the silence is not judged by what was before
     assert guard._ranges.known() == (None,) * 4
+
+
+#: How a reading is lost at once; one that merely stays the same is believed for another second.
+LOSSES = {"missing": None, "zero": 0.0, "not a number": math.nan}
+#: Of what was asked, so much is gone between the loss and rest at most.
+COASTED_SHARE = 0.4
+
+
+@pytest.mark.parametrize("consent", [False, True])
+def test_law_8_readings_lost_on_the_way_end_a_step_at_any_speed_unless_the_owner_consents(
+    make: Make, monkeypatch: pytest.MonkeyPatch, consent: bool
+) -> None:
+    wide = FenceConfig(x_min_m=-999, x_max_m=999, y_min_m=-999, y_max_m=999)
+    guard = make({"room": [-999, 999, -999, 999]}, fence=wide, allow_unknown_ranges=consent)
+    until(lambda: guard.state().homed)
+    robot, lost, blind, slow_ones_ended = fake_of(guard), dict[str, float | None](), set[int](), list[bool]()
+    seen = robot._ranges
+    monkeypatch.setattr(robot, "_ranges", lambda: tuple(lost["as"] if k in blind else r for k, r in enumerate(seen())))
+
+    @settings(max_examples=25, deadline=None, database=None, phases=(Phase.generate,))
+    @given(
+        kind=st.sampled_from(sorted(LOSSES)),
+        sectors=st.sets(st.integers(0, 3), min_size=1),
+        share=st.floats(0.1, 0.6),
+        speed_mps=st.one_of(st.none(), st.floats(0.1, 0.2), st.floats(0.2, 0.5), st.just(0.2)),
+        way=st.one_of(st.sampled_from(list(Direction)), st.sampled_from([turn(90, L), turn(90, R)])),
+    )
+    def property_holds(
+        kind: str, sectors: set[int], share: float, speed_mps: float | None, way: Direction | Primitive
+    ) -> None:
+        blind.clear()
+        lost["as"] = LOSSES[kind]
+        primitive, start = move(0.5, way, speed_mps) if isinstance(way, Direction) else way, robot.pose
+
+        def done(pose: Pose) -> float:
+            turned = abs(wrap(pose.yaw_rad - start.yaw_rad)) / math.radians(90)
+            return turned if primitive.op is Op.TURN else math.hypot(pose.x_m - start.x_m, pose.y_m - start.y_m) / 0.5
+
+        def lose(state: RobotState) -> None:
+            if state.pose is not None and done(state.pose) >= share:
+                blind.update(sectors)
+
+        result = guard.step(primitive, lose)
+        slow = primitive.op is Op.MOVE and (speed_mps or 0.5) <= 0.2
+        if not sectors & set(sides(primitive)):
+            assert result.ok, result.message
+        elif consent and slow:
+            assert result.ok, result.message
+            assert "range readings" in result.message
+        else:
+            assert (result.outcome, result.reason) == (Outcome.STOPPED, "ranges_unknown"), result.message
+            assert share <= done(robot.pose) < share + COASTED_SHARE
+            slow_ones_ended.append(slow)
+
+    property_holds()
+    assert slow_ones_ended
+    assert any(slow_ones_ended) is not consent
+
+
+def test_law_8_readings_that_freeze_on_the_way_end_a_slow_step_within_a_second(make: Make) -> None:
+    guard = make({"faults": {"ranges": "constant", "after_m": 0.3}, "time_scale": 1})
+    until(lambda: guard.state().homed)
+    result = guard.step(move(1.0, speed_mps=0.2), go_on)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "ranges_unknown"), result.message
+    assert 0.3 < fake_of(guard).pose.x_m < 0.65
+
+
+@pytest.mark.parametrize("primitive", [move(0.5, speed_mps=0.2), move(0.5, speed_mps=0.1), move(0.5), turn(30)])
+def test_law_8_a_blind_step_says_so_however_slowly_it_was_asked_for(make: Make, primitive: Primitive) -> None:
+    guard = make({"faults": {"ranges": "missing"}}, allow_unknown_ranges=True)
+    result = guard.step(primitive, go_on)
+    assert result.ok, result.message
+    assert "range readings are unknown" in result.message

@@ -4,7 +4,8 @@ Covered, before a step and 20 times a second while it runs:
 - limits of speed, distance and angle of a step: beyond is refused with the limit named, never clipped;
 - the fence around the owner's home, along the whole predicted path and with the way the body coasts;
 - obstacles in the direction of motion by the robot's own four range readings; readings that are missing, zero or never
-  change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so;
+  change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so; readings that are
+  lost on the way end a step that is faster, and every step without that consent;
 - state older than 0.5 s, the deadline, a halt, which holds until the owner releases it, also across restarts;
 - a fall: the step ends, and the robot stays down until it is asked to stand up; nothing else is done meanwhile, and a
   step that ends lying is never called done;
@@ -67,6 +68,7 @@ OBSERVE_HZ = 20.0
 #: A first step waits so long for a state that comes steadily, for range readings and for the simulated home.
 PREPARE_S = 3.0
 
+_BLIND = f"Its range readings are unknown, so it went at most {BLIND_MPS} m/s."
 _YOUNGER = f"it must be younger than {STATE_AGE_S} s"
 
 Refusal = tuple[str, str]  # (stable word, sentence)
@@ -91,6 +93,7 @@ class Guard:
         self._running: Primitive | None = None
         self._stops = 0
         self._sentence = self._lost_home = ""
+        self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._closed = threading.Event()
         self._left = self._mark.left()
         if self._left is not None:
@@ -184,17 +187,18 @@ class Guard:
         self._prepare(primitive)
         if refusal := self._unfit(primitive) or self._misplaced(primitive):
             return _refused(primitive, *refusal)
-        careful, note = self._careful(primitive)
+        careful = self._careful(primitive)
         refusal = self._blocked(careful) or self._late(careful, deadline_s)
         if refusal:
             return _refused(primitive, *refusal)
-        self._sentence, self._running = "", primitive
+        self._sentence, self._running, self._blind = "", primitive, self._ranges.unknown(careful)
         self._mark.begin(primitive.op, self._robot.state().mode)
         try:
             result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
         finally:
             self._mark.end()
         self._hands.ours(time.monotonic())
+        note = _BLIND if self._blind and result.reason != "ranges_unknown" else ""
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
         return self._after(replace(result, primitive=primitive, message=message))
 
@@ -240,14 +244,13 @@ class Guard:
         sentence = self._fence.refusal(pose, primitive) if pose else "The robot gives no position."
         return ("fence", sentence) if sentence else None
 
-    def _careful(self, primitive: Primitive) -> tuple[Primitive, str]:
-        """The step as it may be done: with its speed set, slower where the ranges are unknown (then with a note)."""
+    def _careful(self, primitive: Primitive) -> Primitive:
+        """The step as it may be done: with its speed set, and slower where the ranges are unknown."""
         limit_mps = self.capabilities.limits.speed_mps
         speed_mps = primitive.speed_mps or (limit_mps if primitive.op is Op.MOVE else None)
-        if not self._ranges.unknown(primitive) or (speed_mps or math.inf) <= BLIND_MPS:
-            return replace(primitive, speed_mps=speed_mps), ""
-        note = f"Its range readings are unknown, so it went at most {BLIND_MPS} m/s."
-        return replace(primitive, speed_mps=BLIND_MPS), note
+        if self._ranges.unknown(primitive):
+            speed_mps = min(speed_mps or math.inf, BLIND_MPS)
+        return replace(primitive, speed_mps=speed_mps)
 
     def _blocked(self, primitive: Primitive) -> Refusal | None:
         if self._ranges.unknown(primitive) and not self._settings.allow_unknown_ranges:
@@ -304,8 +307,11 @@ class Guard:
         x_m, y_m = ahead(state.pose, primitive, speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0)
         if not (outside_m := self._fence.outside_m(x_m, y_m)) <= 0:
             return "fence", f"It would have come to rest {outside_m:.2f} m outside its fence."
-        if self._ranges.unknown(primitive) and (primitive.speed_mps or math.inf) > BLIND_MPS:
-            return "ranges_unknown", "Its range readings stopped changing or went missing on the way."
+        if self._ranges.unknown(primitive):
+            slow = (primitive.speed_mps or math.inf) <= BLIND_MPS
+            if not (slow and self._settings.allow_unknown_ranges):
+                return "ranges_unknown", "Its range readings stopped changing or went missing on the way."
+            self._blind = True
         sentence = self._ranges.obstacle(primitive, speed_mps)
         return ("obstacle", sentence) if sentence else None
 
