@@ -306,6 +306,11 @@ class ActionResult:
         return self.outcome is Outcome.DONE
 
     @property
+    def moved(self) -> bool:
+        """Whether the driver was given this step and did not refuse it, so that the robot moved or may have moved."""
+        return self.outcome not in (Outcome.SKIPPED, Outcome.REFUSED)
+
+    @property
     def duration_s(self) -> float:
         return self.ended_s - self.started_s
 

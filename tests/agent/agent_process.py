@@ -80,6 +80,11 @@ class Poster:
         items = (await asyncio.to_thread(self._http.get, f"/topics/{topic}/posts")).json()["items"]
         return [item["card"]["state"] for item in items if item["card"]]
 
+    async def told(self, topic: str) -> str:
+        """What the robot's newest status post in a topic says."""
+        items = (await asyncio.to_thread(self._http.get, f"/topics/{topic}/posts")).json()["items"]
+        return str([item["raw"] for item in items if item["card"]][-1])
+
     async def final(self, topic: str, limit_s: float = 20.0) -> list[str]:
         """The states once one of them is final."""
         async with asyncio.timeout(limit_s):

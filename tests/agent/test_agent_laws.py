@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import resource
 import sys
 from collections.abc import Callable, Iterator
@@ -81,10 +82,15 @@ async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_n
     with running_board(tmp_path / "board") as board, Poster(board, "op") as alice:
         agent = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
         before = await position(slow_driver)
-        topic = await alice.post(f"@{ROBOT} walk forward 2 m")
+        topic = await alice.post(f"@{ROBOT} walk forward 2 m, then turn left 20 degrees")
         await until_robot(slow_driver, lambda state: state.pose.x_m > before[0] + 0.3)
         _, hard = resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
-        assert (await alice.final(topic))[0] in ("done", "failed")
+        assert await alice.final(topic) == ["done"]
+        told = await alice.told(topic)
+        assert re.search(r"walk forward 2 m \| (1\.9\d|2\.0\d) m \| done", told), told
+        assert re.search(r"turn left 20° \| (1[89]|2[0-3])\.\d° \| done", told), told
+        assert "before anything moved" not in told
+        assert "only this reply tells what came of it" in told
         late = await alice.post(f"@{ROBOT} walk backward 2 m")
         assert await alice.final(late) == ["failed"]
         resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (hard, hard))

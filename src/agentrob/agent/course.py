@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import timedelta
 from functools import partial
@@ -93,20 +94,42 @@ class Course:
         job.status = StatusLine(self.forum, job.command)
         try:
             report = await self._decide(job)
-        except JournalError as e:
-            _log.error("journal failed", post=job.command.post_id, error=str(e))
-            report = self._report(job, "failed", message=self._because(job, "journal"))
-        except RobotError as e:
-            message = say("because.driver", job.command.language, message=e)
-            report = self._report(job, "failed", message=message)
-        except Exception:
-            # As text: pretty tracebacks with locals take minutes and put people's words and tokens into the log.
-            _log.error("command failed", post=job.command.post_id, trace=traceback.format_exc())
-            report = self._report(job, "failed", message=self._because(job, "internal"))
+        except Exception as e:
+            report = await self._faulted(job, e)
         finally:
             self.line.leave(job)
         if report is not None:
             await self._tell(job, report)
+
+    async def _faulted(self, job: Job, error: Exception) -> Report:
+        """The report of a command that a fault ended: with all that was measured until then (law 18)."""
+        if isinstance(error, RobotError):
+            message = say("because.driver", job.command.language, message=error)
+        elif isinstance(error, JournalError):
+            _log.error("journal failed", post=job.command.post_id, error=str(error))
+            message = self._because(job, "journal" if job.run is None else "not_kept")
+        else:
+            # As text: pretty tracebacks with locals take minutes and put people's words and tokens into the log.
+            trace = "".join(traceback.format_exception(error))
+            _log.error("command failed", post=job.command.post_id, trace=trace)
+            message = self._because(job, "internal")
+        plan = job.thought.understanding.plan if job.thought is not None else Plan()
+        execution = job.run.execution() if job.run is not None else None
+        if execution is None and job.begun:  # before this process, which knows of it only what the journal kept
+            with self._beside(job, "what was measured is not read"):
+                text = await self.journal.kept(job.command.post_id)
+                execution = _EXECUTION.validate_json(text) if text is not None else None
+        if execution is None:
+            return self._report(job, "interrupted" if job.begun else "failed", plan, message=message)
+        return self._report(job, execution.status, plan, execution, message=message)
+
+    @contextlib.contextmanager
+    def _beside(self, job: Job, problem: str) -> Iterator[None]:
+        """For what stands beside a motion and its report: whatever goes wrong there costs only itself."""
+        try:
+            yield
+        except Exception:
+            _log.error(problem, post=job.command.post_id, trace=traceback.format_exc())
 
     async def decline(self, command: Command) -> None:
         """Tell a command that the journal could not take: its status is its end."""
@@ -203,7 +226,7 @@ class Course:
     async def _ended(self, job: Job, plan: Plan, execution: Execution | None = None) -> Report:
         """A command that was ended from outside, before it moved or while it did."""
         why, language = job.ended or "before", job.command.language
-        if why in ("stale", "expired", LAPSED):
+        if why in ("stale", "expired", LAPSED) and execution is None:
             minutes = (self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s) / 60
             limits = {"seconds": self.settings.max_post_age_s, "minutes": minutes}
             return self._report(job, "expired", plan, message=say(why, language, **limits))
@@ -231,23 +254,43 @@ class Course:
         if not await self.line.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
             return await self._ended(job, plan)
-        text = await self.journal.move(command.post_id, partial(self._move, job, plan))
+        kept = True
+        try:
+            text = await self.journal.move(command.post_id, partial(self._move, job, plan))
+        except Exception:
+            if job.run is None:
+                raise
+            kept = False  # the robot was given steps: what came of them is told, whatever failed since
+            _log.error("motion not kept", post=command.post_id, trace=traceback.format_exc())
+            text = ""
         if text == CANCELLED:
             return await self._ended(job, plan)
         if text == INTERRUPTED:
             await self.stops.stop("interrupted command", self.channel.now())
             return self._report(job, "interrupted", plan, verdict=verdict)
+        execution = job.run.execution() if job.run is not None else self._read(text)
+        return await self._carried(job, plan, replace(execution, verdict=decisive(execution, verdict)), kept)
+
+    def _read(self, text: str) -> Execution:
+        """What the journal kept of a motion, and its pictures as far as they are there."""
         execution = _EXECUTION.validate_json(text)
         results = self.records.with_pictures(execution.results, execution.pictures)
-        execution = replace(execution, results=results, verdict=decisive(execution, verdict))
+        return replace(execution, results=results)
+
+    async def _carried(self, job: Job, plan: Plan, execution: Execution, kept: bool) -> Report:
+        """A command that was begun. `kept`: the journal knows what came of it."""
+        language = job.command.language
         job.stopped_by = job.stopped_by or execution.stopped_by
         job.looked = execution.looked
         if job.ended is not None and execution.status != "done":
             return await self._ended(job, plan, execution)
         if execution.status == "stopped":  # past us: at the robot's machine, or by another of its clients
             return self._report(job, "stopped", plan, execution, message=job.stopped_by)
-        message = say("because.driver", command.language, message=execution.message) if execution.message else ""
-        message = message or look_words.why(execution.looked, command.language)
+        said = [say("because.driver", language, message=execution.message)] if execution.message else []
+        said = said or [self._because(job, execution.fault)] if execution.fault else said
+        said = said or [why] if (why := look_words.why(execution.looked, language)) else said
+        said += [] if kept else [self._because(job, "not_kept")]
+        message = ("" if language == "zh" else " ").join(said)
         return self._report(job, execution.status, plan, execution, message=message)
 
     async def _pace(self, job: Job) -> Verdict | None:
@@ -284,19 +327,29 @@ class Course:
             stop=self.stops.quietly,
             on_step=partial(self._show_step, job, plan),
             step_s=self.channel.step_s,
+            on_run=partial(setattr, job, "run"),
         )
         try:
             with self.channel, self.recorder.filming(job.command.post_id):
                 execution = await self._carried_out(job, plan, reins)
         finally:
             job.moving = False
-        self.surroundings.after(execution.results, execution.looked)
-        now, now_s = self.channel.now(), time.monotonic()
-        if execution.first_motion_s is not None:
-            job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
-        ended_s = max((r.ended_s for r in execution.results if r.ended_s <= now_s), default=now_s)
-        job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
-        results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
+        return self._kept(job, execution)
+
+    def _kept(self, job: Job, execution: Execution) -> str:
+        """A motion as the journal keeps it. Whatever fails here, what was measured is on the job (`Job.run`)."""
+        with self._beside(job, "surroundings not brought up to date"):
+            self.surroundings.after(execution.results, execution.looked)
+        with self._beside(job, "times not noted"):
+            now, now_s = self.channel.now(), time.monotonic()
+            if execution.first_motion_s is not None:
+                job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
+            ended_s = max((r.ended_s for r in execution.results if r.ended_s <= now_s), default=now_s)
+            job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
+        results = tuple(replace(r, image=None) for r in execution.results)
+        pictures = ("",) * len(results)
+        with self._beside(job, "pictures not kept"):
+            results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
         return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
     async def _carried_out(self, job: Job, plan: Plan, reins: Reins) -> Execution:
@@ -344,49 +397,59 @@ class Course:
 
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
-        command, summary = job.command, await self.thinking.summary(job, report)
-        looked, language = job.looked, command.language
-        calls = look_calls.lines(looked) if looked else b""
-        pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
-        page = await page_of(self.forum, command.post_id, hurry=self.ending())
+        command, looked, language = job.command, job.looked, job.command.language
+        summary, calls, pictures, page = None, b"", tuple[Picture, ...](), ""
+        with self._beside(job, "no summary"):
+            summary = await self.thinking.summary(job, report)
+        with self._beside(job, "calls of the model not listed"):
+            calls = look_calls.lines(looked) if looked else b""
+        with self._beside(job, "no pictures"):
+            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
+        with self._beside(job, "page of the command not known"):
+            page = await page_of(self.forum, command.post_id, hurry=self.ending())
         images = [picture.data for picture in pictures if picture.attached]
         facts: dict[str, Any] | None = None
-        try:
+        with self._beside(job, "record not written"):
             kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
             facts = self.records.write(report, job.thought, **more)
-        except OSError as e:
-            _log.error("record not written", post=command.post_id, error=str(e))
-        at, asked = len(report.plan.steps), self.thinking.mind.name
-        used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
-        told = look_words.paragraphs(looked, report.results, language, refused=False)
-        told += notes(job.thought, asked, language, used)
+        told: list[str] = []
+        with self._beside(job, "notes left out"):
+            used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
+            told += look_words.paragraphs(looked, report.results, language, refused=False)
+            told += notes(job.thought, self.thinking.mind.name, language, used)
+        by_model = ""
+        with self._beside(job, "words of the model left out"):
+            by_model = worded(summary, language)
+        short = ""
+        with self._beside(job, "end not shortened"):
+            short = words.short(report)
+        at = len(report.plan.steps)
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         def text(pictures: Sequence[Picture]) -> str:
-            table = look_calls.table(looked, report.results, pictures, language) if looked else ""
-            return words.final(report, pictures, told, worded(summary, language), table, page)
+            with self._beside(job, "report told as data"):
+                table = look_calls.table(looked, report.results, pictures, language) if looked else ""
+                return words.final(report, pictures, told, by_model, table, page)
+            return words.plain(report)
 
-        async def deed() -> str:
-            await job.status.close(Shown(text(pictures), card), images, words.short(report))
-            return report.status
-
-        try:
-            # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
+        # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
+        with self._beside(job, "plan not kept"):
             if report.status == "done" and not report.goal:
                 await self.journal.did(command.post_id, report.plan)
-            await self.journal.once(f"post-{command.post_id}:reply", deed)
+        await job.status.close(Shown(text(pictures), card), images, short)
+        with self._beside(job, "claim not closed in the journal"):
             await self.journal.finish(command.post_id, report.status)
-        except JournalError as e:
-            _log.error("telling without the journal", post=command.post_id, error=str(e))
-            await deed()
-        await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
-        self.on_end(report)
-        if recording := await late_recording(command.post_id, self.recorder, self.store):
-            late = Shown(text((*pictures, recording)), card)
-            await job.status.add(late, [recording.data] if recording.attached else [])
-            await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+        with self._beside(job, "record not published"):
+            await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+        with self._beside(job, "end not passed on"):
+            self.on_end(report)
+        with self._beside(job, "recording not added"):
+            if recording := await late_recording(command.post_id, self.recorder, self.store):
+                late = Shown(text((*pictures, recording)), card)
+                await job.status.add(late, [recording.data] if recording.attached else [])
+                await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
 
 
 def _goal(job: Job) -> str:

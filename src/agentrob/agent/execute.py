@@ -1,4 +1,8 @@
-"""A screened plan, step by step under its mandate, through the robot's driver: the only deed that moves anything."""
+"""A screened plan, step by step under its mandate, through the robot's driver: the only deed that moves anything.
+
+What was measured is kept on the `Run` as it is measured, before anything else is done with it, so that no fault of ours
+can lose it (law 18).
+"""
 
 from __future__ import annotations
 
@@ -6,10 +10,13 @@ import asyncio
 import contextlib
 import math
 import time
+import traceback
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 
-from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
+import structlog
+
+from agentrob.errors import LeaseLost, RobotBusy, RobotError
 from agentrob.judge.mandate import mandate_of, within
 from agentrob.minds.loop import Looked
 from agentrob.model import (
@@ -32,8 +39,15 @@ BUSY_S = 1.5
 STOP, SHUTDOWN, SILENT = "stop", "shutdown", "stop_channel"
 #: Why a step's end is not known: the driver did not answer any more.
 UNREACHABLE = "unreachable"
+#: Why a step or a command ended whose own agent failed while it ran.
+INTERNAL = "internal"
+#: A verdict by this rule says that the forum could not be asked, not that the command changed.
+UNVERIFIED = "command.unverified"
+#: How long the driver may take to say how far a step went that we ended because of a fault of our own.
+TELL_S = 5.0
 _BY_PEOPLE = frozenset({"stop", "halt"})
 _BY_US = frozenset({SHUTDOWN, SILENT, "lease_lapsed"})
+_log = structlog.get_logger()
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +58,8 @@ class Reins:
     today's state. `ended` gives a stable word as soon as the command must end
     (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent` tells
     that it no longer is. `stop` stops the robot at our own wish, `on_step` hears which step begins and its number
-    from 0, and no step takes longer than `step_s`.
+    from 0, and no step takes longer than `step_s`. `on_run` is given the run before its first step, and can read from
+    it at any time what was measured so far.
     """
 
     since: Callable[[], Awaitable[float]]
@@ -55,11 +70,13 @@ class Reins:
     stop: Callable[[str], Awaitable[object]]
     on_step: Callable[[Primitive, int], None]
     step_s: float = math.inf
+    on_run: Callable[[Run], None] = lambda _: None
 
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence.
+    """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence of the
+    driver's, `fault` the stable word of a fault of our own that ended it.
 
     `stopped_by` is who stopped the robot past us, as they called themselves. `pictures` are the files of the steps'
     pictures ("" for none), once they are on disk; `looked` is the loop of a model that steered.
@@ -73,6 +90,7 @@ class Execution:
     pictures: tuple[str, ...] = ()
     stopped_by: str = ""
     looked: Looked | None = None
+    fault: str = ""
 
 
 class Run:
@@ -89,6 +107,7 @@ class Run:
         self.mandate: Mandate | None = None
         self.lease = ""
         self.stopped_by = ""
+        self.status, self.message, self.fault = "failed", "", ""
         self.started_s = time.monotonic()
 
     async def steps(self) -> str:
@@ -98,7 +117,6 @@ class Run:
                 return status
             self.reins.on_step(step, number)
             result = await self._step(step)
-            self.results.append(result)
             if not result.ok:
                 if result.reason in _BY_PEOPLE:
                     await self._ask_who()
@@ -110,7 +128,7 @@ class Run:
         if step.moves or not self.results:
             self.verdict, capabilities = await self.reins.permit(self.plan)
             if self.verdict.decision is not Decision.ALLOW or capabilities is None:
-                return "cancelled" if self.verdict.rule.startswith("command.") else "refused"
+                return self._status_of_verdict(self.verdict)
             self.mandate = self.mandate or mandate_of(self.plan, capabilities)
         assert self.mandate is not None
         if (beyond := within(self.mandate, self.results, step)) is not None:
@@ -129,6 +147,7 @@ class Run:
         )
 
     async def _step(self, step: Primitive) -> ActionResult:
+        """Do a step; its result is kept before anything else is done with it."""
         sent_s = time.monotonic()
         deadline_s = min(self.reins.step_s, max(0.1, self.left_s()))
         stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
@@ -138,15 +157,23 @@ class Run:
                 await asyncio.wait({stepping}, timeout=LOOK_S)
                 if not ended_by and not stepping.done() and (ended_by := self._must_end(step)) and ended_by != STOP:
                     await self._stop(ended_by)
-            result = _outcome(stepping, step, sent_s)
+        except Exception:  # nobody watches the step any more, so it ends now, and the driver says how far it went
+            _log.error("step ended by a fault of the agent", trace=traceback.format_exc())
+            ended_by = self.fault = INTERNAL
+            await self._stop(INTERNAL)
+            await asyncio.wait({stepping}, timeout=TELL_S)
         finally:
             if not stepping.done():
                 stepping.cancel()
                 await asyncio.shield(self._stop(SHUTDOWN))
+                await asyncio.wait({stepping})
+        result = _outcome(stepping, step, sent_s)
+        stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
+        result = replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result
+        self.results.append(result)
         if step.moves and self.first_motion_s is None and result.outcome is not Outcome.REFUSED:
             self.first_motion_s = result.started_s if sent_s <= result.started_s <= time.monotonic() else sent_s
-        stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
-        return replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result
+        return result
 
     def left_s(self) -> float:
         """Seconds that the next step may take."""
@@ -165,8 +192,18 @@ class Run:
         return SILENT if step.moves and self.reins.silent() else ""
 
     async def _stop(self, why: str) -> None:
-        with contextlib.suppress(RobotError):  # then the lease lapses, and the driver stops the robot by itself
+        try:
             await self.reins.stop(why)
+        except RobotError:
+            pass  # then the lease lapses, and the driver stops the robot by itself
+        except Exception:
+            _log.error("stop failed", trace=traceback.format_exc())
+
+    def _status_of_verdict(self, verdict: Verdict) -> str:
+        """Of a command that may not begin its next step. What a forum that was away cut off was not cancelled."""
+        if verdict.rule == UNVERIFIED and any(result.moved for result in self.results):
+            return "interrupted"
+        return "cancelled" if verdict.rule.startswith("command.") else "refused"
 
     def _status_of(self, result: ActionResult) -> str:
         if result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED):
@@ -182,29 +219,39 @@ class Run:
     def _status_of_end(self, why: str) -> str:
         return {STOP: "stopped", SHUTDOWN: "interrupted"}.get(why, "cancelled")
 
-    def execution(self, status: str, message: str = "") -> Execution:
+    async def carried_out(self, work: Callable[[], Awaitable[str]]) -> Execution:
+        """Do `work`, which gives the command's status, while holding the robot's lease. Raises nothing but a
+        cancellation: a robot that cannot be used is a result, and so is a fault of our own."""
+        self.reins.on_run(self)
+        try:
+            async with contextlib.AsyncExitStack() as stack:
+                await take_lease(stack, self)
+                self.status = await work()
+        except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum does not know
+            self.stopped_by = e.by
+            self.status, self.message = ("stopped", "") if e.why in _BY_PEOPLE else ("failed", str(e))
+        except RobotError as e:
+            self.message = str(e)
+        except Exception:
+            _log.error("command failed", trace=traceback.format_exc())
+            self.fault = INTERNAL
+        return self.execution()
+
+    def execution(self) -> Execution:
+        """What came of it so far; what has no result yet has not begun."""
         rest = self.plan.steps[len(self.results) :]
         skipped = (ActionResult(step, Outcome.SKIPPED) for step in rest)
         return Execution(
-            status, (*self.results, *skipped), self.verdict, message, self.first_motion_s, stopped_by=self.stopped_by
-        )
+            self.status, (*self.results, *skipped), self.verdict, self.message, self.first_motion_s,
+            stopped_by=self.stopped_by, fault=self.fault,
+        )  # fmt: skip
 
 
 async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> Execution:
-    """Hold the robot's lease for the whole command and do its steps until one does not succeed. Never raises a
-    `RobotError`: a robot that cannot be used is a result."""
+    """Hold the robot's lease for the whole command and do its steps until one does not succeed. Raises nothing but a
+    cancellation (see `Run.carried_out`)."""
     run = Run(driver, command, plan, reins)
-    status, message = "failed", ""
-    try:
-        async with contextlib.AsyncExitStack() as stack:
-            await take_lease(stack, run)
-            status = await run.steps()
-    except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum knows nothing of
-        run.stopped_by = e.by
-        status, message = ("stopped", "") if e.why in _BY_PEOPLE else ("failed", str(e))
-    except (RobotBusy, RobotUnreachable, RobotError) as e:
-        message = str(e)
-    return run.execution(status, message)
+    return await run.carried_out(run.steps)
 
 
 async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
@@ -229,12 +276,17 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
         reason, outcome, said = e.why, Outcome.STOPPED, str(e)
     except RobotError as e:
         reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, str(e)
+    except asyncio.CancelledError:  # we gave it up: see `TELL_S`
+        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, "The driver did not say how far the step went."
+    except Exception as e:  # it was sent, whatever the answer was
+        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, f"The driver's answer cannot be read ({e!r})."
     return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
 
 
 def decisive(execution: Execution, verdict: Verdict) -> Verdict:
     """The verdict that the report names: the guard's, where it refused what the screen had let pass."""
     last = execution.verdict or verdict
-    if execution.status == "refused" and last.decision is Decision.ALLOW and execution.results:
-        return Verdict(Decision.REFUSE, f"guard.{execution.results[0].reason}")
+    refused = next((r for r in execution.results if r.outcome is Outcome.REFUSED), None)
+    if execution.status == "refused" and last.decision is Decision.ALLOW and refused is not None:
+        return Verdict(Decision.REFUSE, f"guard.{refused.reason}")
     return last

@@ -1,13 +1,14 @@
 """What an agent must not forget: which posts it claimed, whether their motion began, and what came of each.
 
 Two things share one SQLite file. The rows (`claim`, `motion`, `meta`) are ours and decide whether anything may move.
-The workflows are DBOS's: each thought, motion and reply is one, with an id made of the post, so that what was finished
+The workflows are DBOS's: each thought and motion is one, with an id made of the post, so that what was finished
 before a crash is not done again. Unfinished workflows are forgotten at the start and begun anew from the claim rows:
 what must not be repeated is guarded by its own row, never by the engine.
 
     post-<id>            read the post, understand it, screen it
     post-<id>:motion     move; the motion row is written before, and the first insert wins
-    post-<id>:reply      put the report into the thread
+
+The final reply needs none: it can be told again, since whoever tells it looks first whether it is there.
 """
 
 from __future__ import annotations
@@ -334,6 +335,13 @@ class Journal(Rows):
         """Whether a motion of this post ever began, or (`ended`) what came of it is kept."""
         found = await self._in_rows(self._one, "SELECT state FROM motion WHERE post = ?", (post_id,))
         return found is not None and (found[0] == "ended" if ended else found[0] != CANCELLED)
+
+    async def kept(self, post_id: str) -> str | None:
+        """What a motion that ended answered; None when that is not known."""
+        found = await self._in_rows(
+            self._one, "SELECT result FROM motion WHERE post = ? AND state = 'ended'", (post_id,)
+        )
+        return None if found is None or found[0] is None else str(found[0])
 
     async def set_aside(self) -> None:
         """The forum was replaced and its ids mean other posts now: what was kept counts no more, open claims end."""

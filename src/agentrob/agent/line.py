@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any, TypeVar
 
+from agentrob.agent.execute import Run
 from agentrob.agent.extract import Thought
 from agentrob.agent.rows import Asked, Decided
 from agentrob.minds.loop import Looked
@@ -26,8 +27,8 @@ class Job:
     word as soon as the command may not go on; `paced`: its account may command now; while it is `held`, others go
     before it. `asked`: it waits or waited for an approval, and what was said of it. `stop` brings what the stop that
     ended it did, `stopped_by` whose it was; `took_back` is how many others it ended. `thought` is what was made of it,
-    as soon as that is known, `looked` the loop of a model that steered; `status` is its status post, `task` what
-    carries it through.
+    as soon as that is known, `looked` the loop of a model that steered; `run` is its motion, if that began in this
+    process, with all that was measured so far; `status` is its status post, `task` what carries it through.
     """
 
     command: Command
@@ -46,6 +47,7 @@ class Job:
     timings_ms: dict[str, float] = field(default_factory=dict)
     thought: Thought | None = None
     looked: Looked | None = None
+    run: Run | None = None
     status: Any = None
     task: asyncio.Task[None] | None = None
     _changed: asyncio.Event = field(default_factory=asyncio.Event)

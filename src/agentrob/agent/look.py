@@ -9,11 +9,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
+import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from agentrob.agent.execute import LOOK_S, SILENT, Execution, Reins, Run, take_lease
-from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
+import structlog
+
+from agentrob.agent.execute import LOOK_S, SILENT, Execution, Reins, Run
+from agentrob.errors import RobotError, RobotUnreachable
 from agentrob.judge.mandate import within
 from agentrob.language.goal import Goal
 from agentrob.minds.chat import ChatModel
@@ -31,6 +34,7 @@ _GOES_ON = frozenset({"", "obstacle", "fence", "deadline", "stalled", "invalid",
 _OF_A_STEP = ("limit.", "plan.", "ops.", "consent.", "scene.")
 
 
+_log = structlog.get_logger()
 OnResult = Callable[[ActionResult], None]
 
 
@@ -67,6 +71,7 @@ class Looking(Run):
         self.errand = errand
         self.on_result = on_result
         self.stepping = False
+        self.end = LoopEnd("cut")
         self.loop = Loop(
             errand.eyes, errand.prompt, errand.told, errand.mandate, errand.capabilities, self, errand.budget,
             errand.spent,
@@ -93,7 +98,6 @@ class Looking(Run):
             result = await self._step(step)
         finally:
             self.stepping = False
-        self.results.append(result)
         self.on_result(result)
         if result.reason in ("stop", "halt"):
             await self._ask_who()
@@ -125,7 +129,7 @@ class Looking(Run):
         if verdict.rule.startswith(_OF_A_STEP):
             return verdict.reason
         self.verdict = verdict
-        raise Cut("cancelled" if verdict.rule.startswith("command.") else "refused")
+        raise Cut(self._status_of_verdict(verdict))
 
     def left_s(self) -> float:
         moved_s = sum(r.duration_s for r in self.results)
@@ -135,6 +139,14 @@ class Looking(Run):
         return time.monotonic() - self.started_s
 
     # ------------------------------------------------------------ the loop, and what cuts it off
+    async def reached(self) -> str:
+        """Follow the loop to its end; the command's status."""
+        try:
+            self.end = await self.follow()
+        except Cut as e:
+            return e.status
+        return "done" if self.end.claim == "done" else "failed"
+
     async def follow(self) -> LoopEnd:
         """The loop to its end; raises `Cut` or `LeaseLost` as soon as something outside ends it."""
         looping = asyncio.create_task(self.loop.run())
@@ -166,26 +178,21 @@ class Looking(Run):
         loop = self.loop
         return Looked(self.errand.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
 
+    def execution(self) -> Execution:
+        execution = super().execution()
+        try:
+            looked = self.looked(self.end)
+        except Exception:  # what was measured is told all the same; a claim that nobody could check is none
+            _log.error("loop not described", trace=traceback.format_exc())
+            return replace(execution, status="failed" if execution.status == "done" else execution.status)
+        if looked.contradicted and execution.status == "done":
+            execution = replace(execution, status="failed")
+        return replace(execution, looked=looked)
+
 
 async def look(
     driver: DriverClient, command: Command, errand: Errand, reins: Reins, on_result: OnResult = lambda _: None
 ) -> Execution:
-    """Hold the robot's lease while a model works towards the goal. Never raises a `RobotError`."""
+    """Hold the robot's lease while a model works towards the goal. Raises nothing but a cancellation."""
     run = Looking(driver, command, errand, reins, on_result)
-    end, status, message = LoopEnd("cut"), "failed", ""
-    try:
-        async with contextlib.AsyncExitStack() as stack:
-            await take_lease(stack, run)
-            end = await run.follow()
-            status = "done" if end.claim == "done" else "failed"
-    except Cut as e:
-        status = e.status
-    except LeaseLost as e:
-        run.stopped_by = e.by
-        status, message = ("stopped", "") if e.why in ("stop", "halt") else ("failed", str(e))
-    except (RobotBusy, RobotUnreachable, RobotError) as e:
-        message = str(e)
-    looked = run.looked(end)
-    if looked.contradicted:
-        status = "failed" if status == "done" else status
-    return replace(run.execution(status, message), looked=looked)
+    return await run.carried_out(run.reached)

@@ -31,7 +31,7 @@ SENTENCE_CHARS = 600
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
 #: Why we ended a step ourselves: the driver's own sentence knows nothing of it.
-_NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable"})
+_NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable", "internal"})
 
 
 # -------------------------------------------------------------------- words that are not ours
@@ -115,6 +115,15 @@ def final(
     return "\n\n".join(part for part in parts if part)
 
 
+def plain(report: Report) -> str:
+    """The end as data, for a report that a fault of ours keeps from being put into words."""
+    steps = [
+        f"{n}. `{r.primitive.op} {r.primitive.asked()}`: {r.outcome}, measured `{dict(r.measured)}`"
+        for n, r in enumerate(report.results, 1)
+    ]
+    return "\n\n".join([f"**{report.status}**", *steps, f"`{report.command.trace_id}`"])
+
+
 def short(report: Report) -> str:
     """What the status post says where the report is a reply of its own."""
     return say("see_reply", report.command.language, state=_head(report))
@@ -122,15 +131,18 @@ def short(report: Report) -> str:
 
 def _head(report: Report) -> str:
     language = report.command.language
+    # That nothing moved is said only where no step was given to the driver, or the driver refused each.
+    begun = any(result.moved for result in report.results)
+    at = next((n for n, r in enumerate(report.results, 1) if not r.ok), len(report.results))
     match report.status:
         case "done" | "failed" if report.goal:
             return say(f"goal.{report.status}", language, goal=report.goal)
         case "answered":
             return ""
         case "failed":
-            at = next((n for n, r in enumerate(report.results, 1) if not r.ok), None)
-            begun = at is not None and any(r.outcome is not Outcome.SKIPPED for r in report.results)
             return say("failed", language, step=at) if begun else say("failed.before", language)
+        case "cancelled" | "refused" if begun:
+            return say(f"{report.status}.at", language, step=at)
         case "expired":
             return ""
         case "interrupted" if any(r.outcome is Outcome.UNKNOWN for r in report.results):
@@ -146,13 +158,19 @@ def _why(report: Report) -> str:
     language = report.command.language
     said = []
     verdict = report.verdict
-    if report.status in ("refused", "cancelled") and verdict is not None and verdict.reason:
+    if (
+        verdict is not None
+        and verdict.reason
+        and (report.status in ("refused", "cancelled") or verdict.rule.startswith("command."))
+    ):
         said.append(disarmed(verdict.reason))
     if report.message and report.status != "stopped":
         said.append(report.message if report.status == "answered" else disarmed(report.message))
     last = _decisive(report.results[-1:] if report.goal else report.results)  # on the way to a goal it may go on
     if last is not None and report.status not in ("done", "stopped"):
-        said.append(_reason(last, language))
+        reason = _reason(last, language)
+        said = [sentence for sentence in said if sentence not in reason]  # said once: "My agent was ended."
+        said.append(reason)
     if report.status == "refused" and verdict is not None:
         said.append(say("rule", language, rule=verdict.rule))
     return "\n\n".join(said) if report.status == "answered" else ("" if language == "zh" else " ").join(said)

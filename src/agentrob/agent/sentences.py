@@ -38,6 +38,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "done": ("**Done.**", "**完成。**"),
     "failed": ("**Failed** at step {step}.", "**失败**：停在第 {step} 步。"),
     "failed.before": ("**Failed** before anything moved.", "**失败**：还没有任何动作。"),
+    "cancelled.at": ("**Cancelled** at step {step}.", "**已取消**：停在第 {step} 步。"),
+    "refused.at": ("**Refused** at step {step}.", "**拒绝执行**：停在第 {step} 步。"),
     "goal.done": ("**Finished:** {goal}.", "**结束：** {goal}。"),
     "goal.failed": ("**Not reached:** {goal}.", "**未达成：** {goal}。"),
     "refused": ("**Refused.**", "**拒绝执行。**"),
@@ -140,8 +142,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "because.taken_back": ("Its author took it back.", "作者撤回了这个命令。"),
     "because.suspended": ("Its author may not command me now.", "作者现在不能指挥我。"),
     "because.unverified": (
-        "I could not check whether the command still holds, so nothing moved.",
-        "无法确认命令是否仍然有效，所以没有动作。",
+        "I could not check whether the command still holds, so I did not go on.",
+        "无法确认命令是否仍然有效，所以没有继续。",
     ),
     "because.replaced": (
         "The forum is no longer the one that this was posted on.",
@@ -153,6 +155,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "because.journal": (
         "My journal cannot be written, and without it nothing may move.",
         "日志无法写入；没有日志就不能动作。",
+    ),
+    "because.not_kept": (
+        "My journal could not be written after that, so only this reply tells what came of it.",
+        "此后日志无法写入，结果只记录在这条回复里。",
     ),
     "because.internal": ("Something went wrong inside my agent; it is in its log.", "代理程序内部出错，详见其日志。"),
     # ------------------------------------------------------------ steps
@@ -228,6 +234,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "论坛没有响应，没有人能叫停我。",
     ),
     "reason.shutdown": ("My agent was ended.", "我的代理程序被关闭。"),
+    "reason.internal": (
+        "Something went wrong inside my agent, so it ended the step.",
+        "代理程序内部出错，已结束这一步。",
+    ),
     "reason.unreachable": ("The driver stopped answering.", "驱动没有响应。"),
     "reason.other": ("Reason: `{reason}`.", "原因：`{reason}`。"),
     # ------------------------------------------------------------ what stands below
