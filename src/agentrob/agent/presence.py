@@ -82,6 +82,7 @@ class Presence:
             "queue": len(waiting := self._waiting()),
             "line": list(waiting[:LINE]),
             "board": self._settings.boards[0] if self._settings.boards else "",
+            "boards": list(self._settings.boards),
             "simulated": self._settings.simulated,
             "can_reset": bool(self._settings.room_reset),
             "camera": bool(self._settings.room_camera),

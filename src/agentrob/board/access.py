@@ -53,7 +53,7 @@ def _viewer(request: Request) -> Viewer:
         scheme, _, token = header.partition(" ")
         found = accounts.token_of(parts.store.reader, token) if scheme.lower() == "bearer" else None
         if found is None:
-            raise BoardError(401, "bad_token", "that token is not valid", "Authorization: Bearer <token>")
+            raise BoardError(401, "bad_token", "that token is not valid", "agentrob board account token NAME makes one")
         return Viewer(found[0], "", token, by_token=True, scopes=found[1])
     secret = request.cookies.get(parts.settings.cookie, "")
     if not _SECRET.fullmatch(secret):

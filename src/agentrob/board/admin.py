@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, insert, select
 from sqlalchemy.exc import DBAPIError
 
-from agentrob.board import accounts, administration, audit
+from agentrob.board import accounts, administration, audit, rights
 from agentrob.board import schema as db
 from agentrob.board.audit import SHELL
 from agentrob.board.database import migrate, open_engine, unavailable
@@ -72,6 +72,13 @@ def change_account(
         administration.change_account(connection, SHELL, account.name, role=role, suspended=suspended)
         if password_hash is not None:
             accounts.set_password(connection, int(account.id), password_hash)
+
+
+def claim_robot(settings: BoardSettings, name: str, owner: str) -> None:
+    """Make somebody the owner of a robot that has none."""
+    with writing(settings) as connection:
+        if not rights.settings_of(Reader(connection), name).owner:
+            administration.change_robot(connection, SHELL, name, owner=owner)
 
 
 def issue_token(

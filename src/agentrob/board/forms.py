@@ -30,7 +30,8 @@ MAX_FILES = 8
 class Composed:
     """What is in a form for writing, as it is shown again: the text, what it answers, its pictures.
 
-    `preview` is safe HTML, None when nobody asked for it; `problem` says what is wrong.
+    `preview` is safe HTML, None when nobody asked for it, and `hint` says why no robot would answer.
+    `problem` says what is wrong.
     """
 
     draft: str = ""
@@ -39,6 +40,7 @@ class Composed:
     reply_to: str = ""
     pictures: tuple[Image, ...] = ()
     preview: str | None = None
+    hint: str = ""
     problem: str = ""
 
 

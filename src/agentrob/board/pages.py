@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Request
@@ -18,6 +19,7 @@ from agentrob.board import (
     pages_posts,
     pages_robots,
     pages_tags,
+    reach,
     robot_view,
     tags,
     uploads,
@@ -26,10 +28,10 @@ from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
 from agentrob.board.pages_find import previewed
 from agentrob.board.pages_posts import POSTS, may_not_look, path_of
-from agentrob.board.records import Post
-from agentrob.board.services import services
+from agentrob.board.records import Post, Topic
+from agentrob.board.services import Services, services
 from agentrob.board.templating import error_page, go, own_path, show, static_file
-from agentrob.board.topic_posts import posts_of_topic
+from agentrob.board.topic_posts import Shown, posts_of_topic
 from agentrob.errors import BoardError
 from agentrob.model import Account
 
@@ -40,6 +42,9 @@ router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 Reading = Annotated[Viewer, Depends(access.reader)]
 Anybody = Annotated[Viewer, Depends(access.viewer)]
 Data = dict[str, Any]
+
+#: How long the author of the newest post is told that no robot answers it.
+JUST_NOW = timedelta(minutes=10)
 
 
 # ------------------------------------------------------------------ boards and topics
@@ -79,7 +84,7 @@ async def create_topic(request: Request, viewer: Anybody, board_id: str) -> Resp
         author = access.account_of(viewer)
         typed = replace(typed, pictures=await forms.pictures(known, form, author))
         if form.get("do") == "preview":
-            return _new_topic(request, viewer, board_id, previewed(known, typed))
+            return _new_topic(request, viewer, board_id, previewed(known, typed, board_id))
         checked, found = (forms.title(typed.title), forms.body(typed.draft)), forms.tags_of(form)
         key, pictures = forms.key(form, *checked), [image.id for image in typed.pictures]
         written = await known.store.create_topic(author, board_id, *checked, key=key, images=pictures, tags=found)
@@ -112,7 +117,9 @@ async def reply(request: Request, viewer: Anybody, topic_id: str) -> Response:
         author = access.account_of(viewer)
         typed = replace(typed, pictures=await forms.pictures(known, form, author))
         if form.get("do") == "preview":
-            return _topic(request, viewer, topic_id, None, previewed(known, typed))
+            return _topic(
+                request, viewer, topic_id, None, previewed(known, typed, known.store.topic(topic_id).board_id)
+            )
         written = await _replied(request, author, topic_id, typed, form)
     except BoardError as e:
         if may_not_look(viewer) or e.code == "no_such_topic":
@@ -209,6 +216,7 @@ def _new_topic(
 ) -> Response:
     known = services(request)
     data: Data = {"board": known.store.board(board_id), "robots": robot_view.robots(known), "key": forms.nonce()}
+    data["acting"] = reach.acting_on(board_id, known)
     data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
     return show(request, viewer, "new_topic.html", data, status=error.status if error else 200, here="home")
 
@@ -230,10 +238,22 @@ def _topic(
     data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
     answered = pages_posts.named(known.store, [typed.reply_to])
     data |= {"feed": f"/t/{found.id}/feed.atom", "authors": answered}
+    data |= {"acting": reach.acting_on(found.board_id, known), "unreached": _unreached(known, viewer, found, shown)}
     data["news"] = known.marks.news(known.store.reader, viewer.account, (found,)).get(found.id)
     data["may_tag"] = viewer.account is not None and tags.may_change(viewer.account, found)
     known.marks.showed(known.store.reader, viewer.account, found, shown.last)  # from now on it is read
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
+
+
+def _unreached(known: Services, viewer: Viewer, topic: Topic, shown: Shown) -> str:
+    """Why no robot answers what this viewer has just posted at the end of the topic; empty otherwise."""
+    if viewer.account is None or shown.next or not shown.last:
+        return ""
+    newest = known.store.post(shown.last)
+    just_now = datetime.now(UTC) - newest.created_at < JUST_NOW
+    if newest.removed or newest.author.id != viewer.account.id or not just_now:
+        return ""
+    return reach.hint(known, topic.board_id, newest.raw)
 
 
 # last: a request tries one address after the other, and most ask for a topic

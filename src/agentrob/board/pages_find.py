@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Form, Request
 from sqlalchemy import and_, select
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
-from agentrob.board import access, forms, notices, robot_view, search, tags
+from agentrob.board import access, forms, notices, reach, robot_view, search, tags
 from agentrob.board import schema as db
 from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
@@ -97,19 +97,24 @@ async def seen(request: Request, viewer: Anybody) -> Response:
 # ------------------------------------------------------------------ while somebody writes
 @router.post("/preview")
 async def preview(
-    request: Request, viewer: Anybody, csrf: Annotated[str, Form()], body: Annotated[str, Form()]
+    request: Request,
+    viewer: Anybody,
+    csrf: Annotated[str, Form()],
+    body: Annotated[str, Form()],
+    board: Annotated[str, Form()] = "",
 ) -> Response:
-    """How a text would look; nothing is kept."""
+    """How a text would look, and whether a robot would answer it on that board; nothing is kept."""
     access.check_form(viewer, csrf)
     access.account_of(viewer)
-    shown = previewed(services(request), Composed(draft=body.replace("\r\n", "\n")))
+    shown = previewed(services(request), Composed(draft=body.replace("\r\n", "\n")), board)
     return show(request, viewer, "preview.html", {"typed": shown})
 
 
-def previewed(known: Services, typed: Composed) -> Composed:
+def previewed(known: Services, typed: Composed, board_id: str = "") -> Composed:
     """The form with its text as it would look. 413 when it is too long; an empty text looks empty."""
     text = forms.body(typed.draft) if typed.draft.strip() else ""
-    return replace(typed, preview=render(text, lambda name: known.store.account(name) is not None))
+    hint = reach.hint(known, board_id, text) if board_id else ""
+    return replace(typed, preview=render(text, lambda name: known.store.account(name) is not None), hint=hint)
 
 
 @router.get("/names")

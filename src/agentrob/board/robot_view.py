@@ -22,6 +22,7 @@ _KNOWN = {
     "state",
     "battery_percent",
     "board",
+    "boards",
     "simulated",
     "can_reset",
     "camera",
@@ -62,6 +63,7 @@ class RobotView:
     simulated: bool = False
     battery: int | None = None
     board: str = ""
+    boards: tuple[str, ...] = ()
     can_reset: bool = False
     camera: bool = True
     line: tuple[str, ...] = ()
@@ -85,6 +87,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         simulated=card.get("simulated") is True,
         battery=_percent(card.get("battery_percent")),
         board=_words(card.get("board")),
+        boards=_boards(card),
         can_reset=card.get("can_reset") is True,
         camera=card.get("camera") is not False,
         line=tuple(p for p in line[:20] if _is_id(p)) if isinstance(line := card.get("line"), (list, tuple)) else (),
@@ -123,6 +126,13 @@ def owners(services: Services, posts: Iterable[Post]) -> dict[str, str]:
 def _look(services: Services, account: Account) -> RobotView:
     now = services.stage.robot(account.name)
     return robot_view(account.name, now.card, now.seen_at)
+
+
+def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:
+    """Where the robot acts; agents of before 0.2 tell the first of its boards only."""
+    told = card.get("boards")
+    boards = told if isinstance(told, (list, tuple)) else (card.get("board"),)
+    return tuple(board for board in boards[:20] if isinstance(board, str) and board)
 
 
 def _is_id(value: object) -> bool:

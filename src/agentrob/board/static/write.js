@@ -16,7 +16,7 @@ if (text) {
     event.preventDefault();
     const shown = form.querySelector("[data-preview]");
     try {
-      const body = new URLSearchParams({ csrf, body: text.value });
+      const body = new URLSearchParams({ csrf, body: text.value, board: form.dataset.board || "" });
       shown.replaceChildren(...(await piece("/preview", { method: "POST", body })).childNodes);
       tell("");
     } catch {
