@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from saying import read
 
+from agentrob.language.addressing import addresses
 from agentrob.language.grammar import MAX_CHARS, parse, talk_of
 from agentrob.language.talk import Talk
 from agentrob.model import Direction, Intent, Op
@@ -15,7 +16,8 @@ POSTS = {
     Talk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
     Talk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
     Talk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
-    None: "thanks, good job!|谢谢|well done @dog2, and @quadruped|ok|@quadruped 👍|@dog2 wave, @quadruped?",
+    Talk.THANKS: "thanks, good job!|谢谢|ok|@quadruped 👍",
+    None: "well done @dog2, and @quadruped|@dog2 wave, @quadruped?",
 }
 
 
@@ -117,3 +119,22 @@ def test_a_command_beside_somebody_near_the_robot_is_asked_back(text: str) -> No
 @pytest.mark.parametrize("text", ["你走在前面两米", "走在前面两米", "在你前面走两米", "往你前面走两米"])
 def test_a_walk_ahead_is_a_command(text: str) -> None:
     assert [s.distance_m for s in parse(text, ["quadruped"], [], frozenset(Op)).plan.steps] == [2.0]
+
+
+@pytest.mark.parametrize(
+    ("spoken_to", "text"),
+    [
+        (True, "@rex you did well"),
+        (True, "Look, @rex, over there"),
+        (True, "hey @rex nice work"),
+        (True, "well done @rex"),
+        (True, "你好 @rex"),
+        (True, "@max @rex hello"),
+        (False, "I like how @rex looks."),
+        (False, "Yesterday I showed @rex to my class"),
+        (False, "@max, wave at @rex"),
+        (False, "nobody is named here"),
+    ],
+)
+def test_who_speaks_to_a_robot_is_told_from_who_speaks_about_it(spoken_to: bool, text: str) -> None:
+    assert addresses(text, ("rex",)) is spoken_to

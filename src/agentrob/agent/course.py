@@ -41,17 +41,30 @@ from agentrob.config import RobotConfig
 from agentrob.errors import JournalError, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.images.store import ImageStore
+from agentrob.language.addressing import addresses
 from agentrob.language.help import help_text
 from agentrob.language.phrases import quote
 from agentrob.language.phrases import say as phrase
-from agentrob.model import Command, Decision, Intent, Language, Plan, Primitive, Report, StatusCard, Verdict
+from agentrob.model import (
+    AccountKind,
+    Command,
+    Decision,
+    Intent,
+    Language,
+    Plan,
+    Primitive,
+    Report,
+    StatusCard,
+    Verdict,
+)
 from agentrob.robots.client import DriverClient
 
 #: States after which nothing more comes.
 FINAL = frozenset(
     {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
 )
-#: A mind that answers within this time is waited for before the status is posted: a post that wants nothing gets none.
+#: A mind that answers within this time is waited for before the status is posted: a program's post that wants nothing
+#: gets none.
 GLANCE_S = 1.0
 _EXECUTION = TypeAdapter(Execution)
 _log = structlog.get_logger()
@@ -144,7 +157,10 @@ class Course:
         post_id = job.command.post_id
         thinking = asyncio.ensure_future(self.thinking.think(job, self.terms))
         await asyncio.wait({thinking}, timeout=GLANCE_S)
-        if thinking.done() and not job.known and thinking.result().understanding.intent is Intent.NOTHING:
+        # A person who speaks to a robot always gets an answer; programs would answer each other without end.
+        person = job.command.author.kind is AccountKind.HUMAN
+        silent = not job.known and not (person and addresses(job.command.text, self.thinking.names))
+        if thinking.done() and silent and thinking.result().understanding.intent is Intent.NOTHING:
             await self.journal.finish(post_id, "nothing")
             return None
         ours, told = await self._claim(job)

@@ -72,7 +72,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "Post it again if you still want it.",
         "**太旧了。** 我只执行 {seconds:.0f} 秒以内、并且在我首次启动之后发的帖子。如仍需要，请重新发帖。",
     ),
-    "nothing": ("There is nothing for me to do in this post.", "这个帖子里没有要我做的事。"),
+    "nothing": (
+        "I read no command in this post, so I did nothing. Say `help` and I tell you what I can do.",
+        "这个帖子里我没有读到命令，所以什么也没做。想知道我会做什么，请说`帮助`。",
+    ),
     "see_reply": ("{state} See my reply below.", "{state} 详见下面的回复。"),
     "rule": ("Rule: `{rule}`.", "规则：`{rule}`。"),
     "ask.default": (

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import cache
 
 from agentrob.language.languages import known
-from agentrob.language.visible import mention_spans
+from agentrob.language.visible import mention_spans, without_mentions
 
 _ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all|please|请|你|都)*", re.IGNORECASE)
 
@@ -40,6 +40,30 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
             parts.append(text[shared.start("words") :])
         called = False
     return "\n".join(parts).strip()
+
+
+#: Between these a mention speaks to somebody: "hey @robot nice work", "well done, @robot!".
+_CLAUSE = re.compile(r"[.,;:!?\n。，；：！？、…]+")
+_CALLING = re.compile(r"\s*(?:[^\W\d_]+|[\u3400-\u9fff]{1,2})?\s*")
+
+
+def addresses(visible: str, names: Sequence[str]) -> bool:
+    """Whether the text speaks to the robot called `names` rather than about it ("I like how @robot looks").
+
+    It does where the mention begins a clause, after one word of calling at most, or ends one in a post that mentions
+    nobody else.
+    """
+    alone = all(name in names for name, _, _ in mention_spans(visible))
+    clauses, at = [], 0
+    for end in _CLAUSE.finditer(visible):
+        clauses.append(visible[at : end.start()])
+        at = end.end()
+    for clause in (*clauses, visible[at:]):
+        for name, start, end_at in mention_spans(clause):
+            before, after = (without_mentions(part) for part in (clause[:start], clause[end_at:]))
+            if name in names and ((alone and not after.strip()) or _CALLING.fullmatch(before)):
+                return True
+    return False
 
 
 def only_joint(text: str) -> bool:

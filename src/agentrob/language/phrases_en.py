@@ -92,6 +92,7 @@ PHRASES = {
         "but where I have a camera `take a photo` shows it."
     ),
     "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
+    "talk.thanks": "You are welcome.",
     "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
     "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",
     # ---------------------------------------------------------------- rights

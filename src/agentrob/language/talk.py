@@ -15,14 +15,17 @@ class Talk(StrEnum):
     QUESTION = "question"
     PAST = "past"  # tells what was
     GREETING = "greeting"
+    THANKS = "thanks"  # or other manners alone
 
 
 def talk_in(sentences: Sequence[Sentence]) -> Talk | None:
-    """The first of cancel, question, past, greeting that is found; None for a mere "thanks"."""
+    """The first of cancel, question, past, greeting, thanks that is found."""
     if any(s.cancelled for s in sentences):
         return Talk.CANCEL
     if any(s.question or s.asked for s in sentences):
         return Talk.QUESTION
     if any(s.report for s in sentences):
         return Talk.PAST
-    return Talk.GREETING if any(s.greeted for s in sentences) and all(s.says_nothing for s in sentences) else None
+    if not all(s.says_nothing for s in sentences):
+        return None
+    return Talk.GREETING if any(s.greeted for s in sentences) else Talk.THANKS

@@ -14,11 +14,12 @@ from agentrob.model import Intent, Plan, Understanding
 
 #: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.
 PACE_MPS = 0.3
-#: Who greets is answered as one who asks, with a greeting.
+#: Who greets or thanks is answered as one who asks, with a greeting or a welcome.
 _TALK: dict[Talk | None, Intent] = {
     Talk.CANCEL: Intent.CANCEL,
     Talk.QUESTION: Intent.QUESTION,
     Talk.GREETING: Intent.QUESTION,
+    Talk.THANKS: Intent.QUESTION,
 }
 
 
@@ -37,6 +38,6 @@ class RulesMind:
         talk = talk_of(text, listener.names, listener.others)
         if understood.intent is Intent.COMMAND:
             return replace(understood, cancels=talk is Talk.CANCEL)
-        greeting = say("talk.greeting", understood.language) if talk is Talk.GREETING else ""
+        answer = say(f"talk.{talk}", understood.language) if talk in (Talk.GREETING, Talk.THANKS) else ""
         intent = _TALK.get(talk, Intent.NOTHING)
-        return replace(understood, intent=intent, question=greeting, cancels=talk is Talk.CANCEL)
+        return replace(understood, intent=intent, question=answer, cancels=talk is Talk.CANCEL)
