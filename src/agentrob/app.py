@@ -98,7 +98,7 @@ def serve_board(config: Config) -> None:
     serve(board_settings(config), ready=lambda settings: say_ready(url=settings.base_url))
 
 
-def board_account(config: Config, name: str, kind: AccountKind, role: Role, display_name: str = "") -> Account:
+def board_account(config: Config, name: str, kind: AccountKind, role: Role) -> Account:
     """The account of that name, made when it is not there yet; works while the forum runs.
 
     `BoardError` 409 when it is there and is something else: a credential is never given out for another account.
@@ -112,11 +112,40 @@ def board_account(config: Config, name: str, kind: AccountKind, role: Role, disp
     except BoardError as e:
         if e.status != 404:
             raise
-        return admin.create_account(settings, name, kind=kind, role=role, display_name=display_name)
+        return admin.create_account(settings, name, kind=kind, role=role)
     if (found.kind, found.role) != (kind, role):
         what = f"{name!r} is there already, as {found.kind} with the role {found.role}"
         raise BoardError(409, "other_account", f"{what}; choose another name, or change it with: account change {name}")
     return found
+
+
+def own_board_account(config: Config, name: str, kind: AccountKind, role: Role, display_name: str = "") -> Account:
+    """The account of that name with this role and not suspended, whatever somebody changed; made when it is not there.
+
+    `BoardError` 409 when the name belongs to another kind of account: its kind never changes.
+    """
+    from agentrob.board import admin
+
+    settings = board_settings(config)
+    admin.bootstrap(settings)
+    try:
+        found = admin.find_account(settings, name)
+    except BoardError as e:
+        if e.status != 404:
+            raise
+        return admin.create_account(settings, name, kind=kind, role=role, display_name=display_name)
+    if found.kind is not kind:
+        what = f"the account {name!r} of this forum is a {found.kind}, and a {kind} is needed"
+        raise BoardError(409, "other_account", what, f"start with another data folder; this one is {config.data_dir}")
+    admin.change_account(settings, found, role=role, suspended=False)
+    return admin.find_account(settings, name)
+
+
+def own_board_robot(config: Config, name: str, owner: str) -> None:
+    """Make `owner` the robot's owner on the forum, unless somebody else was made so since."""
+    from agentrob.board import admin
+
+    admin.claim_robot(board_settings(config), name, owner)
 
 
 def change_board_account(config: Config, name: str, role: Role | None, suspended: bool | None) -> Account:

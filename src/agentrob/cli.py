@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 
 from agentrob import __version__, app, cli_admin, cli_board, serving
-from agentrob import config as configuration
 from agentrob.child import follow_parent
 from agentrob.errors import AgentRobError
 from agentrob.logs import log_to_stderr
@@ -67,11 +66,10 @@ def demo(
     from agentrob import demo as demonstration
 
     once = post is not None
-    usual = configuration.default_data_dir() / ("demo-post" if once else "demo")
     if port is None and not once:
         port = demonstration.PORT
     settings = demonstration.DemoSettings(
-        data=(data or usual).expanduser().absolute(),
+        data=(data or demonstration.default_data(once)).expanduser().absolute(),
         port=port or None,
         post=post,
         as_json=as_json,
@@ -86,7 +84,7 @@ def demo_link(data: Annotated[Path | None, typer.Option(help="The demo's data fo
     """Print another one-time link for the demo that runs."""
     from agentrob import demo as demonstration
 
-    demonstration.print_link((data or configuration.default_data_dir() / "demo").expanduser().absolute())
+    demonstration.print_link((data or demonstration.default_data(once=False)).expanduser().absolute())
 
 
 @eval_cli.callback()
@@ -193,12 +191,17 @@ def doctor(
     move: Annotated[bool, typer.Option("--move", help="Let it walk 10 cm forward when nothing bad was found.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Say what keeps a robot from being driven, and what to do about it. Exit code 1 when something does."""
+    """Say what keeps a robot from being driven, and what to do about it. Exit code 1 when something does.
+
+    Beside a running demo it knows the demo's robots too.
+    """
+    from agentrob import demo as demonstration
     from agentrob import doctor as examination
 
     if read_only and move:
         raise typer.BadParameter("--read-only moves nothing; leave one of the two out")
-    raise typer.Exit(examination.run(robot, app.load(config), interface, domain, move, as_json))
+    settings = demonstration.config_for(robot, config)
+    raise typer.Exit(examination.run(robot, settings, interface, domain, move, as_json))
 
 
 @cli.command()

@@ -274,6 +274,18 @@ class Config(Section):
     robots: dict[Name, RobotConfig] = Field(default_factory=dict)
     minds: dict[Name, MindConfig] = Field(default_factory=dict)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _forum_is_the_own_board(cls, data: Any) -> Any:
+        """Agents use the embedded forum where it listens, unless another forum or address is given."""
+        if not isinstance(data, dict):
+            return data
+        forum, board = data.get("forum", {}), data.get("board", {})
+        listen = board.get("listen") if isinstance(board, dict) else board.listen
+        if isinstance(forum, dict) and isinstance(listen, str) and forum.get("kind", "board") == "board":
+            data = {**data, "forum": {"url": local_address(listen), **forum}}
+        return data
+
     @model_validator(mode="after")
     def _minds_fit(self) -> Self:
         if "rules" in self.minds:
@@ -302,6 +314,12 @@ class Config(Section):
     @property
     def data_dir(self) -> Path:
         return Path(self.data).expanduser() if self.data else default_data_dir()
+
+
+def local_address(listen: str) -> str:
+    """How this machine reaches what listens there: on loopback where it listens on every interface."""
+    host, _, port = listen.rpartition(":")
+    return f"http://{'127.0.0.1' if host in ('', '0.0.0.0', '[::]', '::') else host}:{port}"
 
 
 def default_data_dir() -> Path:

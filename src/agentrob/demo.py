@@ -19,6 +19,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
+from agentrob import config as configuration
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
 from agentrob.config import Config, ForumConfig, RatesConfig
@@ -156,7 +157,8 @@ class Demo:
         agents = [self._agent(name, config) for name in self.robots]
         for child in (*drivers, *agents):
             child.wait_ready()
-        (self.data / "demo.json").write_text(json.dumps({"pid": os.getpid(), "url": self.url, "room": self.room_url}))
+        facts = {"pid": os.getpid(), "url": self.url, "room": self.room_url, "runtime": str(self.runtime)}
+        (self.data / "demo.json").write_text(json.dumps(facts))
 
     def _check_robots(self) -> None:
         """`ConfigError` for a robot that is not installed, or that cannot be loaded."""
@@ -204,7 +206,7 @@ class Demo:
     def _write_config(self, port: int, room_url: str) -> Path:
         from agentrob import app
 
-        # one visitor, who may play as long as they like
+        # one visitor, who owns the robots and the forum, and may play as long as they like
         own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0)}
         room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
         robots = {
@@ -227,9 +229,10 @@ class Demo:
         from agentrob import app
 
         config = app.load(config_path)
+        app.own_board_account(config, VISITOR, AccountKind.HUMAN, Role.ADMIN, "Visitor")
         for name in self.robots:
-            app.board_account(config, name, AccountKind.ROBOT_AGENT, Role.MEMBER, name.capitalize())
-        app.board_account(config, VISITOR, AccountKind.HUMAN, Role.OPERATOR, "Visitor")
+            app.own_board_account(config, name, AccountKind.ROBOT_AGENT, Role.MEMBER, name.capitalize())
+            app.own_board_robot(config, name, VISITOR)
         for name in (*self.robots, VISITOR):
             app.revoke_board_tokens(config, name, "demo")
             self.tokens[name] = app.board_token(config, name, "demo")
@@ -263,6 +266,30 @@ def running(data: Path) -> dict[str, Any] | None:
             facts: dict[str, Any] = json.loads((data / "demo.json").read_text())
             return facts
     return None
+
+
+def config_for(robot: str | None, path: Path | None) -> Config:
+    """The configuration that names this robot: the file's, or else that of the usual demo while it runs.
+
+    This process then finds the demo's drivers, whose sockets are in a folder of the demo's own.
+    """
+    config = configuration.load(path)
+    if path is not None or robot in config.robots or (robot is None and config.robots):
+        return config
+    data = default_data(once=False)
+    facts = running(data)
+    if facts is None:
+        return config
+    demo = configuration.load(data / "agentrob.toml")
+    if robot is not None and robot not in demo.robots:
+        return config
+    os.environ["AGENTROB_RUNTIME"] = facts["runtime"]
+    return demo
+
+
+def default_data(once: bool) -> Path:
+    """Where the demo keeps everything unless told otherwise; a demo of one post has a folder of its own."""
+    return configuration.default_data_dir() / ("demo-post" if once else "demo")
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ from running import RUNNING, RunningDemo, end_left, start_demo
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningDemo]:
     before = len(RUNNING)
-    yield start_demo(tmp_path_factory.mktemp("demo") / "data")
+    yield start_demo(tmp_path_factory.mktemp("demos") / "demo")
     end_left(before)
 
 

@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 import httpx2
 import pytest
-from running import AGENTROB, RunningDemo, start_demo
+from running import AGENTROB, RUNNING, RunningDemo, end_left, start_demo
 
 from agentrob import hostlock
 
@@ -117,6 +117,43 @@ def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
         assert "visitor" in browser.get(demo.url).text
         stolen = thief.post(link, data={"csrf": form_token(thief.get(demo.url + "/sign-in").text)})
         assert stolen.status_code == 404
+
+
+def test_the_visitor_owns_the_demo_and_a_restart_works_whatever_was_changed(tmp_path: Path) -> None:
+    config = str(tmp_path / "data/agentrob.toml")
+    demo = start_demo(tmp_path / "data")
+    assert "visitor\thuman\tadmin\n" in demo.agentrob("board", "account", "list", "--config", config).stdout
+    for robot in ("quadruped", "humanoid"):
+        assert "owner: visitor\n" in demo.agentrob("board", "robot", "show", robot, "--config", config).stdout
+    for change in (
+        ("board", "account", "add", "olga", "--role", "operator"),
+        ("board", "account", "change", "visitor", "--role", "member", "--suspend"),
+        ("board", "account", "change", "humanoid", "--suspend"),
+        ("board", "robot", "change", "quadruped", "--owner", "olga"),
+    ):
+        changed = demo.agentrob(*change, "--config", config)
+        assert changed.returncode == 0, changed.stderr
+    end_left(RUNNING.index(demo))
+    again = start_demo(tmp_path / "data")
+    accounts = again.agentrob("board", "account", "list", "--config", config).stdout
+    assert "visitor\thuman\tadmin\n" in accounts
+    assert "suspended" not in accounts
+    owned = again.agentrob("board", "robot", "show", "quadruped", "--config", config).stdout
+    assert "owner: olga\n" in owned, "an owner whom somebody chose stays"
+    with httpx2.Client() as browser:
+        page = browser.get(again.link)
+        assert browser.post(again.link, data={"csrf": form_token(page.text)}).status_code == 303
+        assert browser.get(again.url + "/admin/accounts").status_code == 200
+
+
+def test_the_doctor_knows_the_robots_of_the_demo_that_runs_beside_it(demo: RunningDemo) -> None:
+    found = demo.agentrob("doctor", "quadruped", "--json")
+    assert found.returncode == 0, found.stdout + found.stderr
+    told = json.loads(found.stdout)
+    assert (told["robot"], told["model"]) == ("quadruped", "go2")
+    assert "its driver holds it" in told["findings"][1]["found"]
+    unnamed = demo.agentrob("doctor")
+    assert "Name one of: humanoid, quadruped" in unnamed.stderr
 
 
 def form_token(page: str) -> str:

@@ -259,7 +259,7 @@ def _problem(response: httpx2.Response) -> str:
     """One sentence of a problem-detail answer, or of whatever a proxy put in its place."""
     try:
         problem = response.json()
-        said = " ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k)) or str(problem.get("title", ""))
+        said = "; ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k)) or str(problem.get("title", ""))
     except (ValueError, AttributeError, TypeError):
         said = response.text[:200]
     return f"{where(response)} {said}".rstrip()

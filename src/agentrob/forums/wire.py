@@ -74,4 +74,5 @@ def retry_after_s(response: httpx2.Response) -> float:
 
 def where(response: httpx2.Response) -> str:
     """What was asked and how it ended, as a refusal's sentence begins."""
-    return f"{response.request.method} {response.request.url.path}: {response.status_code}"
+    url = response.request.url
+    return f"{response.request.method} {url.scheme}://{url.netloc.decode()}{url.path}: {response.status_code}"
