@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from functools import cache
 
 from agentrob.language.languages import known
@@ -47,7 +47,7 @@ _CLAUSE = re.compile(r"[.,;:!?\n。，；：！？、…]+")
 _CALLING = re.compile(r"\s*(?:[^\W\d_]+|[\u3400-\u9fff]{1,2})?\s*")
 
 
-def addresses(visible: str, names: Sequence[str]) -> bool:
+def addresses(visible: str, names: Collection[str]) -> bool:
     """Whether the text speaks to the robot called `names` rather than about it ("I like how @robot looks").
 
     It does where the mention begins a clause, after one word of calling at most, or ends one in a post that mentions
