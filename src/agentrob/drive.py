@@ -24,11 +24,23 @@ from agentrob.child import Child, end_all
 from agentrob.config import Config, RobotConfig
 from agentrob.errors import ConfigError, RobotUnreachable
 from agentrob.language.goal import Goal
-from agentrob.model import Account, ActionResult, Capabilities, Decision, Intent, Outcome, Plan, Role
+from agentrob.model import (
+    Account,
+    ActionResult,
+    Capabilities,
+    Decision,
+    Intent,
+    Outcome,
+    Plan,
+    Role,
+    Understanding,
+    Verdict,
+)
 from agentrob.plugins import find
 
 if TYPE_CHECKING:
     from agentrob.agent.execute import Execution
+    from agentrob.minds.mind import Listener
 
 #: The person at the keyboard of the robot's own machine.
 LOCAL = Account(id="local", name="local", role=Role.OPERATOR)
@@ -73,8 +85,6 @@ def _drive(
     mind: str | None,
     on_step: Callable[[ActionResult], None],
 ) -> Driven:
-    from agentrob.judge.screen import screen
-    from agentrob.language.visible import visible_text
     from agentrob.robots.client import run_plan
 
     capabilities: Capabilities = app.capabilities_of(settings.model, settings)
@@ -84,17 +94,9 @@ def _drive(
         )
     if (goal := _goal(command, name, settings, config, capabilities)) is not None:
         return _look(goal, command, name, settings, config, on_step)
-    understood = _outside_loop(lambda: asyncio.run(app.understand(command, name, capabilities, settings.mind, config)))
-    if understood.intent is not Intent.COMMAND:
+    understood, verdict = _outside_loop(lambda: asyncio.run(_judged(command, name, capabilities, settings, config)))
+    if verdict is None:
         return Driven("asks_back", message=understood.question or f"nothing to do in {command!r}")
-    verdict = screen(
-        understood.plan,
-        text=visible_text(command),
-        author=LOCAL,
-        capabilities=capabilities,
-        language=understood.language,
-        scene=settings.scene,
-    )
     if verdict.decision is not Decision.ALLOW:
         status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
         return Driven(status, understood.plan, message=f"{verdict.reason} ({verdict.rule})")
@@ -104,6 +106,54 @@ def _drive(
             lambda: run_plan(name, understood.plan, holder, socket=socket, deadline_s=limit_s, on_result=on_step)
         )
     return Driven("done" if all(r.ok for r in results) else "failed", understood.plan, results)
+
+
+async def _judged(
+    text: str, name: str, capabilities: Capabilities, settings: RobotConfig, config: Config
+) -> tuple[Understanding, Verdict | None]:
+    """What the robot's mind makes of a text, and the verdict under all that its owner has set; None: no command."""
+    from agentrob.judge.addressed import heard_by
+    from agentrob.judge.screen import screen
+    from agentrob.minds.mind import LivingMind, read
+    from agentrob.minds.trial import second_look
+
+    visible, listener = _heard(text, name, capabilities, settings)
+    mind = app.make_mind(settings.mind, config)
+    try:
+        reading = await read(mind, visible, listener)
+        understood = reading.understanding
+        if understood.intent is not Intent.COMMAND:
+            return understood, None
+        verdict = screen(
+            understood.plan,
+            text=visible,
+            author=LOCAL,
+            capabilities=capabilities,
+            language=understood.language,
+            allow_flip=settings.allow_flip,
+            scene=settings.scene,
+            part=heard_by(visible, listener.names, listener.others),
+        )
+        if settings.screen != "rules":
+            required = settings.screen == "required"
+            verdict, _ = await second_look(mind, reading, verdict, visible, listener, settings.scene, required=required)
+        return understood, verdict
+    finally:
+        if isinstance(mind, LivingMind):
+            await mind.close()
+
+
+def _heard(text: str, name: str, capabilities: Capabilities, settings: RobotConfig) -> tuple[str, Listener]:
+    """The visible text, which calls the robot by one of its names, and for whom it is read."""
+    from agentrob.language.visible import mentions, visible_text
+    from agentrob.minds.mind import Listener
+
+    names = (name, *(n.lower().lstrip("@") for n in settings.mentions))
+    visible = visible_text(text)
+    if not set(names) & set(mentions(visible)):
+        visible = f"@{name} {visible}"
+    others = tuple(other for other in mentions(visible) if other not in names)
+    return visible, Listener(names, others, capabilities, settings.step_length_m)
 
 
 def drive_go2_robot(command: str, network_interface: str | None = None) -> Driven:
@@ -125,13 +175,11 @@ def _goal(text: str, name: str, settings: RobotConfig, config: Config, capabilit
     if not settings.look.allowed or settings.mind not in config.minds or not config.minds[settings.mind].images:
         return None
     from agentrob.agent.look_goal import goal_for
-    from agentrob.language.visible import mentions, visible_text
-    from agentrob.minds.mind import Listener
+    from agentrob.minds.rules import RulesMind
 
-    visible = visible_text(text)
-    visible = visible if name in mentions(visible) else f"@{name} {visible}"
-    understood = _outside_loop(lambda: asyncio.run(app.understand(text, name, capabilities)))
-    return goal_for(visible, Listener((name,), (), capabilities), understood)
+    visible, listener = _heard(text, name, capabilities, settings)
+    understood = _outside_loop(lambda: asyncio.run(RulesMind().understand(visible, listener)))
+    return goal_for(visible, listener, understood)
 
 
 def _look(

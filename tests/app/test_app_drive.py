@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
 
 import pytest
 
-from agentrob.config import Config, parse
+from agentrob.config import Config, RobotConfig, parse, runtime_dir
 from agentrob.drive import Driven, robot_command_driver
-from agentrob.errors import ConfigError
+from agentrob.errors import ConfigError, RobotError
 from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
-from agentrob.model import ActionResult, Op, Outcome
+from agentrob.model import ActionResult, Capabilities, Op, Outcome
+from agentrob.robots.fake import FakeRobot
 
-sys.path.append(str(Path(__file__).parents[1] / "agent"))
+sys.path += [str(Path(__file__).parents[1] / folder) for folder in ("agent", "minds", "robots")]
+from brain import move
+from driver_scene import Drivers
 from look_brain import DONE, driving_brain
 
 
@@ -127,3 +133,92 @@ def test_the_calls_of_the_paper_are_in_agentrob_itself_and_nothing_is_loaded_bef
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
+
+
+# ------------------------------------------------------------------ what the owner has set
+def changed(config: Config, name: str, **settings: Any) -> Config:
+    """The configuration with other settings of its robot."""
+    robot = config.robots[name].model_copy(update=settings)
+    return config.model_copy(update={"robots": {name: robot}})
+
+
+@pytest.mark.parametrize("allow_flip", [False, True])
+def test_law_10_a_real_robot_flips_where_its_owner_consents_and_nowhere_else(
+    lab: tuple[Config, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, allow_flip: bool
+) -> None:
+    def real(settings: RobotConfig) -> Capabilities:
+        return replace(describe(settings), simulated=settings.simulated)
+
+    config, name = lab
+    settings = {"simulated": False, "home_on_start": False, "allow_flip": allow_flip}
+    describe = FakeRobot.describe
+    monkeypatch.setattr(FakeRobot, "describe", real)
+    monkeypatch.setenv("AGENTROB_RUNTIME", str(tmp_path))
+    drivers = Drivers(runtime_dir())
+    try:
+        drivers.start(name, **settings, options={"time_scale": 30})
+        asyncio.run(home(drivers, name))
+        driven = robot_command_driver("do a backflip", name, config=changed(config, name, **settings))
+    finally:
+        drivers.close()
+    if allow_flip:
+        assert (driven.status, [r.primitive.op for r in driven.results]) == ("done", [Op.BACKFLIP]), driven.message
+    else:
+        assert (driven.status, driven.results) == ("refused", ())
+        assert "consent.flip" in driven.message
+
+
+async def home(drivers: Drivers, name: str) -> None:
+    """As its owner does, once it stands still."""
+    async with drivers.client(name) as robot, asyncio.timeout(10):
+        while not (await robot.state()).homed:
+            with contextlib.suppress(RobotError):
+                await robot.home("owner")
+
+
+def test_its_own_steps_are_as_long_as_the_owner_measured_them(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    driven = robot_command_driver("take two steps forward", name, config=changed(config, name, step_length_m=0.25))
+    assert driven.status == "done", driven.message
+    assert driven.results[0].measured["distance_m"] == pytest.approx(0.5, abs=0.05)
+
+
+def test_it_answers_to_every_name_that_it_has_on_a_forum(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    config = changed(config, name, mentions=("@Bello",))
+    driven = robot_command_driver("@somebody wave, @bello walk forward 50 cm", name, config=config)
+    assert [r.primitive.op for r in driven.results] == [Op.MOVE], driven.message
+
+
+@pytest.mark.parametrize(
+    ("screen", "answer", "rule"),
+    [
+        ("model", {"decision": "refuse", "harm": "people"}, "model.people"),
+        ("required", "", "screen.required"),
+        ("model", "", ""),
+        ("rules", {"decision": "refuse", "harm": "people"}, ""),
+    ],
+)
+def test_law_7_the_owners_model_looks_at_what_is_driven_too(
+    lab: tuple[Config, str], screen: str, answer: Any, rule: str
+) -> None:
+    config, name = lab
+    with driving_brain() as brain:
+        brain.reads = move("walk forward 50 cm", 50, "cm")
+        brain.screens = answer or (lambda handler: handler.send(500, b"{}"))
+        address = {"provider": "compatible", "model": "m", "base_url": f"{brain.server.url}/v1", "retries": 0}
+        config = config.model_copy(update={"minds": parse({"minds": {"clever": address}}).minds})
+        config = changed(config, name, mind="clever", screen=screen)
+        driven = robot_command_driver("walk forward 50 cm", name, config=config)
+        looked = len(brain.questions("screen"))
+    assert (looked > 0) is (screen != "rules")
+    assert (driven.results == ()) is bool(rule), driven.message
+    assert rule in driven.message
+
+
+def test_law_7_where_a_look_of_a_model_is_required_the_rules_alone_move_nothing(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    config = changed(config, name, mind="clever", screen="required")
+    driven = robot_command_driver("walk forward 50 cm", name, config=config, mind="rules")
+    assert (driven.status, driven.results) == ("asks_back", ())
+    assert "screen.required" in driven.message

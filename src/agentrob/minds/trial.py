@@ -41,18 +41,28 @@ async def trial(mind: Mind, name: str, text: str, robot: str, capabilities: Capa
 
 
 async def second_look(
-    mind: Mind, reading: Reading, by_rules: Verdict, text: str, listener: Listener, scene: str = ""
+    mind: Mind,
+    reading: Reading,
+    by_rules: Verdict,
+    text: str,
+    listener: Listener,
+    scene: str = "",
+    *,
+    required: bool = False,
 ) -> tuple[Verdict, Screened | None]:
-    """What counts of a command that was read and judged by rules, as for an agent with the usual settings: where the
-    rules allow it and the mind is a model, that looks at it once more, and can only refuse."""
-    if by_rules.decision is not Decision.ALLOW or not isinstance(mind, ModelMind):
-        return by_rules, None
+    """What counts of a command that was read and judged by rules, as for an agent with `screen = "model"`: where the
+    rules allow it and the mind is a model, that looks at it once more, and can only refuse. `required`: with `screen =
+    "required"`, so it is asked back where no model could look."""
     found = reading.understanding
+    if by_rules.decision is not Decision.ALLOW or not isinstance(mind, ModelMind):
+        return narrowed(by_rules, None, found.language, required), None
     if reading.mind == RulesMind.name and reading.fallback:  # nobody answered a moment ago
-        return by_rules, Screened(mind.name, failed=reading.fallback)
+        screened = Screened(mind.name, failed=reading.fallback)
+        return narrowed(by_rules, screened, found.language, required), screened
     part, can = part_for(text, listener.names, listener.others), listener.capabilities
     looking = screen_by_model(mind.model, part, found.plan, can, found.language, scene=scene, spent=reading.usage)
-    return narrowed(by_rules, screened := await looking, found.language), screened
+    screened = await looking
+    return narrowed(by_rules, screened, found.language, required), screened
 
 
 async def _judged(mind: Mind, reading: Reading, text: str, listener: Listener) -> tuple[list[str], Screened | None]:
