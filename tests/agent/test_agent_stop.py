@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import asyncio
+import re
+import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 from agentrob.errors import RobotUnreachable
-from agentrob.model import AccountKind, Role
+from agentrob.model import AccountKind, Role, StopResult
+from agentrob.robots.client import DriverClient
+
+#: A lease is good for so long, and a body at 0.5 m/s comes to rest in so long; the rest is for busy machines.
+LAPSE_S, REST_S = 1.0, 1.5
 
 
 @pytest.fixture(scope="module")
@@ -159,6 +167,45 @@ async def test_law_17_a_driver_that_cannot_be_reached_is_said_plainly(driver: Dr
         command = await scene.final(await scene.post("alice", "@quadruped wave"))
     assert command.card.state == "failed"
     assert "cannot be used" in command.raw
+
+
+@pytest.mark.parametrize("hangs", [False, True])
+async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_lapse_and_the_robot_stands(
+    driver: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hangs: bool
+) -> None:
+    scene, over, never = make_scene(driver, tmp_path), threading.Event(), asyncio.Event()
+
+    class Deaf(DriverClient):
+        """Everything works but a stop."""
+
+        async def _ask(self, method: str, path: str, body: Any = None, timeout_s: float = 5.0) -> Any:
+            if path not in ("/stop", "/halt"):
+                return await super()._ask(method, path, body, timeout_s)
+            if hangs:
+                await never.wait()
+            raise RobotUnreachable("no answer")
+
+    def second(*_: object) -> StopResult:
+        if hangs:
+            over.wait(20)
+        raise RobotUnreachable("no answer")
+
+    monkeypatch.setattr("agentrob.agent.stops.stop_robot", second)
+    async with scene.agent(driver=Deaf(driver.name, driver.socket)):
+        post = await running(scene)
+        stop = await scene.post("bob", "stop", topic=scene.world.posts[post].topic_id)
+        asked_s = time.monotonic()
+        async with asyncio.timeout(5), scene.driver.client() as client:
+            while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
+                await asyncio.sleep(0.01)
+        assert time.monotonic() - asked_s < LAPSE_S + REST_S
+        over.set()
+        never.set()
+        reply = await scene.final(scene.world.posts[post])
+        (told,) = await scene.until(lambda: scene.replies(stop))
+    assert "**Stopped** by `bob`" in reply.raw
+    assert float(re.findall(r"\| (\d\.\d\d) m \|", reply.raw)[0]) < 3.0
+    assert "could not reach" in told.raw
 
 
 async def test_an_agent_that_is_ended_stops_its_robot_and_says_so(scene: Scene) -> None:

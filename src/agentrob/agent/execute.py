@@ -46,7 +46,8 @@ UNVERIFIED = "command.unverified"
 #: How long the driver may take to say how far a step went that we ended because of a fault of our own.
 TELL_S = 5.0
 _BY_PEOPLE = frozenset({"stop", "halt"})
-_BY_US = frozenset({SHUTDOWN, SILENT, "lease_lapsed"})
+LAPSED = "lease_lapsed"
+_BY_US = frozenset({SHUTDOWN, SILENT, LAPSED})
 _log = structlog.get_logger()
 
 
@@ -169,7 +170,8 @@ class Run:
                 await asyncio.wait({stepping})
         result = _outcome(stepping, step, sent_s)
         stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
-        result = replace(result, reason=ended_by) if stopped_by_us and result.reason in _BY_PEOPLE else result
+        if stopped_by_us and (result.reason in _BY_PEOPLE or result.reason == LAPSED):  # a stop lets the lease lapse
+            result = replace(result, reason=ended_by)
         self.results.append(result)
         if step.moves and self.first_motion_s is None and result.outcome is not Outcome.REFUSED:
             self.first_motion_s = result.started_s if sent_s <= result.started_s <= time.monotonic() else sent_s

@@ -36,6 +36,7 @@ class DriverClient:
         self.socket = socket or runtime_dir() / f"{robot}.sock"
         transport = httpx2.AsyncHTTPTransport(uds=str(self.socket), verify=False)  # no TLS on a local socket
         self._http = httpx2.AsyncClient(transport=transport, base_url="http://driver", timeout=CALL_S)
+        self._renewing: dict[str, asyncio.Task[None]] = {}
 
     async def capabilities(self) -> Capabilities:
         return wire.decode_capabilities(await self._call("GET", "/capabilities"))
@@ -55,18 +56,20 @@ class DriverClient:
 
     @contextlib.asynccontextmanager
     async def lease(self, holder: str, since_s: float | None = None) -> AsyncIterator[str]:
-        """The right to move the robot, renewed five times a second until the context ends.
+        """The right to move the robot, renewed five times a second until the context ends, or until this client asks
+        for a stop: should that not get through, the lease lapses, and the driver stops the robot within a second.
 
         `since_s` is when the command was accepted (`time.monotonic()` on this host; now when not given): `LeaseLost`
         when a stop or a halt came since then. `RobotBusy` names who has the robot. A stop ends the lease: then `step`
         raises `LeaseLost`.
         """
         lease = str((await self._call("POST", "/lease", {"holder": holder, "since_s": since_s}))["lease"])
-        renewing = asyncio.create_task(self._renew(lease), name=f"lease of {self.robot}")
+        self._renewing[lease] = asyncio.create_task(self._renew(lease), name=f"lease of {self.robot}")
         try:
             yield lease
         finally:
-            renewing.cancel()
+            if (renewing := self._renewing.pop(lease, None)) is not None:
+                renewing.cancel()
             with contextlib.suppress(RobotError):
                 await asyncio.shield(self._call("DELETE", f"/lease/{lease}"))
 
@@ -81,6 +84,12 @@ class DriverClient:
             except RobotError:
                 continue  # the driver may be slow for a moment: the lease itself decides
 
+    def _let_lapse(self) -> None:
+        """Renew no lease of this client any more: what it asked for is over, whether a stop gets through or not."""
+        for renewing in self._renewing.values():
+            renewing.cancel()
+        self._renewing.clear()
+
     async def lost(self, lease: str) -> LeaseLost | None:
         """None while the lease is good, else why it is not (`why`) and who ended it (`by`): ask after a step that a
         stop has ended, whose result only says `stop`."""
@@ -88,7 +97,10 @@ class DriverClient:
             await self._call("PUT", f"/lease/{lease}", timeout_s=1.0)
         except LeaseLost as e:
             return e
-        return None
+        if lease in self._renewing:
+            return None
+        await self._call("DELETE", f"/lease/{lease}", timeout_s=1.0)  # let lapse: asking must not keep it
+        return LeaseLost("the lease was given up with a stop")
 
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         """Blocks until the step has ended. A refusal or a failure is a result; `LeaseLost` without a good lease."""
@@ -98,14 +110,17 @@ class DriverClient:
     async def stop(self, by: str, *, running_only: bool = False) -> StopResult:
         """Stop the robot now; needs no lease. Answers when it has come to rest, at most 3 s later.
 
-        It ends also what was accepted before and has no lease yet; not with `running_only`.
+        It ends also what was accepted before and has no lease yet; not with `running_only`. From now on this client
+        renews no lease.
         """
+        self._let_lapse()
         body = {"by": by, "running_only": running_only}
-        return wire.decode_stop(await self._call("POST", "/stop", body, timeout_s=GRACE_S))
+        return wire.decode_stop(await self._call("POST", "/stop", body, timeout_s=CALL_S))
 
     async def halt(self, by: str) -> StopResult:
-        """Stop, and refuse all motion until `release`, also across restarts."""
-        return wire.decode_stop(await self._call("POST", "/halt", {"by": by}, timeout_s=GRACE_S))
+        """Stop, and refuse all motion until `release`, also across restarts. Leases are as with `stop`."""
+        self._let_lapse()
+        return wire.decode_stop(await self._call("POST", "/halt", {"by": by}, timeout_s=CALL_S))
 
     async def release(self, by: str) -> None:
         """Let a halted robot move again; the owner's to do."""
