@@ -300,7 +300,8 @@ def test_other_intents(text: str, intent: Intent) -> None:
         ("@quadruped 前进一米，@dog2 左转。你们都挥手", "F1 hello"),
         ("@dog2 both of you wave", ""),
         ("@quadruped: walk 1 m. @dog2: turn left. After that both of you wave!", "F1 hello"),
-        ("@dog2 go fwd 1m, then @quadruped wave, and then both of you sit", "hello sit"),
+        ("@dog2 go fwd 1m, then @quadruped wave, and then both of you sit", None),  # one after the other
+        ("@dog2 go fwd 1m, @quadruped wave, and then both of you sit", "hello sit"),
         ("@quadruped 请你和 @dog2 都坐下", "sit"),
         ("@dog2 and @quadruped, walk forward 1 m each", "F1"),
     ],

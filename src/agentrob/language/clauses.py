@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from agentrob.language.drafts import Draft, Sentence
+from agentrob.language.drafts import Besides, Draft, Sentence
 from agentrob.language.lexicon import Kind, Soft, Token
 from agentrob.language.marks import AMOUNTS, MARKS, Marks, Mode
 from agentrob.model import Direction, Op
@@ -49,6 +49,7 @@ class _Reader(Marks):
 
     def _set_aside(self, tokens: Sequence[Token]) -> None:
         """What carries nothing, each beside the token that it stands before or after."""
+        self.sentence.start, self.sentence.end = tokens[0].start, tokens[-1].end
         self.tokens, self.soft_before, self.soft_after = [], {}, {}
         soft: list[Token] = []
         for token in tokens:
@@ -68,20 +69,23 @@ class _Reader(Marks):
             MARKS[kind](self, token)
         elif self.mode is Mode.TALK and not self._leaves_talk(token):
             self.talk_has_motion |= kind in _DEEDS
+            self._goes_on(token)
             self.sentence.somebody_does |= kind in _DEEDS and self.sentence.somebody is not None
             self.sentence.status_asked |= kind is Kind.STATUS and token.value is not None
         elif self.mode is Mode.DENIED:
             self._deny(token)
         elif self.mode is Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
             pass
-        elif self.mode is Mode.SUBJECT and self.cur and self.cur.op in _FOR_SOMEBODY:
-            self._unknown(token)  # "wave to those who walk 2 m"
+        elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in _FOR_SOMEBODY or self.cur.watched):
+            self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
         else:
             self.mode = Mode.WANTED
             self._wanted(token)
         # A wish within talk ("I do not think you should walk") begins nothing.
         wished = kind in (Kind.WISH, Kind.REQUEST) and self.mode is not Mode.TALK
         self.boundary = wished or kind in (Kind.AND, Kind.COMMA)
+        separates = kind in (Kind.AND, Kind.COMMA) and token.value != "word"
+        self.begins = separates or (self.begins and kind in MARKS)
 
     def _leaves_talk(self, token: Token) -> bool:
         """A verb after a comma begins a command again, unless the talk itself told of motion ("I stood up, …")."""
@@ -91,6 +95,7 @@ class _Reader(Marks):
 
     def _deny(self, token: Token) -> None:
         """What is denied is dropped; with "and" within its reach nobody can tell what is meant."""
+        self._goes_on(token)
         if token.kind in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BEYOND, *AMOUNTS, Kind.DIR):
             if self.joined_by_and and self.boundary and self.denial_used:
                 self.sentence.denial_unclear, self.sentence.denial_joined = self.denied, True
@@ -122,6 +127,7 @@ class _Reader(Marks):
             self._begin_talk(token)
         elif kind is Kind.HELP:
             self.sentence.help = True
+            self._besides(Besides.HELP, token)
         elif kind is Kind.STATUS:
             self._status(token)
         else:
@@ -133,6 +139,7 @@ class _Reader(Marks):
             self._unknown(token)
         else:
             self.sentence.status = True
+            self._besides(Besides.WISH, token)
 
     def _beyond(self, token: Token) -> None:
         cur = self._open()
@@ -240,8 +247,7 @@ class _Reader(Marks):
         elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
             last.direction, last.end = Direction.FORWARD, token.end
         elif kind is Kind.OF:
-            if self.cur and not self.cur.closed and self.cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY):
-                self.mode = Mode.SUBJECT
+            self._of(token)
         elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
             self._manner(token)
         elif kind is Kind.MORE_STOP and (self._open() is None or self._next() in (Kind.END, Kind.COMMA, Kind.AND)):
@@ -253,6 +259,18 @@ class _Reader(Marks):
             last.end = token.end  # "a few metres"
         else:
             self._unknown(token)
+
+    def _of(self, token: Token) -> None:
+        """What follows is the subject of a picture or a greeting."""
+        cur = self.cur
+        if cur is None:
+            return
+        if token.value is not None:
+            cur.watched = True
+            if token.value == "watch" and cur.joined and (before := self.sentence.drafts[-2]).op is not cur.op:
+                cur.unknown.append((before.start, token.end))  # 挥手给大家看看
+        if not cur.closed and cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY):
+            self.mode = Mode.SUBJECT
 
     def _picture(self, token: Token) -> None:
         cur = self._open()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 from agentrob.language.lexicon import Kind, Token
 from agentrob.model import Direction, Op
@@ -34,6 +35,7 @@ class Draft:
     ahead: bool = False  # "three times: …"
     each: Kind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
+    watched: bool = False  # 让我看看: a picture, or somebody wants to watch what is said with it
     back: bool = False  # the way back
     beyond: str = ""  # eyes, hands, path, wait: what it would take
     place: bool = False  # to where, in words that are not known
@@ -65,6 +67,11 @@ class Draft:
         return self.verb is None and self.amount is None and not (self.bare_picture or self.stop_word)
 
     @property
+    def is_deed(self) -> bool:
+        """Whether it names something to do, and not only words, a place or an amount."""
+        return bool(self.verb or self.bare_picture or (self.direction and self.amount))
+
+    @property
     def empty(self) -> bool:
         return not (self.verb or self.direction or self.amount or self.unknown or self.bare_picture or self.stop_word)
 
@@ -74,11 +81,40 @@ class Draft:
         return not (self.direction or self.amount or self.unknown or self.slow or self.vague or self.counted)
 
 
+class Besides(StrEnum):
+    """What a stretch of a sentence is that is no deed."""
+
+    REMARK = "remark"  # "I am bored"
+    QUESTION = "question"  # "what do you see"
+    WISH = "wish"  # "tell me the temperature", "report", 给他…
+    HELP = "help"
+    DENIED = "denied"  # "do not wave"
+
+
+@dataclass
+class Remark:
+    """A stretch of a sentence that is no deed.
+
+    `deeds`: a clause of it begins with one all the same, which may be wanted ("so that I can see and turn left");
+    `beyond`: with words that may be half of one, or what no robot here can do ("… and sing", "… and buff it").
+    """
+
+    kind: Besides
+    start: int
+    end: int
+    deeds: bool = False
+    beyond: bool = False
+
+
 @dataclass
 class Sentence:
-    """Everything between two ends of sentences."""
+    """Everything between two ends of sentences. Each of its clauses is in `drafts`, in `remarks`, or a mark below."""
 
+    start: int = 0
+    end: int = 0
     drafts: list[Draft] = field(default_factory=list)
+    remarks: list[Remark] = field(default_factory=list)
+    reported_at: int | None = None  # where the first word of a report stands
     asked: bool = False
     requested: bool = False
     report: bool = False

@@ -20,7 +20,8 @@ from agentrob.language.drafts import Sentence
 from agentrob.language.help import examples as help_examples
 from agentrob.language.help import within
 from agentrob.language.languages import language_of, tongue
-from agentrob.language.lexicon import Lexicon, tokens_of
+from agentrob.language.lexicon import Kind, Lexicon, tokens_of
+from agentrob.language.order import ordering_words
 from agentrob.language.phrases import quote, say
 from agentrob.language.render import outline, sentence
 from agentrob.language.stated import without_statements
@@ -53,6 +54,8 @@ def parse(
     language = language_of(part)
     if stop := stop_intent(part):
         return Understanding(stop, language)
+    if part and (words := ordering_words(visible, names, others)):
+        return _ask(Reading([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
     if len(part) > MAX_CHARS:
         return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
     sentences, mistyped = _sentences(part, names, language)
@@ -92,7 +95,8 @@ def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
 
 def _without_command(sentences: Sequence[Sentence], language: Language) -> Understanding | None:
     """Help or status, when the post asks for it and wants no motion besides."""
-    if any(d.is_motion or d.op for s in sentences for d in s.drafts):
+    drafts = [d for s in sentences for d in s.drafts]
+    if any(d.is_motion or d.op or d.verb is Kind.BEYOND for d in drafts):
         return None
     if any(s.help for s in sentences):
         return Understanding(Intent.HELP, language)

@@ -48,7 +48,7 @@ class Kind(StrEnum):
     MORE_TIMES = "more_times"
     SHOW = "show"  # take, send, 拍: with a picture after it
     PICTURE = "picture"
-    OF = "of"  # what follows a picture or a greeting is its subject and commands nothing
+    OF = "of"  # what follows a picture or a greeting is its subject and commands nothing; values "look", "watch": 看看
     EACH = "each"  # "after each movement"; value: after which operation only
     VAGUE = "vague"  # "a bit"
     SLOW = "slow"  # value "er": slower than before
@@ -57,12 +57,12 @@ class Kind(StrEnum):
     THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
-    COMMA = "comma"  # separates clauses and ends a negation; value "colon"
+    COMMA = "comma"  # separates clauses and ends a negation; values "colon", and "word": one that may also be an adverb
     END = "end"  # ends a sentence
     ASKED = "asked"  # a question mark, 吗
     REQUEST = "request"  # can you, please: what follows is wanted
     WISH = "wish"  # we should, you can: what follows is wanted unless within talk
-    TALK = "talk"  # opens a statement or question that commands nothing
+    TALK = "talk"  # opens what commands nothing: a statement; values: "question"; "ask" and "tell": wants an answer
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the whole sentence commands nothing
@@ -88,6 +88,7 @@ class Soft(StrEnum):
     THE = "the"  # the same
     TOWARDS = "towards"  # an unknown word after it is a place
     OBJECT = "object"  # 把: belongs to the thing after it
+    FOR = "for"  # 给, 对: for whom something is to be done
 
 
 Value = float | str | None

@@ -8,12 +8,18 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import Enum, auto
 
-from agentrob.language.drafts import Draft, Sentence
-from agentrob.language.lexicon import Kind, Token
+from agentrob.language.drafts import Besides, Draft, Remark, Sentence
+from agentrob.language.lexicon import Kind, Soft, Token, Value
 from agentrob.model import Op
 
 AMOUNTS = (Kind.LENGTH, Kind.ANGLE, Kind.STEPS, Kind.DURATION, Kind.NUMBER)
 _VERBS = ([Kind.MOVE], [Kind.TURN])
+#: What talk is, by how it begins.
+_KINDS: dict[Value, Besides] = {"question": Besides.QUESTION, "ask": Besides.WISH, "tell": Besides.WISH}
+#: What may be wanted even though it stands within talk.
+_DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BACK)
+#: What may begin a further clause of talk.
+_TELLING = (Kind.TALK, Kind.TALK_START, Kind.IS, Kind.ASKED, Kind.THANKS, Kind.REPORT)
 #: What can stand after a "no" that corrects.
 _CORRECTING = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.DIR, Kind.AGREE, Kind.BACK, Kind.FIX, Kind.NO, *AMOUNTS)
 
@@ -33,6 +39,7 @@ class Marks:
         self.mode = Mode.WANTED
         self.cur: Draft | None = None
         self.boundary = True  # whether a clause may begin here
+        self.begins = True  # the same within talk, also after words such as "and you should …"
         self.joined_by_and = False
         self.talk_has_motion = False
         self.talk_doubts = False  # a question, or something is denied in it
@@ -45,6 +52,7 @@ class Marks:
         self.faster: Token | None = None
         self.agreed: Token | None = None
         self.named: Token | None = None
+        self.remark: Remark | None = None  # the stretch of talk or of a denial that was begun last
         self.tokens: list[Token] = []
         #: By place in `tokens`: what carries nothing before and after.
         self.soft_before: dict[int, list[Token]] = {}
@@ -91,7 +99,10 @@ class Marks:
             self.sentence.asked = True
 
     def _report(self, token: Token) -> None:
-        self.sentence.report |= self.mode is not Mode.SUBJECT
+        if self.mode is not Mode.SUBJECT:
+            self.sentence.report = True
+            at = self.sentence.reported_at
+            self.sentence.reported_at = token.start if at is None else at
 
     def _condition(self, token: Token) -> None:
         before = self.sentence.condition
@@ -111,6 +122,7 @@ class Marks:
             return
         self._end_denial()
         self.mode, self.denied, self.denial_used = Mode.DENIED, token, False
+        self._besides(Besides.DENIED, token)
         self.sentence.denied = True
         if self.cur:
             self.cur.closed = True
@@ -177,12 +189,39 @@ class Marks:
         if self.cur:
             self.cur.closed = True
         self.mode = Mode.TALK
+        self._besides(self._kind(token, Besides.REMARK), token)
         self.sentence.talked = True
-        self.sentence.question |= token.value == "question"
+        self.sentence.question |= token.value in ("question", "ask")
         self.sentence.somebody = token if token.value == "somebody" else self.sentence.somebody
         self.talk_has_motion = False
-        self.talk_doubts = token.value == "question"
+        self.talk_doubts = token.value in ("question", "ask")
         self.joined_by_and = False
+
+    def _kind(self, token: Token, otherwise: Besides) -> Besides:
+        """What talk is that begins with this token."""
+        soft = self.soft_before.get(self.at, [])
+        for_somebody = any(s.value in (Soft.OBJECT, Soft.TOWARDS, Soft.FOR) for s in soft)  # 给他挥手
+        return Besides.WISH if for_somebody else _KINDS.get(token.value, otherwise)
+
+    def _besides(self, kind: Besides, token: Token) -> None:
+        """A stretch that is no deed begins here."""
+        self.remark = Remark(kind, token.start, token.end)
+        self.sentence.remarks.append(self.remark)
+
+    def _goes_on(self, token: Token) -> None:
+        """The stretch of talk or of a denial that was begun reaches to here."""
+        if self.remark is None:
+            return
+        self.remark.end = token.end
+        self.remark.beyond |= token.kind is Kind.MORE_STOP  # 有人就停，走两米
+        if self.mode is Mode.TALK and (self.begins or self.remark.kind is Besides.WISH):
+            goes = token.kind is Kind.DIR and self._next() in (*_DEEDS, *AMOUNTS)  # 往前走
+            self.remark.deeds |= token.kind in _DEEDS or goes
+            self.remark.beyond |= token.kind not in _TELLING
+            if token.kind in (Kind.HELP, Kind.STATUS):
+                self.remark.kind = Besides.WISH
+            elif token.kind is Kind.TALK and self.remark.kind is not Besides.WISH:
+                self.remark.kind = self._kind(token, self.remark.kind)
 
     def _end_denial(self) -> None:
         if self.mode is Mode.DENIED:

@@ -53,6 +53,13 @@ PHRASES = {
     "ask.what": "What shall I do with {words}?",
     "ask.condition": "I cannot follow conditions or choices such as {words}; please say plainly what to do.",
     "ask.denial": "I cannot tell what {words} refers to.",
+    "ask.besides": (
+        "I do not know what {words} asks of me within this command; please leave it out, or post it by itself."
+    ),
+    "ask.order": (
+        "{words}: I begin at once and do not know when another robot has ended; "
+        "please post for each robot when its turn has come."
+    ),
     "ask.question": "Is this a question or a command?",
     "ask.speed": "I cannot walk as {words} says; a speed is between 0.01 and 10 m/s.",
     "ask.distance_bound": "That is no distance I can take: a step must be more than 0 and at most {metres} m.",
@@ -67,6 +74,8 @@ PHRASES = {
     "note.duration": "{words} is taken as {metres} m at {by} m/s.",
     "note.steps": "{words} is taken as {metres} m, with {by} m a step.",
     "note.again": "{words}: {steps}.",
+    "note.left_out": "Left out as a remark: {words}.",
+    "note.not_done": "Not done, as you said: {words}.",
     "note.spelling": "{wrong} was read as {right}.",
     "note.turn_speed": "A speed was said for a turn: I turn at my own speed.",
     # ---------------------------------------------------------------- help

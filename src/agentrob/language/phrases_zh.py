@@ -47,6 +47,8 @@ PHRASES = {
     "ask.what": "{words}是要我做什么？",
     "ask.condition": "我不会处理{words}这样的条件或选择，请直接说要做什么。",
     "ask.denial": "我不确定{words}指的是什么。",
+    "ask.besides": "我不明白{words}在这个命令里要我做什么；请去掉它，或者单独发一帖。",
+    "ask.order": "{words}：我会立刻开始，不知道别的机器人什么时候做完；请等轮到哪个机器人时再给它发帖。",
     "ask.question": "这是提问还是命令？",
     "ask.speed": "我不能按{words}走；速度须在0.01到10米每秒之间。",
     "ask.distance_bound": "这个距离不行：必须大于0且不超过{metres}米。",
@@ -61,6 +63,8 @@ PHRASES = {
     "note.duration": "{words}按{by}米每秒算，即{metres}米。",
     "note.steps": "{words}按每步{by}米算，即{metres}米。",
     "note.again": "{words}：{steps}。",
+    "note.left_out": "只当作闲话，没有执行：{words}。",
+    "note.not_done": "按您说的没有做：{words}。",
     "note.spelling": "{wrong}当作{right}来读。",
     "note.turn_speed": "转向没有速度可选：我按自己的速度转。",
     # ---------------------------------------------------------------- help

@@ -50,6 +50,10 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
     last = next((d for d in reversed(drafts) if d.takes_manner), None)
     if last is None or (last.verb is None and last.fixes is None) or last.unknown or not extra.is_motion:
         return False
+    if last.ahead:  # "three times: forward 1 m": that is what is repeated
+        return False
+    if extra.after_and and extra.direction and extra.amount:  # "turn left and left 90 degrees": one turn or two
+        return False
     if extra.hesitant and extra.direction is None and last.amount and last.amount.kind is Kind.NUMBER and last.verb:
         last.amount = None  # "walk two, er, three metres"
     if extra.direction is not None and last.direction not in (None, extra.direction):
@@ -78,6 +82,8 @@ def _is_false_start(start: Draft, again: Draft) -> bool:
     """ "Move forward uh move three feet": begun twice, without a pause or hesitating, the first without an amount."""
     if not start.is_motion or start.amount is not None or start.unknown or start.verb is None or not again.is_motion:
         return False
+    if start.verb is Kind.TURN and again.amount is not None and not _is_angle(again.amount):
+        return False  # "turn ten inches": nobody can tell whether it is to turn or to step aside
     if start.direction is None:
         return start.verb is again.verb or again.verb is None
     same = start.direction is again.direction or (again.direction is None and start.verb is again.verb)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from agentrob.language.again import MAX_STEPS, SLOW_MPS, Background, Unclear, once_more
-from agentrob.language.drafts import Draft, Sentence
+from agentrob.language.drafts import Besides, Draft, Remark, Sentence
 from agentrob.language.lexicon import Kind
 from agentrob.language.phrases import quote, say
 from agentrob.language.render import deeds, outline, step_sentence
@@ -50,6 +50,11 @@ def read(
 
 def _is_question(sentence: Sentence) -> bool:
     return sentence.talked or sentence.condition is not None or not any(d.verb for d in sentence.drafts)
+
+
+def _is_aside(sentence: Sentence) -> bool:
+    """Whether a whole sentence commands nothing: a report of the past, or a question."""
+    return sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence))
 
 
 def _carry_over(sentences: Sequence[Sentence]) -> None:
@@ -104,10 +109,13 @@ class _Maker:
     def read(self, sentences: Sequence[Sentence]) -> Reading:
         reading = self.reading
         wants = any(sentence.drafts for sentence in sentences)
+        first = min((d.start for s in sentences if not _is_aside(s) for d in s.drafts), default=None)
         drafts: list[Draft] = []
         _carry_over(sentences)
         for sentence in sentences:
-            if sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence)):
+            if first is not None or any(r.kind is Besides.WISH and r.deeds for r in sentence.remarks):
+                self._account(sentence, first or 0)
+            if _is_aside(sentence):
                 continue
             reading.object_to(_doubt(sentence, wants, self.text, self.language))
             if self.ahead:  # "Three times: … . And wave.": nobody can tell how far that reaches
@@ -133,6 +141,28 @@ class _Maker:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
             del reading.steps[MAX_STEPS:]
         return reading
+
+    def _account(self, sentence: Sentence, first: int) -> None:
+        """What stands beside the deeds of a post, of which the first is at `first`: told as left out where it is a
+        mere remark; where something may be wanted of the robot, it is asked back."""
+        if _is_aside(sentence):
+            begun = min((d.start for d in sentence.drafts if d.is_deed), default=sentence.end)
+            told = sentence.report and (sentence.reported_at or 0) <= begun and sentence.condition is None
+            kind = Besides.REMARK if told else Besides.WISH if sentence.drafts else Besides.QUESTION
+            beside = [Remark(kind, sentence.start, sentence.end)]
+        else:
+            beside = sentence.remarks
+        for remark in beside:
+            words = self.text[remark.start : remark.end].rstrip("?？ ")
+            if remark.kind is Besides.DENIED:
+                self.reading.note(self._say("note.not_done", words))
+                continue
+            half = remark.deeds or (remark.beyond and sentence.drafts != [])
+            asks = remark.kind in (Besides.QUESTION, Besides.HELP) and first < remark.start
+            if remark.kind is Besides.WISH or half or asks:
+                self.reading.object_to(self._say("ask.besides", words))
+            else:
+                self.reading.note(self._say("note.left_out", words))
 
     def _repeat_ahead(self) -> None:
         reading, ahead = self.reading, self.ahead

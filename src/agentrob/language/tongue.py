@@ -17,7 +17,8 @@ class Tongue:
     `halt` and `polite` are phrases separated by |; they only add to the stop words of all languages (law 13), which
     stand in `stop`; `halt` is for explicit emergency stops, which lock the robot
     (law 17). `together` are the words for all robots at once ("both of you"). `stated` is a regular expression of what
-    says at the beginning of a clause what is where, and would else be read as a command (前面五米是墙).
+    says at the beginning of a clause what is where, and would else be read as a command (前面五米是墙). `order` are the
+    words that set one robot's deeds after another's ("then"), `waits` those that begin what it is to wait for ("when").
     """
 
     words: Lexicon
@@ -28,6 +29,8 @@ class Tongue:
     polite: str = ""
     together: str = ""
     stated: str = ""
+    order: str = ""
+    waits: str = ""
 
     @property
     def code(self) -> str:

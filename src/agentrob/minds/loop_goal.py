@@ -13,6 +13,7 @@ from functools import cache
 from agentrob.language.addressing import part_for
 from agentrob.language.goal import Aim, Goal, Task
 from agentrob.language.grammar import MAX_CHARS, parse
+from agentrob.language.order import ordering_words
 from agentrob.language.visible import OMITTED
 from agentrob.minds.loop_words import chinese, colours, one_of, things
 from agentrob.minds.mind import Listener
@@ -66,6 +67,8 @@ _ZH_WHERE = {"beside": "旁边", "around": "周围", "behind": "后面", "in fro
 def goal_of(text: str, listener: Listener, language: Language) -> Goal | None:
     """The goal of a post's visible text, when it is one that needs eyes and every word of it is known."""
     part = clean(part_for(text, listener.names, listener.others)).strip(" ,:：，")
+    if ordering_words(text, listener.names, listener.others):
+        return None
     if OMITTED in part or len(part) > MAX_CHARS or re.search(r"[\"“”「」]", part):
         return None
     found: list[Task] = []

@@ -16,6 +16,7 @@ from dataclasses import replace
 
 from agentrob.language.addressing import part_for
 from agentrob.language.grammar import MAX_CHARS
+from agentrob.language.order import ordering_words
 from agentrob.language.render import sentence
 from agentrob.language.visible import OMITTED
 from agentrob.minds.chat import ChatModel
@@ -55,7 +56,8 @@ class ModelMind:
         by_rules = await self._rules.understand(text, listener, history)
         part = clean(part_for(text, listener.names, listener.others))
         # Where words are hidden within a line, a model would read over the gap; a book is no command.
-        if by_rules.intent in _SETTLED or OMITTED in part or len(part) > MAX_CHARS or not part.strip():
+        ordered = ordering_words(text, listener.names, listener.others)  # another robot's end, which nobody here knows
+        if by_rules.intent in _SETTLED or ordered or OMITTED in part or len(part) > MAX_CHARS or not part.strip():
             return Reading(by_rules, self._rules.name)
         try:
             async with asyncio.timeout(self._limit_s):

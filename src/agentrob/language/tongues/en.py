@@ -104,7 +104,9 @@ TABLE = {
         |repeat the last move|repeat that sequence|do that sequence""",
     "op=get_front_image of": """send me what you see|send us what you see|send what you see|photograph what you see
         |show me what you see|show us what you see|show me what is in front of you|show me what's in front of you
-        |take a look|show view|show me the view|show me your view|give me a visual|let me see what you see
+        |take a look|let me know what you see|let us know what you see|show me what u see
+        |show us what u see|send me what u see|send what u see|let me see what u see|show view
+        |show me the view|show me your view|give me a visual|let me see what you see
         |look ahead|what does your camera see|show me your camera""",
     "op=get_front_image": "send it again|send that again|resend|resend it|resend that|send me that again",
     "show=talk": """let me see|can i see|could i see|may i see|let us see|i want to see|i wanna see|i'd like to see
@@ -189,7 +191,8 @@ TABLE = {
     "and": """and|then|and then|next|after that|afterwards|followed by|and after that|then next|and also|also
         |and finally|after which|and from there|once done|when done|when you are done|when that is done
         |and when done|and next|then after that|after this""",
-    "comma": "but|just|only|instead|rather|finally|but then|and just",
+    "comma": "but|instead|finally|but then",
+    "comma=word": "just|only|rather|and just",
     "no": "no|nope|nah",
     "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant
         |or rather|make that|make it|correction|actually no|no actually|actually|scratch that|strike that|oops
@@ -214,7 +217,8 @@ TABLE = {
         |would you mind spinning""",
     "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
-    "request": """could u|can u|would u|will u|could you pls|can you pls|don't forget to|do not forget to
+    "request": """could u|can u|would u|will u|could you pls|can you pls|don't forget to|do not forget to|don't forget
+        |do not forget|dont forget|dont forget to|never forget to|please don't forget to|please don't forget
         |remember to|make sure to|make sure you|be sure to|please remember to|can you|could you|would you|will you
         |please|pls|plz|can you please|could you please|would you please|do me a favor and|do me a favour and
         |be a dear and|please go ahead and|go ahead and|let's have you|please could you|please can you
@@ -235,15 +239,19 @@ TABLE = {
     "wish": """u can|u should|it's time to|it is time to|it's your turn to|now it's time to|now we|now you
         |we should|you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to|you need to
         |try to""",
-    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|let me know
-        |i am|they|he|she|he's|she's|you are|you're|you were|you've|you have|it is|it was|that is|that was""",
-    "talk=question": """tell me|what|what's|how|how's|do you|did you|did we|did it|do we|do i|there|who|who's|why|where
-        |where's|which|can i|can you tell|can you see|can you describe|can you detect|can you locate|can you hear
-        |can you fit|can you get|can you manipulate|can you go through|could you tell|could i|should i|should we
+    "talk=tell": "let me know|let us know|tell us|tell him|tell her|tell them|tell everyone|tell everybody",
+    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|there|this is
+        |these are|those are|i am|they|he|she|he's|she's|you are|you're|you were|you've|you have|it is
+        |it was|that is|that was""",
+    "talk=ask": """tell me|can you tell|could you tell|can you tell me|could you tell me|can you explain
+        |could you explain""",
+    "talk=question": """what|what's|how|how's|do you|did you|did we|did it|do we|do i|who|who's|why|where
+        |where's|which|can i|can you see|can you describe|can you detect|can you locate|can you hear
+        |can you fit|can you get|can you manipulate|can you go through|could i|should i|should we
         |should you|may i|have you|have we|are you|is it|is there|is that|is this|are there|was it|was that
         |was there|what if|are there any|could you see|could you describe|can you identify|can you recognize
         |can you read|can you move through|can you count|can you find out|does it|do they|does the|is the|are the
-        |were there|has it|can you tell me|could you tell me|can you explain|could you explain""",
+        |were there|has it""",
     "talk_start=question": "is|are|was|were|does|did|has",
     "talk_start": """had|have|am|would|will|should|these|those|his|her|their|to recap
         |earlier""",
@@ -374,4 +382,12 @@ def _decimals(said: str) -> float:
 
 
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
-TONGUE = Tongue(LEXICON, PHRASES, together="both of you|all of you|you both|you two|both robots")
+TONGUE = Tongue(
+    LEXICON,
+    PHRASES,
+    together="both of you|all of you|you both|you two|both robots",
+    order="""then|after that|after this|afterwards|afterward|next|finally|lastly|followed by|once done|when done
+        |after which|later|subsequently|thereafter|at the end|in the end""",
+    waits="""when|whenever|once|after|as soon as|before|until|till|while|wait for|waits for|waiting for|if|unless
+        |following|as long as|by the time|whilst|as|at the same time as|in sync with|together with|in case""",
+)
