@@ -154,8 +154,15 @@ class Course:
 
     async def _decide(self, job: Job) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
-        post_id = job.command.post_id
         thinking = asyncio.ensure_future(self.thinking.think(job, self.terms))
+        try:
+            return await self._claimed(job, thinking)
+        finally:
+            thinking.cancel()  # where the claim failed or is not ours, nobody pays for a thought that nobody reads
+
+    async def _claimed(self, job: Job, thinking: asyncio.Future[Thought]) -> Report | None:
+        """What the final reply says of a post that is thought about while it is claimed."""
+        post_id = job.command.post_id
         await asyncio.wait({thinking}, timeout=GLANCE_S)
         # A person who speaks to a robot always gets an answer; programs would answer each other without end.
         person = job.command.author.kind is AccountKind.HUMAN

@@ -21,8 +21,8 @@ from agentrob.model import Intent, Plan, Understanding, Verdict
 #: A mind that takes longer is as good as none.
 LIMIT_S = 60.0
 #: Why a mind did not answer, besides the words of `minds.faults.Kind`: it failed and did not say how; the post may not
-#: move anything any more (stopped, edited, …).
-FAILED, OVER = "failed", "over"
+#: move anything any more (stopped, edited, …); its account is over its limits, so the command is refused anyway.
+FAILED, OVER, RATE = "failed", "over", "rate"
 _log = structlog.get_logger()
 
 

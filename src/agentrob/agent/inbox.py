@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+import traceback
 from collections.abc import Awaitable, Callable
 from datetime import datetime
 from uuid import uuid4
@@ -85,11 +86,21 @@ class Inbox:
                 await self._journal().put("cursor", event.id)
         except JournalError as e:
             _log.error("post not taken: nothing moves without the journal", robot=self._robot, error=str(e))
-            if event.post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
-                self._decline(self._command(event.post, heard))
+            self._not_taken(event, heard)
+        except Exception:  # no post ends the agent, which must hear the next stop
+            _log.error("post not taken", robot=self._robot, trace=traceback.format_exc())
+            self._not_taken(event, heard)
         finally:
             if event.post is not None:
                 self.coming.pop(event.post.id, None)
+
+    def _not_taken(self, event: Event, heard: Heard) -> None:
+        """Tell a command that it could not be taken, unless it is under way."""
+        post = event.post
+        if post is None or event.kind is not EventKind.POST_CREATED or heard.call not in _TO_TAKE:
+            return
+        if self._line.find(post.id) is None:
+            self._decline(self._command(post, heard))
 
     async def accept(self, event: Event, heard: Heard) -> None:
         """Claim a post in the journal and begin its turn; end what was edited or removed."""

@@ -43,6 +43,8 @@ Deed = Callable[[], Awaitable[str]]
 
 #: Raised by one when stored workflows of the old version must not be taken for those of the new.
 VERSION = "agentrob-1"
+#: So many answers are written at once, or made anew after a restart.
+KEEPING = 8
 #: What `move` answers when the motion had begun before and its end is not known.
 INTERRUPTED = "interrupted"
 #: What `move` answers when it was cancelled before it began.
@@ -70,7 +72,9 @@ class Journal(Rows):
         self._robot = robot
         self._lock: IO[str] | None = None
         self._loop = asyncio.get_running_loop()
-        self._starts = ThreadPoolExecutor(16, thread_name_prefix=f"{robot}-workflows")
+        # Apart, so that nothing that is kept holds up a motion; motions run one at a time.
+        self._keeping = ThreadPoolExecutor(KEEPING, thread_name_prefix=f"{robot}-keeping")
+        self._motions = ThreadPoolExecutor(2, thread_name_prefix=f"{robot}-motions")
         self._deeds: dict[str, Deed] = {}
         self._ended = threading.Event()
         self._era = ""
@@ -82,7 +86,7 @@ class Journal(Rows):
         journal = cls(folder, robot)
         try:
             await journal._in_rows(journal._open)
-            await asyncio.get_running_loop().run_in_executor(journal._starts, journal._launch)
+            await asyncio.get_running_loop().run_in_executor(journal._motions, journal._launch)
         except BaseException:
             await journal.close()
             raise
@@ -150,7 +154,8 @@ class Journal(Rows):
             self._lock.close()
             self._lock = None
         self._rows.shutdown(wait=False)
-        self._starts.shutdown(wait=False)
+        self._keeping.shutdown(wait=False)
+        self._motions.shutdown(wait=False)
 
     # ---------------------------------------------------------------- claims
     async def claim(self, command: Command, ended: str | None = None) -> Claim:
@@ -260,17 +265,17 @@ class Journal(Rows):
     # ---------------------------------------------------------------- workflows
     async def once(self, workflow_id: str, deed: Deed) -> str:
         """Do `deed` and keep what it answers; under the same id again, also after a restart, give the kept answer."""
-        return await self._run(_keep, workflow_id, deed)
+        return await self._run(self._keeping, _keep, workflow_id, deed)
 
     async def move(self, post_id: str, deed: Deed) -> str:
         """Do `deed`, which moves a robot, at most once ever: its answer, the kept one, `INTERRUPTED` or `CANCELLED`."""
-        return await self._run(_move, f"post-{post_id}:motion", deed)
+        return await self._run(self._motions, _move, f"post-{post_id}:motion", deed)
 
-    async def _run(self, workflow: Callable[[str], str], workflow_id: str, deed: Deed) -> str:
+    async def _run(self, pool: ThreadPoolExecutor, workflow: Callable[[str], str], workflow_id: str, deed: Deed) -> str:
         workflow_id = self._era + workflow_id
         self._deeds[workflow_id] = deed
         try:
-            return await self._loop.run_in_executor(self._starts, partial(self._start, workflow, workflow_id))
+            return await self._loop.run_in_executor(pool, partial(self._start, workflow, workflow_id))
         except asyncio.CancelledError:
             raise
         except _Ended:

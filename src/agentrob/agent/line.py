@@ -25,7 +25,7 @@ class Job:
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
     was. `begun`: so was its motion, and only its report is left to tell: nothing ends it any more. `ended` is a stable
     word as soon as the command may not go on; `paced`: its account may command now; while it is `held`, others go
-    before it. `asked`: it waits or waited for an approval, and what was said of it. `stop` brings what the stop that
+    before it, and until it is `ready`, which is read and judged, they go before it too. `asked`: it waits or waited for an approval, and what was said of it. `stop` brings what the stop that
     ended it did, `stopped_by` whose it was; `took_back` is how many others it ended. `thought` is what was made of it,
     as soon as that is known, `looked` the loop of a model that steered; `run` is its motion, if that began in this
     process, with all that was measured so far; `status` is its status post, `task` what carries it through.
@@ -40,6 +40,7 @@ class Job:
     paced: bool = False
     held: bool = False
     asked: Asked | None = None
+    ready: bool = False
     moving: bool = False
     stopped_by: str = ""
     took_back: int = 0
@@ -130,13 +131,17 @@ class Line:
 
     def place(self, job: Job) -> int:
         """How many are before it; 0 when it is its turn."""
-        before = [other for other in self._jobs[: self._jobs.index(job)] if not other.held]
+        before = [other for other in self._jobs[: self._jobs.index(job)] if other.ready and not other.held]
         return len(before) + (self._turn not in (None, job, *before))
 
     def of_same_author(self, before: Job) -> list[Job]:
         """What its account asked for before it and is not done."""
         author = before.command.author.id
         return [job for job in self._jobs[: self._jobs.index(before)] if job.command.author.id == author]
+
+    def number_of(self, account_id: str) -> int:
+        """How many commands of this account are under way."""
+        return sum(job.command.author.id == account_id for job in self._jobs)
 
     async def in_order(self, job: Job) -> None:
         """Wait until what its account asked for before is paced (or done), whichever was read sooner."""
@@ -189,6 +194,7 @@ class Line:
 
     async def turn(self, job: Job, expiry_s: float) -> bool:
         """Wait until it is the job's turn (True) or it was ended; False as well once it is `expiry_s` old."""
+        job.ready = True
         left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
         if left_s is not None and left_s <= 0:
             job.end("expired")
@@ -208,7 +214,7 @@ class Line:
         self._closed = True
 
     def _is_next(self, job: Job) -> bool:
-        return not self._closed and self._turn is None and next(j for j in self._jobs if not j.held) is job
+        return not self._closed and self._turn is None and next(j for j in self._jobs if j.ready and not j.held) is job
 
     async def hold(self, job: Job, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
         """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended

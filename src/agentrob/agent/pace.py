@@ -55,6 +55,10 @@ class Pace:
             self._limiter.hit(item, account)
         return None
 
+    def exceeded(self, account: str) -> bool:
+        """Whether a command of this account would be refused now; counts nothing."""
+        return any(not Wait(rule, self._wait_s(item, account)).short for rule, item in self._items.items())
+
     def _wait_s(self, item: RateLimitItem, account: str) -> float:
         if self._limiter.test(item, account):
             return 0.0

@@ -33,6 +33,8 @@ DRAW_S, LATE_S = 1.5, 30.0
 SHORTEST_S = 1.0
 #: Pictures come at first so often; when there are many, every second one goes and they come half as often.
 FIRST_EVERY_S, MANY = 0.25, 48
+#: Films kept for reports that are still to be made: a model may take its time over one while the next command moves.
+FILMS = 4
 #: A robot's own camera is looked through no more often than this.
 LOOK_EVERY_S = 0.5
 #: A camera that fails so often in a row is left alone until the next command.
@@ -96,8 +98,9 @@ class Recorder:
     @contextlib.contextmanager
     def filming(self, post_id: str) -> Iterator[None]:
         """Take pictures until the context ends. Awaits nothing, and raises nothing of its own."""
-        self._films = {post_id: Film()}  # one command moves at a time; what the last one left is not needed any more
-        self._running = self._films[post_id]
+        self._running = self._films[post_id] = Film()
+        while len(self._films) > FILMS:  # those of commands whose reports were never made
+            del self._films[next(iter(self._films))]
         filming = asyncio.create_task(self._film(self._running, self._look)) if self._look else None
         try:
             yield

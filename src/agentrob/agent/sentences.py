@@ -293,6 +293,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "mind.why.malformed": ("its answer was of no use", "回答无法使用"),
     "mind.why.budget": ("its limit of tokens or money is reached", "已达到用量或费用上限"),
     "mind.why.failed": ("it failed", "它出错了"),
+    "mind.why.rate": ("your account has reached its limit", "你的账号已达到限额"),
     "usage.line": ("{name}: {parts}", "{name}：{parts}"),
     "usage.joint": (", ", "，"),
     "usage.questions": ("{count} questions", "{count} 次提问"),

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 from pydantic import TypeAdapter
 
-from agentrob.agent.extract import OVER, Thought, by_rules, extract
+from agentrob.agent.extract import OVER, RATE, Thought, by_rules, extract
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job
 from agentrob.agent.look_goal import eyes, goal_for, honest, in_words, judged_plan
@@ -41,6 +41,8 @@ class Thinking:
     driver: DriverClient
     mind: Mind
     journal: Journal
+    #: Whether a command that this account posts now is over its limits.
+    over_limit: Callable[[Command], bool] = lambda _: False
 
     @property
     def model(self) -> ChatModel | None:
@@ -55,9 +57,11 @@ class Thinking:
     async def think(self, job: Job, terms: Terms) -> Thought:
         """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
         is ended."""
-        thought = _THOUGHT.validate_json(
-            await self.journal.once(f"post-{job.command.post_id}", partial(self._think, job, terms))
-        )
+        deed = partial(self._think, job, terms)
+        if not job.known:
+            # Here, where no slow mind takes a thread of the journal, and whoever cancels this cancels the mind too.
+            deed = partial(_told, await deed())
+        thought = _THOUGHT.validate_json(await self.journal.once(f"post-{job.command.post_id}", deed))
         if thought.understanding.intent is not Intent.NOTHING:
             job.command = replace(job.command, language=thought.understanding.language)
         job.thought = thought
@@ -82,6 +86,8 @@ class Thinking:
         thought = await self._goal(command, listener, history)
         if thought is None and may(command.author, "command").decision is not Decision.ALLOW:
             thought = await by_rules(command.text, listener, history)  # whose words move nothing cost nothing
+        if thought is None and self.over_limit(command):  # nor do those whose command is refused, whoever reads it
+            thought = await by_rules(command.text, listener, history, RATE)
         if thought is None:
             reading = extract(self.mind, command.text, listener, history)
             thought = await job.unless_ended(reading) or await by_rules(command.text, listener, history, OVER)
@@ -141,3 +147,8 @@ class Thinking:
         usage = (*thought.usage, *(screened.usage if screened else ()))
         verdict = narrowed(verdict, screened, language, settings.screen == "required")
         return replace(thought, verdict=verdict, usage=usage, screened=screened)
+
+
+async def _told(text: str) -> str:
+    """An answer that is there already."""
+    return text

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import traceback
-from collections.abc import Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
@@ -53,6 +53,8 @@ LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
 LAST_WORDS_S = 2.5
 DRIVER_WAIT_S = 5.0
+#: A task that only shows things begins anew so long after it failed.
+RESTART_S = 1.0
 _log = structlog.get_logger()
 
 
@@ -255,16 +257,31 @@ class RobotAgent:
             self.channel.now,
             self._spawn,
         )
-        thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal)
+        pace, most = Pace(self.settings.rates), self.settings.rates.waiting
+
+        def over_limit(command: Command) -> bool:
+            account = command.author.id
+            return pace.exceeded(account) or bool(most and self.line.number_of(account) > most)
+
+        thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
         return Course(
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
             self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
-            Pace(self.settings.rates), Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
+            pace, Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
             self._on_end,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
-        return [part.run() for part in (self.presence, self.camera) if part is not None]
+        return [self._restarted(part.run) for part in (self.presence, self.camera) if part is not None]
+
+    async def _restarted(self, run: Callable[[], Awaitable[None]]) -> None:
+        """Run what only shows things, for ever: its failures are logged, and never end the agent that hears stops."""
+        while True:
+            try:
+                await run()
+            except Exception:
+                _log.error("task failed, restarting it", robot=self.name, trace=traceback.format_exc())
+            await asyncio.sleep(RESTART_S)
 
     def _spawn(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
         task = asyncio.create_task(work)
