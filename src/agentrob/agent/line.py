@@ -24,11 +24,12 @@ class Job:
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
     was. `begun`: so was its motion, and only its report is left to tell: nothing ends it any more. `ended` is a stable
-    word as soon as the command may not go on; `paced`: its account may command now; while it is `held`, others go
-    before it, and until it is `ready`, which is read and judged, they go before it too. `asked`: it waits or waited for an approval, and what was said of it. `stop` brings what the stop that
-    ended it did, `stopped_by` whose it was; `took_back` is how many others it ended. `thought` is what was made of it,
-    as soon as that is known, `looked` the loop of a model that steered; `run` is its motion, if that began in this
-    process, with all that was measured so far; `status` is its status post, `task` what carries it through.
+    word as soon as the command may not go on; `paced`: its account may command now. Others go before it until it is
+    `ready`, read and judged, and while it is `held`. `asked`: it waits or waited for an approval, and what was said of
+    it. `stop` brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it
+    ended. `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `run`
+    is its motion, if that began in this process, with all that was measured so far; `status` is its status post, `task`
+    what carries it through.
     """
 
     command: Command
