@@ -7,7 +7,7 @@ import contextlib
 import inspect
 import re
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,9 @@ from agentrob.agent.surroundings import Surroundings
 from agentrob.agent.thinking import Thinking
 from agentrob.errors import ForumUnreachable, JournalError, RobotError, RobotUnreachable
 from agentrob.forums.memory import MemoryForum
-from agentrob.model import ActionResult, Post, Primitive
+from agentrob.minds.mind import Listener
+from agentrob.minds.rules import RulesMind
+from agentrob.model import ActionResult, Plan, Post, Primitive, Understanding
 from agentrob.robots.client import DriverClient
 
 TWO_STEPS = f"@{ROBOT} walk forward 1 metre, then turn left 90 degrees"
@@ -315,3 +317,23 @@ async def test_an_agent_that_is_ended_says_so_once(tmp_path: Path) -> None:
     assert reply.card is not None
     assert reply.card.state == "interrupted"
     assert reply.raw.count("My agent was ended.") == 1, reply.raw
+
+
+async def test_where_no_model_is_configured_none_is_missed(scene: Scene) -> None:
+    """It was stopped while it was read, so the rules read it without the mind."""
+    asked = asyncio.Event()
+
+    class Stuck(RulesMind):
+        async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+            asked.set()
+            await asyncio.Event().wait()
+            raise AssertionError
+
+    async with scene.agent(mind=Stuck()):
+        post = await scene.post("alice", TWO_STEPS)
+        await asyncio.wait_for(asked.wait(), 10)
+        await scene.post("bob", "stop", topic=post.topic_id)
+        reply = await scene.final(post)
+    assert reply.card is not None
+    assert reply.card.state == "cancelled"
+    assert "model" not in reply.raw, reply.raw

@@ -27,7 +27,7 @@ def notes(thought: Thought | None, asked: str, language: Language, more: Sequenc
     if thought.fallback and thought.fallback != OVER:
         by = say("mind.rules", language) if thought.mind == "rules" else quote(thought.mind)
         said.append(say("mind.fallback", language, asked=quote(asked), why=_why(thought.fallback, language), by=by))
-    if thought.screened is not None and thought.screened.failed:
+    if thought.screened is not None and thought.screened.failed not in ("", OVER):
         said.append(say("mind.unscreened", language, why=_why(thought.screened.failed, language)))
     line = usage_line((*thought.usage, *more), language)
     joint = "" if language == "zh" else " "

@@ -135,9 +135,11 @@ class Thinking:
             return thought
         screened: Screened | None = None
         plan, language = thought.understanding.plan, thought.understanding.language
-        if thought.mind == "rules" and thought.fallback:  # nobody answered a moment ago
-            screened = Screened(self.mind.name, failed=thought.fallback)
-        elif self.model is not None:
+        if self.model is None:
+            pass  # nobody was to look at it
+        elif thought.mind == "rules" and thought.fallback:  # nobody answered a moment ago, or nobody was waited for
+            screened = Screened(self.mind.name, failed=thought.fallback) if thought.fallback != OVER else None
+        else:
             part = part_for(job.command.text, listener.names, listener.others)
             told = in_words(thought.goal, "en") if thought.goal else ""
             looking = screen_by_model(
