@@ -456,6 +456,8 @@ async def test_law_6_a_status_that_a_lost_journal_left_open_is_ended_although_it
         scene.world.suspend("alice")
     async with scene.agent():
         await scene.final(await scene.post("carol", f"@{ROBOT} help"))
+        # It is waited whether another agent brings it to its end.
+        await scene.until(lambda: "running" not in [r.card.state for r in scene.replies(post) if r.card])
         ends = [(r.card.state, r.version) for r in scene.replies(post) if r.card]
     assert ends == [("interrupted", 2), ("done", 1)]
 

@@ -24,7 +24,7 @@ from agentrob.agent.perceive import Call, Heard
 from agentrob.agent.permission import Terms, own_rights, rights_on
 from agentrob.agent.rows import Decided
 from agentrob.agent.sentences import say
-from agentrob.agent.status import Shown, insist
+from agentrob.agent.status import SOON_S, Shown, insist, until_allowed
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.forum import Forum
@@ -162,8 +162,11 @@ class Approvals:
 
     async def _answer(self, post: Post, text: str) -> None:
         try:
-            await insist(
-                lambda: self.forum.reply(post.topic_id, text, key=f"approval:{post.id}", reply_to=post.id), tries=9
+            await until_allowed(
+                lambda: insist(
+                    lambda: self.forum.reply(post.topic_id, text, key=f"approval:{post.id}", reply_to=post.id), tries=9
+                ),
+                SOON_S,
             )
         except ForumError as e:
             _log.warning("approval not answered", post=post.id, error=str(e))

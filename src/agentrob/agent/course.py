@@ -6,11 +6,11 @@ import asyncio
 import contextlib
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from datetime import timedelta
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import structlog
 from pydantic import TypeAdapter
@@ -19,7 +19,7 @@ from agentrob.agent import look_calls, look_words
 from agentrob.agent import report as words
 from agentrob.agent.approvals import LAPSED, Approvals
 from agentrob.agent.channel import Channel
-from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, decisive, execute
+from agentrob.agent.execute import SHUTDOWN, STOP, Execution, Reins, decisive, execute, holder_of
 from agentrob.agent.extract import Thought
 from agentrob.agent.journal import CANCELLED, DENIED, INTERRUPTED, Journal, NotBegun
 from agentrob.agent.line import Job, Line
@@ -33,12 +33,12 @@ from agentrob.agent.publish import page_of, publish
 from agentrob.agent.recorder import Recorder
 from agentrob.agent.records import Records, approval
 from agentrob.agent.sentences import say
-from agentrob.agent.status import Shown, StatusLine
+from agentrob.agent.status import TOLD_WITHIN_S, Shown, StatusLine, insist, is_final, left_open, until_allowed
 from agentrob.agent.stops import Stops
 from agentrob.agent.surroundings import Surroundings
 from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
-from agentrob.errors import JournalError, RobotError
+from agentrob.errors import ForumError, JournalError, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.images.store import ImageStore
 from agentrob.language.addressing import addresses
@@ -47,6 +47,7 @@ from agentrob.language.phrases import quote
 from agentrob.language.phrases import say as phrase
 from agentrob.model import (
     AccountKind,
+    Capabilities,
     Command,
     Decision,
     Intent,
@@ -59,13 +60,12 @@ from agentrob.model import (
 )
 from agentrob.robots.client import DriverClient
 
-#: States after which nothing more comes.
-FINAL = frozenset(
-    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
-)
+#: So many commands wait at most until our account may write again; what is more is left to the next start.
+MOST_DENIED = 1000
 #: A mind that answers within this time is waited for before the status is posted: a program's post that wants nothing
 #: gets none.
 GLANCE_S = 1.0
+T = TypeVar("T")
 _EXECUTION = TypeAdapter(Execution)
 _log = structlog.get_logger()
 
@@ -93,6 +93,8 @@ class Course:
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
     on_end: Callable[[Report], None] = lambda _: None
+    #: What carries the commands that wait until the forum lets our account write again.
+    denied: set[asyncio.Task[Any]] = field(default_factory=set)
 
     @property
     def terms(self) -> Terms:
@@ -149,7 +151,8 @@ class Course:
         job = Job(command)
         report = self._report(job, "failed", message=self._because(job, "journal"))
         card = StatusCard(self.name, "failed", trace_id=command.trace_id)
-        await StatusLine(self.forum, command).claim(Shown(words.final(report), card))
+        shown = Shown(words.final(report), card)
+        await self._allowed(partial(StatusLine(self.forum, command).claim, shown))
         self.on_end(report)
 
     async def _decide(self, job: Job) -> Report | None:
@@ -174,8 +177,13 @@ class Course:
         if told:
             await self.journal.finish(post_id, "answered before")
             return None
-        if not ours:
+        if not ours:  # another agent's, or of a journal that is lost: whoever holds it tells the end, if anybody does
             await self.journal.cancel(post_id)
+            self.line.leave(job)
+            claimed = await insist(partial(self.forum.post, job.status.post_id))
+            if not await left_open(self.forum, claimed, self.moves):
+                await self.journal.finish(post_id, "answered before")
+                return None
             return self._report(job, "interrupted", message=say("interrupted.claim", job.command.language))
         thought: Thought = await thinking
         if thought.understanding.cancels:
@@ -188,20 +196,55 @@ class Course:
         """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
         command = job.command
         card = StatusCard(self.name, "seen", trace_id=command.trace_id)
-        written = await job.status.claim(Shown(words.seen(command.language, command.trace_id), card))
+        shown = Shown(words.seen(command.language, command.trace_id), card)
+        written = await self._allowed(partial(job.status.claim, shown), partial(self._denied, job))
         job.note("seen", self.channel.now())
         now = written.post
         if not written.created:
             state = now.card.state if now.card else ""
-            known = command.trace_id in (now.raw, now.card.trace_id if now.card else "")
-            # A journal that knows of no motion may be an old copy: then the forum knows more.
-            moved = known and await self.journal.moved(command.post_id)
-            if not moved and (not known or state == "running" or state in FINAL):
-                return False, state in FINAL
-            if state in FINAL and not await self.journal.moved(command.post_id, ended=True):
-                return False, True
+            if is_final(now.card):  # what our journal knows of it may be more than whoever told that knew
+                ended = await self.journal.moved(command.post_id, ended=True)
+                if not ended:
+                    return False, True
+            elif command.trace_id not in (now.raw, now.card.trace_id if now.card else ""):
+                return False, False
+            elif state == "running" and not await self.journal.moved(command.post_id):
+                return False, False  # a journal that knows of no motion may be an old copy: the forum knows more
+            job.status.adopt(now)
         await self.journal.posted(command.post_id, now.id)
         return True, False
+
+    async def _allowed(
+        self, write: Callable[[], Awaitable[T]], wait: Callable[[float], Awaitable[object]] = asyncio.sleep
+    ) -> T:
+        """Write what must be told as soon as our account may; a suspension ends. What is too much to wait for here is
+        left to the next start: `ForumDenied`."""
+        task = asyncio.current_task()
+        assert task is not None
+
+        async def waits(seconds: float) -> None:
+            self.denied.add(task)
+            await wait(seconds)
+
+        try:
+            return await until_allowed(write, TOLD_WITHIN_S if len(self.denied) < MOST_DENIED else 0.0, waits)
+        finally:
+            self.denied.discard(task)
+
+    async def _denied(self, job: Job, seconds: float) -> None:
+        """The forum denies us the claim: others go before it meanwhile, and once it is too old it only waits to be
+        told so."""
+        await self.line.aside(job, seconds)
+        if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self.settings.queue_expiry_s:
+            job.end("expired")
+            self.line.leave(job)
+            await self.journal.end([job.command.post_id], "expired")
+
+    async def moves(self, trace_id: str) -> bool:
+        """Whether the driver works for the command of this trace id now, whichever agent gave it."""
+        with contextlib.suppress(RobotError):
+            return await self.driver.holder() == holder_of(trace_id)
+        return False
 
     async def _answer(self, job: Job, thought: Thought) -> Report:
         """Everything that moves nothing."""
@@ -340,7 +383,7 @@ class Course:
         self.on_motion()
         known = job.thought is not None and job.thought.goal is not None
         terms = replace(self.terms, known=known, approval=job.decided)
-        allowed = partial(permission, self.forum, self.driver, job.command, terms)
+        allowed = partial(self._permitted, job, terms)
         reins = Reins(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
@@ -358,6 +401,14 @@ class Course:
         finally:
             job.moving = False
         return self._kept(job, execution)
+
+    async def _permitted(self, job: Job, terms: Terms, plan: Plan) -> tuple[Verdict, Capabilities | None]:
+        """May it move now: not either when another agent of this account told its end meanwhile."""
+        asked = permission(self.forum, self.driver, job.command, terms, plan)
+        (verdict, capabilities), told = await asyncio.gather(asked, job.status.told())
+        if told:
+            return Verdict(Decision.REFUSE, "command.told", self._because(job, "told")), None
+        return verdict, capabilities
 
     def _kept(self, job: Job, execution: Execution) -> str:
         """A motion as the journal keeps it. Whatever fails here, what was measured is on the job (`Job.run`)."""
@@ -390,7 +441,13 @@ class Course:
     # ------------------------------------------------------------------ tell
     def show_place(self, job: Job) -> None:
         """Tell a command that waits how many are before it."""
-        if job.ended is None and not job.held and "seen" in job.timings_ms and (place := self.line.place(job)):
+        if (
+            job.ended is None
+            and not job.held
+            and not job.begun
+            and "seen" in job.timings_ms
+            and (place := self.line.place(job))
+        ):
             self._show(job, words.queued(job.command.language, place), "queued", place=place)
 
     def _show(self, job: Job, text: str, state: str, **more: Any) -> None:
@@ -420,17 +477,54 @@ class Course:
 
     async def _tell(self, job: Job, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
+        command, text, pictures, facts = job.command, *await self._composed(job, report)
+        short = ""
+        with self._beside(job, "end not shortened"):
+            short = words.short(report)
+        at = len(report.plan.steps)
+        card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
+        images = [picture.data for picture in pictures if picture.attached]
+        measured = any(result.moved for result in report.results)
+        # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
+        with self._beside(job, "plan not kept"):
+            if report.status == "done" and not report.goal:
+                await self.journal.did(command.post_id, report.plan)
+        close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
+        try:
+            ours = await self._allowed(close)
+        except ForumError as e:  # the claim stays open, so the next start tells it
+            _log.error("final reply not told", post=command.post_id, error=str(e))
+            return
+        with self._beside(job, "claim not closed in the journal"):
+            await self.journal.finish(command.post_id, report.status)
+        if not ours:
+            return  # another agent of this account told the end, and keeps its record and pictures
+        with self._beside(job, "record not published"):
+            await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+        with self._beside(job, "end not passed on"):
+            self.on_end(report)
+        with self._beside(job, "recording not added"):
+            if recording := await late_recording(command.post_id, self.recorder, self.store):
+                late = Shown(text((*pictures, recording)), card)
+                await job.status.add(late, [recording.data] if recording.attached else [])
+                await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+
+    async def _composed(
+        self, job: Job, report: Report
+    ) -> tuple[Callable[[Sequence[Picture]], str], tuple[Picture, ...], dict[str, Any] | None]:
+        """The report's text with some pictures, its pictures, and its record, which is kept."""
         command, looked, language = job.command, job.looked, job.command.language
-        summary, calls, pictures, page = None, b"", tuple[Picture, ...](), ""
+        summary, by_model, calls, page = None, "", b"", ""
+        pictures: tuple[Picture, ...] = ()
         with self._beside(job, "no summary"):
             summary = await self.thinking.summary(job, report)
+            by_model = worded(summary, language)
         with self._beside(job, "calls of the model not listed"):
             calls = look_calls.lines(looked) if looked else b""
         with self._beside(job, "no pictures"):
             pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
         with self._beside(job, "page of the command not known"):
             page = await page_of(self.forum, command.post_id, hurry=self.ending())
-        images = [picture.data for picture in pictures if picture.attached]
         facts: dict[str, Any] | None = None
         with self._beside(job, "record not written"):
             kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
@@ -442,14 +536,6 @@ class Course:
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
             told += look_words.paragraphs(looked, report.results, language, refused=False)
             told += notes(job.thought, self.thinking.mind.name, language, used)
-        by_model = ""
-        with self._beside(job, "words of the model left out"):
-            by_model = worded(summary, language)
-        short = ""
-        with self._beside(job, "end not shortened"):
-            short = words.short(report)
-        at = len(report.plan.steps)
-        card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
 
         def text(pictures: Sequence[Picture]) -> str:
             with self._beside(job, "report told as data"):
@@ -457,22 +543,7 @@ class Course:
                 return words.final(report, pictures, told, by_model, table, page)
             return words.plain(report)
 
-        # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
-        with self._beside(job, "plan not kept"):
-            if report.status == "done" and not report.goal:
-                await self.journal.did(command.post_id, report.plan)
-        await job.status.close(Shown(text(pictures), card), images, short)
-        with self._beside(job, "claim not closed in the journal"):
-            await self.journal.finish(command.post_id, report.status)
-        with self._beside(job, "record not published"):
-            await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
-        with self._beside(job, "end not passed on"):
-            self.on_end(report)
-        with self._beside(job, "recording not added"):
-            if recording := await late_recording(command.post_id, self.recorder, self.store):
-                late = Shown(text((*pictures, recording)), card)
-                await job.status.add(late, [recording.data] if recording.attached else [])
-                await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+        return text, pictures, facts
 
 
 def _goal(job: Job) -> str:

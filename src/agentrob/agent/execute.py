@@ -256,12 +256,17 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Rei
     return await run.carried_out(run.steps)
 
 
+def holder_of(trace_id: str) -> str:
+    """What an agent calls itself to the driver while it moves the robot for a command."""
+    return f"agent {trace_id}"
+
+
 async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
     """Take the robot's lease. An agent that was killed keeps it for a moment longer, so a busy robot is asked again."""
     until_s = time.monotonic() + BUSY_S
     while run.reins.ended() is None:
         try:
-            lease = run.driver.lease(f"agent {run.command.trace_id}", await run.reins.since())
+            lease = run.driver.lease(holder_of(run.command.trace_id), await run.reins.since())
             run.lease = await stack.enter_async_context(lease)
             return
         except RobotBusy:

@@ -217,6 +217,15 @@ class Line:
     def _is_next(self, job: Job) -> bool:
         return not self._closed and self._turn is None and next(j for j in self._jobs if j.ready and not j.held) is job
 
+    async def aside(self, job: Job, seconds: float) -> None:
+        """Let others go before it for so long, whatever becomes of it meanwhile."""
+        job.held = True
+        self._moved_up()
+        try:
+            await asyncio.sleep(seconds)
+        finally:
+            job.held = False
+
     async def hold(self, job: Job, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
         """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended
         meanwhile."""

@@ -148,6 +148,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "I could not check whether the command still holds, so I did not go on.",
         "无法确认命令是否仍然有效，所以没有继续。",
     ),
+    "because.told": (
+        "Another agent of my account has answered this post already.",
+        "我的账号的另一个代理程序已经答复过这个帖子。",
+    ),
     "because.replaced": (
         "The forum is no longer the one that this was posted on.",
         "论坛已被替换，不再是发帖时的那个论坛。",

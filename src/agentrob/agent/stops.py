@@ -9,18 +9,22 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 
 import structlog
 
+from agentrob.agent.status import SOON_S, insist, until_allowed
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumError, RobotError
-from agentrob.forums.forum import Forum
+from agentrob.forums.forum import Forum, Written
 from agentrob.model import Language, Post, StopResult
 from agentrob.robots.client import DriverClient
 from agentrob.robots.stop import stop_robot
 
 #: A reply that is folded is brought up to date at most this often.
 FOLD_S = 1.0
+#: A forum that fails so often (for some 50 s) is left without the reply to a stop.
+TRIES = 9
 _log = structlog.get_logger()
 #: What the second channel's answer to a halt says: it can only stop.
 ONLY_STOPPED = "only stopped"
@@ -133,8 +137,12 @@ class Stops:
         result = await asyncio.shield(stopping)
         done = None if halted and result is not None and result.message == ONLY_STOPPED else halted
         text = self._render(result, language, ended, done, 0)
+
+        async def reply() -> Written:
+            return await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
+
         try:
-            written = await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
+            written = await until_allowed(partial(insist, reply, TRIES), SOON_S)
         except ForumError as e:
             _log.warning("stop not answered", post=post.id, error=str(e))
             return None

@@ -146,8 +146,9 @@ class RobotAgent:
             self.ready.set()
             try:
                 await self.inbox.take_waiting()
-                while busy := self._tasks - self.line.asking():
-                    await asyncio.wait(busy, timeout=0.2)  # one that begins to wait for an approval waits on next time
+                # What waits for an approval, or until we may write again, waits on next time.
+                while busy := self._tasks - self.line.asking() - self.course.denied:
+                    await asyncio.wait(busy, timeout=0.2)
             finally:
                 for helper in helpers:
                     helper.cancel()
@@ -214,7 +215,7 @@ class RobotAgent:
                 elif post.created_at <= self._watermark_at:
                     heard = self.perceive(post)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
-            await close_unknown(self.forum, self.journal, statuses)
+        self._spawn(close_unknown(self.forum, self.journal, statuses, self.course.moves))
 
     async def _wind_down(self) -> None:
         """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""

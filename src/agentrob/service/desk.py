@@ -22,10 +22,10 @@ from uuid import uuid4
 
 import structlog
 
-from agentrob.agent.course import FINAL
 from agentrob.agent.extract import Thought
 from agentrob.agent.line import Job
 from agentrob.agent.perceive import Call
+from agentrob.agent.status import FINAL
 from agentrob.agent.turn import RobotAgent
 from agentrob.errors import ForumError, RobotError, ServiceError
 from agentrob.language.visible import mentions, visible_text
