@@ -178,6 +178,7 @@ class Course:
             await self.journal.finish(post_id, "answered before")
             return None
         if not ours:  # another agent's, or of a journal that is lost: whoever holds it tells the end, if anybody does
+            thinking.cancel()
             await self.journal.cancel(post_id)
             self.line.leave(job)
             claimed = await insist(partial(self.forum.post, job.status.post_id))
