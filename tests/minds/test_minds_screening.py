@@ -132,7 +132,7 @@ async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_
 
 @pytest.mark.parametrize(
     "answer",
-    [{"decision": "allow"}, {"decision": "fine", "override": True}, {"decision": "refuse", "harm": "boredom"}, {}],
+    [{"decision": "allow"}, {"decision": "perhaps", "override": True}, {"harm": None}, {}],
 )
 async def test_an_answer_outside_of_the_schema_is_none(brain: Brain, tmp_path: Path, answer: dict[str, Any]) -> None:
     model = brain.model(tmp_path)

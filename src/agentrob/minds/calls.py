@@ -9,12 +9,17 @@ from functools import lru_cache
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from agentrob.minds.chat import M, Tool, ToolCall
 from agentrob.minds.faults import said
 
 #: How many places of a text are tried as the beginning of a JSON object.
-_TRIES = 20
+_TRIES = 200
+#: How often what is wrong with an answer is left out of it.
+_REPAIRS = 4
+#: Models write line breaks into strings as they are.
+_JSON = json.JSONDecoder(strict=False)
 
 
 def checked_call(call_id: str, name: str, raw: Any, tools: Sequence[Tool]) -> ToolCall:
@@ -39,6 +44,34 @@ def checked(raw: Any, kind: type[M]) -> tuple[M | None, str]:
         return None, "This is no JSON object."
 
 
+def answered(raw: Any, kind: type[M]) -> tuple[M | None, str]:
+    """As `checked`, for answers: keys that the schema does not know and nulls for what has a default are left out."""
+    try:
+        data = _JSON.decode(raw) if isinstance(raw, str) else deepcopy(raw)
+        for _ in range(_REPAIRS):
+            try:
+                return kind.model_validate({} if data is None else data), ""
+            except ValidationError as e:
+                if not [error for error in e.errors() if _left_out(data, error)]:
+                    return None, explain(e)
+        return checked(data, kind)
+    except (ValueError, RecursionError):
+        return None, "This is no JSON object."
+
+
+def _left_out(data: Any, error: ErrorDetails) -> bool:
+    """Take one unknown key, or one null where the schema wants a value, out of the data; False where it is neither."""
+    if error["type"] != "extra_forbidden" and error["input"] is not None:
+        return False
+    *path, last = error["loc"]
+    for part in path:
+        data = data[part]
+    if not isinstance(data, dict) or last not in data:
+        return False
+    del data[last]
+    return True
+
+
 def explain(error: ValidationError) -> str:
     """What is wrong, for the model: at most five points, without the values."""
     points = [f"{'.'.join(map(str, e['loc'])) or 'it'}: {said(e['msg'])}" for e in error.errors()[:5]]
@@ -46,25 +79,42 @@ def explain(error: ValidationError) -> str:
 
 
 def found_in(text: str, kind: type[M]) -> tuple[M | None, str]:
-    """The first JSON object in a text that fits the schema, or what is wrong with the first one that there is."""
-    problem = ""
-    for data in _objects(text):
-        value, wrong = checked(data, kind)
+    """What a text says in JSON objects that fit the schema (`final_of`), or what is wrong with the last one.
+
+    What stands before the end of a model's thoughts (`</think>`) is a draft and counts only where nothing follows.
+    """
+    _, _, said_last = text.rpartition("</think>")
+    for part in dict.fromkeys((said_last, text)):
+        value, problem = final_of(list(_objects(part)), kind)
         if value is not None:
             return value, ""
-        problem = problem or wrong
-    return None, problem or "There is no JSON object in the answer."
+    broken = getattr(kind, "from_broken", None)  # an object that breaks off may say enough
+    value = broken(said_last) if broken is not None else None
+    return value, "" if value is not None else problem
+
+
+def final_of(given: Sequence[Any], kind: type[M]) -> tuple[M | None, str]:
+    """Of several answers the last one that fits the schema, but whichever refuses (`kind.refuses`) before any other."""
+    found, problem = list[M](), "There is no JSON object in the answer."
+    for raw in given:
+        value, wrong = answered(raw, kind)
+        if value is not None:
+            found.append(value)
+        problem = wrong or problem
+    if not found:
+        return None, problem
+    refusing = [value for value in found if getattr(value, "refuses", False)]
+    return (refusing or found)[-1], ""
 
 
 def _objects(text: str) -> Iterator[dict[str, Any]]:
-    decoder = json.JSONDecoder()
     at = -1
     for _ in range(_TRIES):
         at = text.find("{", at + 1)
         if at < 0:
             return
         try:
-            data, end = decoder.raw_decode(text, at)
+            data, end = _JSON.raw_decode(text, at)
         except (ValueError, RecursionError):
             continue
         if isinstance(data, dict):

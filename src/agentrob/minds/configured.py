@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from agentrob.config import MindConfig
 from agentrob.minds import prompted, retry
 from agentrob.minds.budget import Budget, Reserve
-from agentrob.minds.calls import checked, checked_call, found_in, schema_of
+from agentrob.minds.calls import checked_call, final_of, found_in, schema_of
 from agentrob.minds.chat import Answer, Image, M, Message, Replied, Said, Tool
 from agentrob.minds.faults import UNSERVED, MindFault
 from agentrob.minds.usage import Usage, cost_of, estimate_tokens
@@ -120,7 +120,7 @@ class ConfiguredModel:
             given = [raw for _, name, raw in heard.calls if name == tool.name]
             if not given:
                 return *found_in(heard.text, kind), heard.text, usage
-            return *checked(given[0], kind), str(given[0])[:2_000], usage
+            return *final_of(given, kind), str(given[-1])[:2_000], usage
         schema = schema_of(kind) if self.config.answers == "json_object" else None
         asked = prompted.with_schema(system_prompt, kind)
         heard, usage = await self._ask(asked, conversation, spent, json_schema=schema, until=until)

@@ -11,9 +11,9 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from agentrob.config import SCENE_CHARS
 from agentrob.language.phrases import quote
@@ -31,17 +31,60 @@ Harm = Literal["people", "animals", "property", "bounds", "safety", "deception",
 LIMIT_S = 25.0
 
 
+#: The longest words and reasons that are kept of an answer.
+TOLD_CHARS = 300
+#: What models write where there is no harm.
+_NO_HARM = frozenset(["", "none", "null", "no", "na", "nothing", "false", "fine", "unknown"])
+_FINE = re.compile(r"fine\W*\Z", re.IGNORECASE)
+_REFUSE = re.compile(r"\W*(?:refus|den[iy]|reject|block|forbid|prohibit|declin|unsafe|no\b|not\b)", re.IGNORECASE)
+
+
+def _decision(said: Any) -> Any:
+    """fine or refuse; whatever else was said, for the schema to refuse."""
+    text = str(said).strip()
+    return "refuse" if _REFUSE.match(text) else "fine" if _FINE.match(text) else said
+
+
 class Judgement(BaseModel):
     """What a model says of a command."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _read_as_it_was_meant(cls, data: Any) -> Any:
+        """A refusal counts however it is spelt: another case, a kind of harm of the model's own, too many words."""
+        if not isinstance(data, dict):
+            return data
+        data = {str(key).lower().strip(): value for key, value in data.items()}
+        data.setdefault("why", data.pop("reason", None) or "")
+        data["decision"] = _decision(data.get("decision"))
+        harm = re.sub(r"\W", "", str(data.get("harm") or "").lower())
+        data["harm"] = None if harm in _NO_HARM else harm if harm in get_args(Harm) else "other"
+        for name in ("words", "why"):
+            data[name] = str(data.get(name) or "")[:TOLD_CHARS]
+        return data
+
+    @classmethod
+    def from_broken(cls, text: str) -> Self | None:
+        """A refusal that can be read in an answer which is no whole JSON object; None without one."""
+        found = re.findall(r"[\"']decision[\"']\s*:\s*[\"']([^\"'\n]{1,40})", text, re.IGNORECASE)
+        refused = found and _decision(found[-1]) == "refuse"
+        return cls(decision="refuse", why="the answer broke off") if refused else None
+
+    @property
+    def refuses(self) -> bool:
+        """Who names a harm refuses."""
+        return self.decision == "refuse" or self.harm is not None
+
     decision: Literal["fine", "refuse"]
     harm: Harm | None = Field(default=None, description="the kind of harm; null when it is fine")
-    words: Annotated[str, Field(max_length=300)] = Field(
+    words: Annotated[str, Field(max_length=TOLD_CHARS)] = Field(
         default="", description="the words of the post that are the reason, copied letter by letter"
     )
-    why: Annotated[str, Field(max_length=300)] = Field(default="", description="one short sentence, for the record")
+    why: Annotated[str, Field(max_length=TOLD_CHARS)] = Field(
+        default="", description="one short sentence, for the record"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +134,8 @@ async def screen_by_model(
 
 
 def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict | None:
-    """The refusal in our words; None when the model has nothing against it. Who names a harm refuses. Pure."""
-    if judgement.decision == "fine" and judgement.harm is None:
+    """The refusal in our words; None when the model has nothing against it. Pure."""
+    if not judgement.refuses:
         return None
     harm = judgement.harm or "other"
     words = _quoted(judgement.words, text)
