@@ -136,7 +136,8 @@ class RobotConfig(Section):
     """One robot: how its driver reaches it, what may command it where, and what its agent does.
 
     `interface` and `domain` are DDS settings. `step_length_m`: how long one of its steps is, where you measured that
-    ("walk two steps" is asked back otherwise). `home_on_start`: the driver sets home when it starts; for simulation.
+    ("walk two steps" is asked back otherwise). `home_on_start`: the driver sets home when it starts, together with
+    `simulated` only; of any other robot the owner sets it (law 9).
     `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
     `least_battery_percent`: below this no motion begins; a robot that does not tell its charge is moved all the same.
     `moderators` are the handles that are told of the third stop within 5 minutes, besides the owner's.

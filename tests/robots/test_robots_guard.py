@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import time
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +113,19 @@ def test_law_9_no_home_no_motion(make: Make) -> None:
 
 def test_a_real_robot_never_homes_itself(make: Make) -> None:
     guard = make(simulated=False)
-    assert guard.step(move(0.5), go_on).reason == "not_homed"
+    result = guard.step(move(0.5), go_on)
+    assert result.reason == "not_homed"
+    assert "home_on_start homes simulated robots only" in result.message
+    unset = make(simulated=False, home_on_start=False)
+    assert "home_on_start" not in unset.step(move(0.5), go_on).message
+
+
+def test_the_configuration_of_the_guide_homes_its_robot(make: Make) -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "add-a-robot.md").read_text(encoding="utf-8")
+    written = tomllib.loads(next(t for t in re.findall(r"```toml\n(.*?)```", guide, re.DOTALL) if "[robots." in t))
+    (settings,) = written["robots"].values()
+    guard = make(**{"simulated": False, "home_on_start": False, **settings, "model": "fake"})
+    assert guard.step(move(0.5), go_on).ok
 
 
 def test_the_fence_lies_around_home_and_turns_with_it(make: Make) -> None:

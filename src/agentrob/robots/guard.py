@@ -69,6 +69,7 @@ OBSERVE_HZ = 20.0
 PREPARE_S = 3.0
 
 _BLIND = f"Its range readings are unknown, so it went at most {BLIND_MPS} m/s."
+_HOMES_NOT = "home_on_start homes simulated robots only."
 _YOUNGER = f"it must be younger than {STATE_AGE_S} s"
 
 Refusal = tuple[str, str]  # (stable word, sentence)
@@ -88,6 +89,8 @@ class Guard:
         self._odometry = Odometry(getattr(robot, "time_scale", 1.0))
         self._fence: Fence | None = None
         self._homes_itself = settings.simulated and settings.home_on_start
+        if settings.home_on_start and not settings.simulated:
+            log.warning("%s The owner of this one sets its home.", _HOMES_NOT)
         self._stepping = threading.Lock()
         self._looking = threading.Lock()
         self._running: Primitive | None = None
@@ -239,7 +242,9 @@ class Guard:
 
     def _misplaced(self, primitive: Primitive) -> Refusal | None:
         if self._fence is None:
-            return "not_homed", "The robot has no home, so its fence is unknown; its owner must set home first."
+            ignored = " " + _HOMES_NOT if self._settings.home_on_start and not self._settings.simulated else ""
+            sentence = "The robot has no home, so its fence is unknown; its owner must set home first."
+            return "not_homed", sentence + ignored
         pose = sound(self._robot.state()).pose
         sentence = self._fence.refusal(pose, primitive) if pose else "The robot gives no position."
         return ("fence", sentence) if sentence else None
