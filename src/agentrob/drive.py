@@ -334,6 +334,8 @@ def describe(result: ActionResult) -> dict[str, Any]:
         "outcome": str(result.outcome),
         "duration_s": round(result.duration_s, 2),
     }
+    if result.unmeasured:
+        facts["unmeasured"] = result.unmeasured
     if result.outcome is not Outcome.DONE:
         facts |= {"reason": result.reason, "message": result.message}
     if result.animated:
@@ -349,6 +351,8 @@ def _sentence(result: ActionResult, facts: dict[str, Any]) -> str:
         text += f"  [bold]measured {result.measured['distance_m']:.2f} m[/]"
     if "degrees" in result.measured:
         text += f"  [bold]measured {result.measured['degrees']:.1f}°[/]"
+    if result.unmeasured:
+        text += f"  [bold]measured unknown[/] ({result.unmeasured.replace('_', ' ')})"
     if "image" in facts:
         text += f"  {facts['image']}"
     if result.outcome is not Outcome.DONE:

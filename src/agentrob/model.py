@@ -282,7 +282,9 @@ class Outcome(StrEnum):
 class ActionResult:
     """One step, asked beside measured.
 
-    `measured` has the keys of what was asked (`distance_m`, `degrees`) and what is worth knowing besides. `reason` is
+    `measured` has the keys of what was asked (`distance_m`, `degrees`) and what is worth knowing besides. It is empty
+    where nothing was measured; `unmeasured` then says why, of a step that may have moved the robot: `odometry_lost` or
+    `odometry_jump`. `reason` is
     a stable word (obstacle, fence, deadline, stale_state, lease_lapsed, stop, stalled, unsupported, busy, …), `message`
     an English sentence. `path` is the odometry during the step: (seconds, x_m, y_m, yaw_rad), `commanded` what was sent
     to the body meanwhile: (seconds, forward_mps, left_mps, turn_rps). `image` is a JPEG. `started_s` and `ended_s` are
@@ -300,6 +302,7 @@ class ActionResult:
     image: bytes | None = None
     animated: bool = False
     commanded: tuple[tuple[float, float, float, float], ...] = ()
+    unmeasured: str = ""
 
     @property
     def ok(self) -> bool:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import re
 import time
 from collections.abc import Callable, Iterator
 from datetime import datetime
@@ -13,8 +15,13 @@ import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 from agentrob.agent import channel
+from agentrob.agent.report import _row
+from agentrob.board.command_view import _step
 from agentrob.forums.memory import MemoryForum
-from agentrob.model import Post
+from agentrob.language.goal import Aim, Goal, Task
+from agentrob.minds.loop_claims import contradiction
+from agentrob.minds.loop_tools import result_told
+from agentrob.model import ActionResult, Direction, Op, Outcome, Post, Primitive
 
 Ill = Callable[..., Scene]
 
@@ -92,6 +99,33 @@ async def test_a_frozen_robot_is_told(ill: Ill) -> None:
             assert reply.card is not None
             assert reply.card.state == "failed"
             assert said in reply.raw
+
+
+@pytest.mark.parametrize(
+    ("fault", "why", "said"),
+    [
+        ({"stale": True}, "odometry_lost", ("unknown: odometry was lost", "未知：里程计丢失")),
+        ({"jump_m": 1.0}, "odometry_jump", ("unknown: odometry jumped", "未知：里程计跳变")),
+    ],
+)
+async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_jumped(
+    ill: Ill, fault: dict[str, Any], why: str, said: tuple[str, str]
+) -> None:
+    """In the reply in both languages, in the record, on the board's page of it, and to a model that steers."""
+    scene = ill(**fault, after_m=0.5)
+    async with scene.agent():
+        reply = await told(scene, "@quadruped walk forward 2 metres")
+        assert f"| 1 | walk forward 2 m | {said[0]} | stopped |" in reply.raw
+        assert f"measured unknown: its {said[0].removeprefix('unknown: ')}" in reply.raw
+        assert not re.search(r"measured -?\d", reply.raw)
+        (record,) = (json.loads(path.read_text()) for path in scene.folder.rglob("records/*.json"))
+        assert (record["steps"][0]["measured"], record["steps"][0]["unmeasured"]) == ({}, why)
+        assert _step(record["steps"][0]).measured == f"unknown: {why.replace('_', ' ')}"
+    results = [ActionResult(Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), Outcome.STOPPED, unmeasured=why)]
+    assert said[1] in "".join(_row(1, results[0], "zh"))
+    assert f'"measured": "unknown: {why}"' in result_told(results[0], None, {})
+    near = Goal((Task(Aim.APPROACH, "ball"),))
+    assert contradiction(near, "done", "I walked 5 m", results) == "", "nobody can deny what nobody measured"
 
 
 async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_and_all_is_told(

@@ -23,6 +23,10 @@ _SENTENCES = {
         "Calls by the model: {calls}.",
         "实测合计：行走 {metres:.2f} 米，转动 {degrees:.0f}°。图片 {pictures} 张，模型调用 {calls} 次。",
     ),
+    "unmeasured": (
+        "How far it went in {count} of its steps is unknown: its odometry was lost or jumped.",
+        "其中 {count} 步的实际位移未知：里程计丢失或跳变。",
+    ),
     "saw": ("The model {mind} says that it saw {saw}.", "模型 {mind} 说看到了 {saw}。"),
     "did": ("The model {mind} says of what it did: {did}.", "模型 {mind} 说它做了：{did}。"),
     "unchecked": ("Nobody has checked that.", "以上未经核实。"),
@@ -72,6 +76,8 @@ def paragraphs(
         "measured", language, metres=walked_m(done), degrees=turned_deg(done),
         pictures=sum(r.primitive.op is Op.GET_FRONT_IMAGE for r in done), calls=len(looked.turns),
     )  # fmt: skip
+    if unknown := sum(bool(r.unmeasured) for r in done):
+        measured += ("" if language == "zh" else " ") + say("unmeasured", language, count=unknown)
     return [measured, *_claims(looked, language), *(_refused(looked.turns, language) if refused else [])]
 
 

@@ -111,6 +111,7 @@ def _step(result: ActionResult) -> dict[str, Any]:
         "op": str(result.primitive.op),
         "asked": result.primitive.asked(),
         "measured": {k: round(v, 4) for k, v in result.measured.items()},
+        **({"unmeasured": result.unmeasured} if result.unmeasured else {}),
         "outcome": str(result.outcome),
         "reason": result.reason,
         "message": result.message,

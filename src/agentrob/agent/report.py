@@ -222,7 +222,10 @@ def measured(result: ActionResult, language: Language) -> str:
     if result.primitive.op not in _MEASURES or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
         return "–"
     key, form = _MEASURES[result.primitive.op]
-    return form.format(result.measured[key]) if key in result.measured else say("unknown", language)
+    if key in result.measured:
+        return form.format(result.measured[key])
+    why = f"unknown.{result.unmeasured}"
+    return say(why, language) if result.unmeasured and known(why) else say("unknown", language)
 
 
 def _slower(report: Report) -> str:

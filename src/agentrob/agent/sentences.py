@@ -200,6 +200,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "outcome.skipped": ("not begun", "未开始"),
     "outcome.animated": ("{outcome} (played, not walked by physics)", "{outcome}（播放动画，非物理仿真）"),
     "unknown": ("unknown", "未知"),
+    "unknown.odometry_lost": ("unknown: odometry was lost", "未知：里程计丢失"),
+    "unknown.odometry_jump": ("unknown: odometry jumped", "未知：里程计跳变"),
     # ------------------------------------------------------------ why a step ended
     "reason.obstacle": ("Something was in the way.", "前方有障碍物。"),
     "reason.fence": ("It would have left the allowed area.", "会走出允许的区域。"),

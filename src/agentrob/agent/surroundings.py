@@ -32,5 +32,5 @@ class Surroundings:
         """What a command that has ended leaves: what a model saw at its end, and nothing of before once it moved."""
         if looked is not None and looked.end.saw:
             self._seen, self._seen_s = looked.end.saw, time.monotonic()
-        elif any(r.primitive.op in (Op.MOVE, Op.TURN) and r.measured for r in results):
+        elif any(r.primitive.op in (Op.MOVE, Op.TURN) and (r.measured or r.unmeasured) for r in results):
             self._seen = ()

@@ -143,11 +143,16 @@ def _step(step: Mapping[str, Any]) -> Step:
     why = _text(step.get("message"), 300) or _text(step.get("reason"), 60)
     return Step(
         asked=_deed(step, _map(step.get("asked"))),
-        measured=_amounts(_map(step.get("measured"))) or "–",
+        measured=_amounts(_map(step.get("measured"))) or _unmeasured(_text(step.get("unmeasured"), 40)),
         outcome=_text(step.get("outcome"), 24),
         why=why,
         seconds="" if seconds is None else f"{seconds:.1f} s",
     )
+
+
+def _unmeasured(why: str) -> str:
+    """What stands in place of an amount; `why` is a stable word (`odometry_lost`), empty where nothing is measured."""
+    return f"unknown: {why.replace('_', ' ')}" if why else "–"
 
 
 def _asked(step: Mapping[str, Any]) -> Step:

@@ -279,7 +279,9 @@ class Loop:
 
 
 def _got_somewhere(result: ActionResult) -> bool:
-    """Whether a step changed where the robot is, or was a gesture that was done."""
+    """Whether a step changed where the robot is, perhaps by how much nobody knows, or was a gesture that was done."""
+    if result.unmeasured:
+        return True
     if result.primitive.op in (Op.MOVE, Op.TURN):
         moved_m, turned_deg = result.measured.get("distance_m", 0.0), result.measured.get("degrees", 0.0)
         return abs(moved_m) > STILL_M or abs(turned_deg) > STILL_DEG

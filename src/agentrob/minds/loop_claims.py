@@ -33,14 +33,16 @@ def turned_deg(results: Sequence[ActionResult]) -> float:
 
 
 def contradiction(goal: Goal, claim: str, did: str, results: Sequence[ActionResult], language: Language = "en") -> str:
-    """The first claim that the measurements deny, as a clause in `language`; empty when there is none."""
+    """The first claim that the measurements deny, as a clause in `language`; empty when there is none. Where a step was
+    not measured, no amount is denied."""
+    measured = not any(r.unmeasured for r in results)
     if claim == "done":
-        if any(t.aim is Aim.APPROACH for t in goal.tasks) and walked_m(results) < NEAR_M:
+        if measured and any(t.aim is Aim.APPROACH for t in goal.tasks) and walked_m(results) < NEAR_M:
             return say("claim.there", language, whole=f"{walked_m(results):.2f}")
         if (missing := _not_done(goal.steps, results)) is not None:
             return say("claim.step", language, step=step_sentence(missing, language))
     for pattern, key, near in ((_METRES, "distance_m", NEAR_M), (_DEGREES, "degrees", NEAR_DEG)):
-        for said in pattern.findall(did):
+        for said in pattern.findall(did) if measured else ():
             amount = float(said.replace(",", "."))
             if not any(_near(amount, known, near) for known in _known(results, key)):
                 whole = walked_m(results) if key == "distance_m" else turned_deg(results)

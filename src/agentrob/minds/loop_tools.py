@@ -114,7 +114,7 @@ def result_told(result: ActionResult, state: RobotState | None, left: dict[str, 
     if result.primitive.op in (Op.MOVE, Op.TURN):
         facts["asked"] = result.primitive.asked()
         known = {k: round(v, 3) for k, v in result.measured.items() if k in ("distance_m", "degrees")}
-        facts["measured"] = known or "unknown"
+        facts["measured"] = known or (f"unknown: {result.unmeasured}" if result.unmeasured else "unknown")
     if result.outcome is not Outcome.DONE:
         facts |= {"reason": result.reason, "message": result.message}
     return json.dumps({**facts, **state_told(state), "left": left}, ensure_ascii=False)

@@ -58,6 +58,7 @@ from agentrob.robots.odometry import DAMPING, WALKS, Hands, Odometry
 from agentrob.robots.picture import looked
 from agentrob.robots.ranges import STOPPING_S, Ranges
 from agentrob.robots.robot import Robot, Sighted, Watch
+from agentrob.robots.walk import JUMPED, LOST, unmeasured
 
 log = logging.getLogger(__name__)
 
@@ -97,6 +98,7 @@ class Guard:
         self._stops = 0
         self._sentence = self._lost_home = ""
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
+        self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
         self._closed = threading.Event()
         self._left = self._mark.left()
         if self._left is not None:
@@ -194,23 +196,28 @@ class Guard:
         refusal = self._blocked(careful) or self._late(careful, deadline_s)
         if refusal:
             return _refused(primitive, *refusal)
-        self._sentence, self._running, self._blind = "", primitive, self._ranges.unknown(careful)
+        self._sentence, self._broken, self._blind = "", "", self._ranges.unknown(careful)
+        self._running = primitive
         self._mark.begin(primitive.op, self._robot.state().mode)
         try:
             result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
         finally:
             self._mark.end()
         self._hands.ours(time.monotonic())
+        result = self._seen_throughout(result)
         note = _BLIND if self._blind and result.reason != "ranges_unknown" else ""
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
         return self._after(replace(result, primitive=primitive, message=message))
 
+    def _seen_throughout(self, result: ActionResult) -> ActionResult:
+        """Law 18: of a way that was not seen throughout, no number is told, whatever the robot makes of it."""
+        if not self._broken and not sound(self._robot.state()).age_s < STATE_AGE_S:
+            self._broken = LOST
+        return unmeasured(result, self._broken) if self._broken and result.measured else result
+
     def _after(self, result: ActionResult) -> ActionResult:
         """What the robot says of itself now belongs to the result: lying it has done nothing well."""
         state = sound(self._robot.state())
-        if result.measured and not state.age_s < STATE_AGE_S:  # law 18: it went on, and nobody saw how far
-            unseen = "That is where it was last seen; where it came to rest is not known."
-            return replace(result, measured={}, message=f"{result.message} {unseen}")
         if result.ok and state.upright is False:
             message = f"{result.message} But now the robot lies: it fell, or did not get up."
             return replace(result, outcome=Outcome.FAILED, reason="fallen", message=message.strip())
@@ -243,8 +250,10 @@ class Guard:
     def _misplaced(self, primitive: Primitive) -> Refusal | None:
         if self._fence is None:
             ignored = " " + _HOMES_NOT if self._settings.home_on_start and not self._settings.simulated else ""
-            sentence = "The robot has no home, so its fence is unknown; its owner must set home first."
-            return "not_homed", sentence + ignored
+            return (
+                "not_homed",
+                f"The robot has no home, so its fence is unknown; its owner must set home first.{ignored}",
+            )
         pose = sound(self._robot.state()).pose
         sentence = self._fence.refusal(pose, primitive) if pose else "The robot gives no position."
         return ("fence", sentence) if sentence else None
@@ -301,6 +310,7 @@ class Guard:
         if self._halt.why is not None:
             return "halted", self._halt.why
         if state.age_s >= STATE_AGE_S or state.pose is None:
+            self._broken = self._broken or LOST
             return "stale_state", _unseen(state) or f"The robot's state was {_age(state)}."
         if fallen := _fallen(state, primitive):
             return fallen
@@ -333,7 +343,9 @@ class Guard:
         with self._looking:
             state, now_s = state or sound(self._robot.state()), time.monotonic()
             self._ranges.see(now_s, state)  # an old state too: what was seen before it must not stay
-            if (why := self._odometry.see(now_s, state)) and self._fence is not None:
+            why = self._odometry.see(now_s, state)
+            self._broken = JUMPED if why else self._broken
+            if why and self._fence is not None:
                 self._fence, self._lost_home = None, f"Home is void: {why}."
                 log.warning("%s", self._lost_home)
             running = self._running

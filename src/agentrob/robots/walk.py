@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
@@ -22,6 +22,7 @@ from agentrob.robots.motion import (
     rotate,
     wrap,
 )
+from agentrob.robots.odometry import Odometry
 from agentrob.robots.robot import BODY_RADIUS_M, Watch
 
 #: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %). What shall
@@ -29,6 +30,13 @@ from agentrob.robots.robot import BODY_RADIUS_M, Watch
 TOLERANCE_M, TOLERANCE_DEG, TOLERANCE_SHARE = 0.05, 4.0, 0.005
 #: After a stop, rest is awaited no longer than this.
 REST_LIMIT_S = 3.0
+#: A state that is older tells no place: how far the robot went meanwhile nobody saw.
+SILENT_S = 0.5
+#: Rest is believed of states that are younger.
+FRESH_S = 0.2
+#: Why a step was not measured, as in `ActionResult.unmeasured`.
+LOST, JUMPED = "odometry_lost", "odometry_jump"
+_UNMEASURED = {LOST: "its odometry was lost", JUMPED: "its odometry jumped"}
 #: A path has at most this many points; longer ones are thinned.
 PATH_POINTS = 1000
 
@@ -82,14 +90,37 @@ def motion_for(primitive: Primitive, gait: Gait) -> Motion:
 
 @dataclass
 class _Track:
-    """Odometry since the start of a step, with the angle unwrapped."""
+    """Odometry since the start of a step until it is lost or jumps (`unmeasured`), with the angle unwrapped."""
 
     points: list[tuple[float, Pose, float]] = field(default_factory=list)  # (seconds, pose, radians turned)
     sent: list[tuple[float, Velocity]] = field(default_factory=list)
+    unmeasured: str = ""
+    _odometry: Odometry = field(default_factory=Odometry)
 
-    def add(self, t_s: float, pose: Pose) -> None:
+    def see(self, t_s: float, state: RobotState) -> None:
+        """Go on with a state, unless the odometry does not."""
+        pose = known(state.pose)
+        if self.unmeasured:
+            return
+        if pose is None or not state.age_s < SILENT_S:
+            self.unmeasured = LOST
+        elif self._odometry.see(t_s, replace(state, pose=pose)):
+            self.unmeasured = JUMPED
+        else:
+            self._add(t_s, pose)
+
+    def _add(self, t_s: float, pose: Pose) -> None:
         turned = self.points[-1][2] + wrap(pose.yaw_rad - self.points[-1][1].yaw_rad) if self.points else 0.0
         self.points.append((t_s, pose, turned))
+
+    def went(self, primitive: Primitive) -> float:
+        """How far it was last seen on its way: metres or degrees in the direction that was asked for."""
+        (_, start, _), (_, last, turned) = self.points[0], self.points[-1]
+        if primitive.op is Op.TURN:
+            return math.degrees(-turned if primitive.direction is Direction.RIGHT else turned)
+        forward, left = rotate(last.x_m - start.x_m, last.y_m - start.y_m, -start.yaw_rad)
+        ax, ay = axis(primitive.direction)
+        return forward * ax + left * ay
 
     def end(self) -> tuple[float, float, float]:
         """x, y and the angle turned, averaged over the last moments."""
@@ -146,7 +177,24 @@ def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionRe
     outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
     ended_s = time.monotonic()
     path, sent = track.path(), track.commanded()
-    return ActionResult(primitive, outcome, measured, word, message, started_s, ended_s, path, commanded=sent)
+    result = ActionResult(primitive, outcome, measured, word, message, started_s, ended_s, path, commanded=sent)
+    return unmeasured(result, track.unmeasured, track.went(primitive)) if track.unmeasured else result
+
+
+def unmeasured(result: ActionResult, why: str, went: float | None = None) -> ActionResult:
+    """The result without numbers that span a jump or a silence of the odometry (law 18); nothing is done that nobody
+    saw. `why` is `LOST` or `JUMPED`, `went` how far it was last seen before that, in metres or degrees."""
+    turn = result.primitive.op is Op.TURN
+    asked = (result.primitive.degrees if turn else result.primitive.distance_m) or 0.0
+    unit, digits = ("°", 1) if turn else (" m", 2)
+    message = f"Asked {asked:g}{unit}, measured unknown: {_UNMEASURED[why]}."
+    if result.outcome is Outcome.STOPPED:
+        message += f" Stopped ({result.reason.replace('_', ' ')})."
+    seen = "" if went is None else f" Before that it was seen {round(went, digits) + 0.0:.{digits}f}{unit} on its way;"
+    message += f"{seen} where it came to rest is not known." if seen else " Where it came to rest is not known."
+    outcome = Outcome.STOPPED if result.outcome is Outcome.STOPPED else Outcome.UNKNOWN
+    reason = result.reason if outcome is Outcome.STOPPED else why
+    return replace(result, outcome=outcome, measured={}, reason=reason, message=message, unmeasured=why)
 
 
 def not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
@@ -160,12 +208,13 @@ def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
     start_s, n = body.now_s(), 0
     while True:
         state = body.state()
-        if reason := watch(state):
+        reason, now_s = watch(state), body.now_s()
+        if track.points or not reason:
+            track.see(now_s, state)
+        if reason:
             return reason
-        if (pose := known(state.pose)) is None:
-            return "stale_state"
-        now_s = body.now_s()
-        track.add(now_s, pose)
+        if (pose := known(state.pose)) is None or track.unmeasured:
+            return JUMPED if track.unmeasured == JUMPED else "stale_state"
         velocity = motion.step(now_s, pose)
         if velocity is None:
             return ""
@@ -180,10 +229,12 @@ def _come_to_rest(body: Body, track: _Track) -> None:
     rest, end_s = Rest(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
     while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)
-        if (pose := known(body.state().pose)) is None:
+        state, now_s = body.state(), body.now_s()
+        track.see(now_s, state)
+        if (pose := known(state.pose)) is None:
             return
-        track.add(body.now_s(), pose)
-        rest.see(body.now_s(), pose)
+        if state.age_s < FRESH_S:  # one that is told again and again keeps its place by itself
+            rest.see(now_s, pose)
 
 
 _ENDINGS = {

@@ -341,7 +341,8 @@ def _of_report(report: Report) -> models.Command:
     found.timings_ms = {k: round(v, 1) for k, v in report.timings_ms.items()}
     found.results = _finite([
         {"op": str(r.primitive.op), "asked": r.primitive.asked(), "measured": dict(r.measured),
-         "outcome": str(r.outcome), "reason": r.reason, "message": r.message}
+         "outcome": str(r.outcome), "reason": r.reason, "message": r.message,
+         **({"unmeasured": r.unmeasured} if r.unmeasured else {})}
         for r in report.results
     ])  # fmt: skip
     return found
