@@ -7,6 +7,7 @@
     │   ├── ForumDenied          signed out, or not allowed
     │   ├── ForumLimited         too fast; `retry_after_s` says when again
     │   ├── ForumNotFound        no such board, topic or post
+    │   ├── ForumMalformed       an answer that is not as its API says
     │   └── ForumUnoffered       this forum does not have that at all
     ├── McpError             an MCP server could not be used
     ├── MindError            a mind could not answer
@@ -56,6 +57,10 @@ class ForumLimited(ForumError):
 
 class ForumNotFound(ForumError):
     """No such board, topic or post."""
+
+
+class ForumMalformed(ForumError):
+    """The forum answered what is not in its API."""
 
 
 class ForumUnoffered(ForumError):

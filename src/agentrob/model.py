@@ -63,7 +63,7 @@ class Post:
     @property
     def content_hash(self) -> str:
         """SHA-256 of the raw text, in hex; what a command is bound to."""
-        return hashlib.sha256(self.raw.encode()).hexdigest()
+        return hashlib.sha256(self.raw.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 # ------------------------------------------------------------------ what is wanted

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
+import traceback
 from collections.abc import AsyncIterator
 from datetime import UTC, datetime, timedelta
 
@@ -149,6 +150,8 @@ class Channel:
             except ForumError as e:
                 wait_s = max(wait_s, e.retry_after_s) if isinstance(e, ForumLimited) else wait_s
                 _log.warning("forum events cut, trying again", after_s=round(wait_s, 1), error=str(e))
+            except Exception:  # an adapter's own; whoever is deaf stops no robot
+                _log.error("forum events cut, trying again", after_s=round(wait_s, 1), trace=traceback.format_exc())
             await asyncio.sleep(wait_s)
             wait_s = min(longest_s, wait_s * 2)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import traceback
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
@@ -39,7 +39,7 @@ from agentrob.agent.stops import Stops
 from agentrob.agent.surroundings import Surroundings
 from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
-from agentrob.errors import ForumError, ForumNotFound, JournalError, RobotError
+from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Stage
 from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
@@ -187,10 +187,10 @@ class RobotAgent:
         claims = await self.journal.open_claims()
         self._claimed_topics = frozenset(claim.command.topic_id for claim in claims)
         try:
-            while events := await insist(partial(self.forum.changes, self.channel.cursor)):
+            while events := await insist(self._missed):
                 for event in events:
                     self.channel.cursor = event.id
-                    self._hear(event)
+                    self._hear_safely(event)
         except ForumNotFound:
             await self._begin_anew()
         for claim in await self.journal.open_claims():
@@ -203,6 +203,13 @@ class RobotAgent:
                 await self.journal.end([claim.command.post_id], why)
             self._take_up(job)
         self._claimed_topics = frozenset()
+
+    async def _missed(self) -> Sequence[Event]:
+        """What was posted meanwhile. An answer that makes no sense is none: without it no command is taken up."""
+        try:
+            return await self.forum.changes(self.channel.cursor)
+        except ForumMalformed as e:
+            raise ForumUnreachable(str(e)) from None
 
     async def _look_back(self) -> None:
         """Shortly after a beginning: answer posts of before it, and end what a journal that was lost had claimed."""
@@ -300,7 +307,7 @@ class RobotAgent:
         while True:
             try:
                 async for event in self.channel.events():
-                    self._hear(event)
+                    self._hear_safely(event)
             except ForumNotFound:
                 with contextlib.suppress(ForumError):
                     await self._begin_anew()
@@ -326,6 +333,13 @@ class RobotAgent:
         await self.journal.put("cursor", newest)
         self.channel.cursor = newest
         await self._look_back()
+
+    def _hear_safely(self, event: Event) -> None:
+        """Whatever one event does to us, the next ones are heard."""
+        try:
+            self._hear(event)
+        except Exception:
+            _log.error("event not heard", robot=self.name, event_id=event.id, trace=traceback.format_exc())
 
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""

@@ -4,24 +4,27 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import partial
 from typing import Any, TypeVar
 from urllib.parse import quote
 
 import httpx2
+import structlog
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
+from agentrob.forums.cards import card_of
 from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
-from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, translated, where
+from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, text_of, translated, where
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 from agentrob.tls import tls
 
 _KINDS = frozenset(EventKind)
 _JSON = dict[str, Any]
 T = TypeVar("T")
+_log = structlog.get_logger()
 
 
 class BoardForum:
@@ -150,8 +153,8 @@ class BoardForum:
                 async for message in httpx2.EventSource(response):
                     if message.event == EventKind.HEARTBEAT:
                         yield Event("", EventKind.HEARTBEAT, _heartbeat_at(message.data))
-                    elif message.event in _KINDS:
-                        yield _event(json.loads(message.data))
+                    elif message.event in _KINDS and (event := _event_of(message.data)) is not None:
+                        yield event
         raise ForumUnreachable("the board ended the event stream")
 
     # ---------------------------------------------------------------- Stage
@@ -313,17 +316,13 @@ def _topic(t: _JSON) -> Topic:
     )
 
 
-_CARD_FIELDS = frozenset(f.name for f in fields(StatusCard))
-
-
 def _post(p: _JSON) -> Post:
-    card = p.get("card")
     return Post(
         id=str(p["id"]),
         topic_id=str(p["topic_id"]),
         board_id=str(p["board_id"]),
         author=_account(p["author"]),
-        raw=p["raw"],
+        raw=text_of(p["raw"]),
         created_at=_time(p["created_at"]),
         version=int(p["version"]),
         edited_at=_time(p["edited_at"]) if p.get("edited_at") else None,
@@ -333,7 +332,7 @@ def _post(p: _JSON) -> Post:
         key=p.get("key"),
         url=p.get("url") or "",
         images=tuple(i["url"] for i in p.get("images") or ()),
-        card=StatusCard(**{k: v for k, v in card.items() if k in _CARD_FIELDS}) if card else None,
+        card=card_of(p.get("card")),
     )
 
 
@@ -346,8 +345,26 @@ def _boards(found: _JSON) -> tuple[Board, ...]:
 
 
 def _events(found: _JSON) -> tuple[Event, ...]:
-    """Kinds that a newer board may have are passed over."""
-    return tuple(_event(e) for e in found["items"] if e["kind"] in _KINDS)
+    """Kinds that a newer board may have are passed over, and so is what cannot be read."""
+    return tuple(event for e in found["items"] if (event := _event_of(e)) is not None)
+
+
+def _event_of(told: Any) -> Event | None:
+    """An event, as JSON or its text. What is not as the board tells events carries nothing, but it is gone past: one
+    post keeps nobody from the next. None where not even its id can be read, or its kind is not known."""
+    try:
+        e = json.loads(told) if isinstance(told, str) else told
+        event_id, kind = str(e["id"]), str(e["kind"])
+        if kind not in _KINDS:
+            return None
+    except Exception as error:
+        _log.warning("an event of the board cannot be read", error=repr(error)[:200])
+        return None
+    try:
+        return _event(e)
+    except Exception as error:
+        _log.warning("an event of the board cannot be read", event_id=event_id, error=repr(error)[:200])
+        return Event(event_id, EventKind(kind), datetime.now(UTC))
 
 
 def _notice(n: _JSON) -> Notice:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from agentrob.config import ForumConfig
-from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnreachable
+from agentrob.errors import ForumDenied, ForumError, ForumMalformed, ForumNotFound, ForumUnreachable
 from agentrob.forums import discourse_settings as settings_of
 from agentrob.forums.discourse_admin import Admin, notices_of
 from agentrob.forums.discourse_bus import listen
@@ -26,7 +27,7 @@ from agentrob.forums.discourse_sign_up import signed_up
 from agentrob.forums.discourse_wire import Wire
 from agentrob.forums.discourse_writer import Desk
 from agentrob.forums.forum import Board, Event, Notice, Page, Registered, Topic, Written
-from agentrob.forums.wire import translated
+from agentrob.forums.wire import text_of, translated
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 #: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.
@@ -104,7 +105,10 @@ class DiscourseForum:
         after = int(cursor) if cursor and cursor.isdigit() else 0
         wanted = [n for n in stream if n > after]
         raws = await self.raw_posts(number, wanted[:limit])
-        items = [await self.build(raws[n]) for n in wanted[:limit] if n in raws]
+        items = []
+        for n in wanted[:limit]:
+            with suppress(ForumMalformed):  # one that cannot be read hides no other
+                items += [await self.build(raws[n])] if n in raws else []
         return Page(tuple(items), str(wanted[limit - 1]) if len(wanted) > limit else None)
 
     async def post(self, post_id: str) -> Post:
@@ -300,9 +304,10 @@ class DiscourseForum:
             name, number, post_id = str(raw["username"]), int(raw["topic_id"]), int(raw["id"])
             author = (await self.account(name) if fresh else await self._known(name)) or stranger_of(raw)
             self._remember(number, int(raw["post_number"]), str(post_id))
-            marked, (mentioned, pictures) = unmark(raw["raw"]), seen_in(raw["cooked"])
             created_at, version, gone = time_of(raw["created_at"]), self._versions.of(raw), removed(raw)
             me = await self.myself()
+            ours = author.id == me.id or author.kind is AccountKind.ROBOT_AGENT
+            marked, (mentioned, pictures) = unmark(text_of(raw["raw"]), ours), seen_in(str(raw["cooked"]))
             return Post(
                 id=str(post_id),
                 topic_id=str(number),

@@ -13,12 +13,17 @@ from __future__ import annotations
 import asyncio
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from itertools import islice
 from typing import Any, Protocol
 
-from agentrob.errors import ForumNotFound
+import structlog
+
+from agentrob.errors import ForumMalformed, ForumNotFound
+from agentrob.forums.failing import FailingPosts
 from agentrob.forums.forum import Event, EventKind
 from agentrob.model import Post
 
@@ -28,6 +33,7 @@ _RECENT = timedelta(minutes=15)
 _RECENT_PAGES, _MISSED_PAGES = 4, 20
 _KEPT_POSTS, _KEPT_EVENTS, _TOPICS = 400, 5_000, 30
 RawPost = Mapping[str, Any]
+_log = structlog.get_logger()
 
 
 class Source(Protocol):
@@ -93,6 +99,7 @@ class Watch:
         #: The latest time that a post says of itself. Not the forum's clock: its answers say whole seconds.
         self._until_ms = 0
         self._count = 0
+        self._failing = FailingPosts()
         self._turn = asyncio.Lock()
 
     async def now(self) -> tuple[str, datetime]:
@@ -136,12 +143,15 @@ class Watch:
         if first:
             self._floor = min(window, default=0)
         for _, post_id in sorted((self._changed_at(n, raw), n) for n, raw in window.items()):
-            await self._compare(post_id, window[post_id], silent=first)
+            await self._failing.read(post_id, partial(self._compare, silent=first), window[post_id])
         oldest = min(window, default=0)
         vanished = [n for n, s in self._seen.items() if n >= oldest and n not in window and s.listed and not s.gone]
         for post_id in sorted({*vanished, *(n for n in hints if n not in window and n <= self._newest[0])}):
-            await self._compare(post_id, await self._source.one(post_id), listed=False)
+            await self._failing.read(post_id, self._look_at)
         self._forget()
+
+    async def _look_at(self, post_id: int) -> None:
+        await self._compare(post_id, await self._source.one(post_id), listed=False)
 
     async def _read(self) -> dict[int, RawPost]:
         """Pages of the newest posts: back to the last one known, and over the last minutes."""
@@ -150,7 +160,7 @@ class Watch:
         known = self._newest[0]
         for number in range(_MISSED_PAGES):
             page = await self._source.newest(min(found) if found else None)
-            found |= {int(p["id"]): p for p in page}
+            found |= {int(p["id"]): p for p in page if _readable(p)}
             if len(page) < PAGE or (known and min(found) > known):
                 if len(page) < PAGE:
                     break
@@ -215,8 +225,9 @@ class Watch:
         posts = {n: s.post for n, s in self._seen.items() if not s.gone}
         while posts and min(posts) > mark.newest and len(posts) < PAGE * _MISSED_PAGES:
             page = await self._source.newest(min(posts))
-            for raw in page:
-                posts[int(raw["id"])] = await self._source.build(raw)
+            for raw in filter(_readable, page):
+                with suppress(ForumMalformed):
+                    posts[int(raw["id"])] = await self._source.build(raw)
             if len(page) < PAGE:
                 break
         await self._recognise(mark, posts)
@@ -259,12 +270,21 @@ def removed(raw: RawPost) -> bool:
     return bool(raw.get("deleted_at") or raw.get("user_deleted") or raw.get("hidden"))
 
 
+def _readable(raw: RawPost) -> bool:
+    """Whether a listed post has what it is told apart by; one that has not keeps nobody from the others."""
+    try:
+        return type(raw["id"]) is int and all(_time(raw[at]) for at in ("created_at", "updated_at"))
+    except Exception as e:
+        _log.warning("a listed post is not as Discourse tells posts", error=repr(e)[:200])
+        return False
+
+
 def _stamp(raw: RawPost | None) -> str:
     """What changes with each edit. An edit within the grace period keeps the version, but not the text."""
     if raw is None:
         return ""
     told = f"{raw.get('version')} {raw.get('raw')}"
-    return hashlib.sha256(told.encode()).hexdigest()
+    return hashlib.sha256(told.encode("utf-8", "replace")).hexdigest()
 
 
 def _time(text: str) -> datetime:

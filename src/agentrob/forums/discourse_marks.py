@@ -12,6 +12,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
@@ -19,7 +20,7 @@ from agentrob.forums.marks import CODE, Marked, coded, taken_apart
 
 __all__ = ["Marked", "external_id", "mark", "picture", "seen_in", "unmark"]
 
-_MARK = re.compile(rf'\s*<div data-agentrob="{CODE}"></div>\s*\Z')
+_MARK = re.compile(rf'<div data-agentrob="{CODE}"></div>\s*\Z')
 _PICTURE = re.compile(r"(!\[[^\[\]\n]*\]\(upload://[A-Za-z0-9_.-]+\))")
 
 
@@ -28,9 +29,10 @@ def mark(marked: Marked) -> str:
     return "\n\n".join((marked.text.rstrip(), *marked.pictures, f'<div data-agentrob="{coded(marked)}"></div>'))
 
 
-def unmark(raw: str) -> Marked:
-    """Of a text without a mark, or with one that is not ours, everything is text."""
-    return taken_apart(raw, _MARK, _PICTURE)
+def unmark(raw: str, ours: bool = True) -> Marked:
+    """Of a text without a mark, or with one that is not ours, everything is text. `ours`: the post is by this account
+    or by a robot; else the mark is cut off unread."""
+    return taken_apart(raw, _MARK, _PICTURE, ours)
 
 
 def picture(short_url: str, number: int) -> str:
@@ -84,5 +86,6 @@ class _Cooked(HTMLParser):
 def seen_in(cooked: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names that are mentioned (lower case) and addresses of pictures, of a post's HTML; quotes are passed over."""
     reader = _Cooked()
-    reader.feed(cooked)
+    with suppress(Exception):  # the parser fails on some malformed declarations; what it found before counts
+        reader.feed(cooked)
     return tuple(dict.fromkeys(n for n in reader.mentions if n)), tuple(reader.pictures)

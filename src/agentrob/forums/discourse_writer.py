@@ -16,7 +16,7 @@ from agentrob.forums import discourse_marks as marks
 from agentrob.forums.discourse_settings import DiscourseOptions
 from agentrob.forums.discourse_wire import Refused, Wire
 from agentrob.forums.forum import Written
-from agentrob.forums.wire import translated
+from agentrob.forums.wire import text_of, translated
 from agentrob.model import Account, Post, StatusCard
 
 #: Own posts of a topic that are searched for a key, newest first; and own topics when no topic is known.
@@ -148,8 +148,8 @@ class Desk:
             unread = [int(n) for n in topic["post_stream"]["stream"] if int(n) not in self._read][-SEARCHED_POSTS:]
             for post_id, raw in (await self._library.raw_posts(topic_id, unread)).items():
                 self._read.add(post_id)
-                key = self.own_key(marks.unmark(raw["raw"]).key)
-                if key is not None and str(raw["user_id"]) == me.id:
+                own = str(raw["user_id"]) == me.id
+                if own and (key := self.own_key(marks.unmark(text_of(raw["raw"])).key)) is not None:
                     self._written[key] = min(post_id, self._written.get(key, post_id))
             return int(topic["highest_post_number"] or 0)
 

@@ -9,13 +9,15 @@ from __future__ import annotations
 import base64
 import json
 import re
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 
+from agentrob.forums.cards import card_of
 from agentrob.model import StatusCard
 
 #: What `coded` makes, as a group of a platform's pattern of its mark.
 CODE = r"([A-Za-z0-9_=-]{1,8192})"
-_CARD = frozenset(f.name for f in fields(StatusCard))
+#: So many pictures stand below a text at most.
+MOST_PICTURES = 50
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,20 +41,59 @@ def coded(marked: Marked) -> str:
     return base64.urlsafe_b64encode(told.encode()).decode()
 
 
-def taken_apart(raw: str, mark: re.Pattern[str], picture: re.Pattern[str]) -> Marked:
+def taken_apart(raw: str, mark: re.Pattern[str], picture: re.Pattern[str], ours: bool = True) -> Marked:
     """Of a text without a mark, or with one that is not ours, everything is text. The first group of `mark` is the
-    code, that of `picture` what is kept of the line of a picture."""
+    code, that of `picture` what is kept of the line of a picture.
+
+    Of a post that is not `ours` (by this account, or by a robot) the mark is cut off and never decoded: it has neither
+    key nor card, and its pictures are the lines of pictures right above the mark. Never raises.
+    """
     found = mark.search(raw)
     if found is None:
         return Marked(raw)
-    try:
-        facts = json.loads(base64.urlsafe_b64decode(found[1]))
-        key, card, count = facts.get("k"), facts.get("c"), int(facts.get("p", 0))
-        shown = StatusCard(**{k: v for k, v in card.items() if k in _CARD}) if card else None
-    except (ValueError, TypeError, AttributeError):
+    facts = _decoded(found[1]) if ours else _Facts(pictures=MOST_PICTURES)
+    if facts is None:
         return Marked(raw)
-    lines = raw[: found.start()].split("\n\n")
-    below = [picture.fullmatch(line) for line in lines[len(lines) - count :]] if 0 < count < len(lines) else []
-    pictures = tuple(m[1] for m in below if m) if all(below) else ()
+    lines = raw[: found.start()].rstrip().split("\n\n")
+    pictures = _pictures(lines, picture, facts.pictures)
+    if ours and len(pictures) != facts.pictures:
+        pictures = ()
     text = "\n\n".join(lines[: len(lines) - len(pictures)])
-    return Marked(text, key if isinstance(key, str) else None, shown, pictures)
+    return Marked(text, facts.key, facts.card, pictures)
+
+
+@dataclass(frozen=True, slots=True)
+class _Facts:
+    key: str | None = None
+    card: StatusCard | None = None
+    pictures: int = 0
+
+
+def _decoded(code: str) -> _Facts | None:
+    """What a code says; None when it is not as `coded` makes it."""
+    try:
+        facts = json.loads(base64.urlsafe_b64decode(code), parse_constant=_no_number)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(facts, dict):
+        return None
+    key, count, card = facts.get("k"), facts.get("p", 0), facts.get("c")
+    if type(count) is not int or not 0 <= count <= MOST_PICTURES or not isinstance(key, str | None):
+        return None
+    if card is not None and (card := card_of(card)) is None:
+        return None
+    return _Facts(key, card, count)
+
+
+def _no_number(said: str) -> None:
+    raise ValueError(f"{said} is not JSON")
+
+
+def _pictures(lines: list[str], picture: re.Pattern[str], most: int) -> tuple[str, ...]:
+    """What is kept of the last lines, as far as they are pictures; the first line is never one of ours."""
+    found: list[str] = []
+    for line in reversed(lines[1:]):
+        if len(found) == most or (match := picture.fullmatch(line)) is None:
+            break
+        found.insert(0, match[1])
+    return tuple(found)

@@ -17,6 +17,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from agentrob.errors import ForumNotFound
+from agentrob.forums.failing import FailingPosts
 from agentrob.forums.forum import Event, EventKind
 from agentrob.model import Post
 
@@ -56,6 +57,7 @@ class Ledger:
         self._edited_ms = 0
         self._number = 0
         self._looks = 0
+        self._failing = FailingPosts()
         self._lock = asyncio.Lock()
 
     async def newest(self) -> str:
@@ -95,9 +97,12 @@ class Ledger:
         self._floor = pid + 1
         for number in sorted(n for n in pages if n <= pid):
             self._seen[number] = _shape(pages[number])
-            with contextlib.suppress(ForumNotFound):
-                if int((await self._source.stored(str(number))).get("edited") or 0) > edited_ms:
-                    await self._note_change(number)
+            await self._failing.read(number, self._note_if_edited, edited_ms)
+
+    async def _note_if_edited(self, number: int, since_ms: int) -> None:
+        with contextlib.suppress(ForumNotFound):
+            if int((await self._source.stored(str(number))).get("edited") or 0) > since_ms:
+                await self._note_change(number)
 
     async def _pages(self, until: int, at_least: int) -> dict[int, Summary]:
         """Latest posts, back to one that is known."""
@@ -121,14 +126,13 @@ class Ledger:
             if number < self._floor:  # older than all that is watched; it came into view because others went
                 self._seen[number] = _shape(found[number])
             else:
-                await self._note_new(number, found[number])
+                await self._failing.read(number, self._note_new, found[number])
         for number in sorted(set(found) & set(self._seen)):
-            if _shape(found[number]) != self._seen[number]:
-                await self._note_change(number)
+            if _shape(found[number]) != self._seen[number] and await self._failing.read(number, self._note_change):
                 self._seen[number] = _shape(found[number])
         oldest = min(found, default=0)
         for number in [n for n in self._seen if n >= oldest and n not in found and n not in self._gone]:
-            await self._note_change(number)
+            await self._failing.read(number, self._note_change)
         self._forget()
 
     async def _look_first(self) -> None:
@@ -136,7 +140,8 @@ class Ledger:
         self._seen = {number: _shape(summary) for number, summary in found.items()}
         if found:
             newest = max(found)
-            self._newest, self._floor = (newest, int(found[newest]["timestamp"])), newest + 1
+            written_ms = found[newest].get("timestamp")
+            self._newest, self._floor = (newest, written_ms if type(written_ms) is int else 0), newest + 1
         self._edited_ms = int(self._source.clock().timestamp() * 1000)
         self._first = self._next_id()
 

@@ -12,8 +12,8 @@ from agentrob.forums.marks import CODE, Marked, coded, taken_apart
 
 __all__ = ["Marked", "mark", "names_in", "pictures_in", "unmark"]
 
-_MARK = re.compile(rf"\s*^\[//\]: # \(agentrob:{CODE}\)\s*\Z", re.MULTILINE)
-_PICTURE = re.compile(r"!\[[^\[\]\n]*\]\((\S+?)\)")
+_MARK = re.compile(rf"^\[//\]: # \(agentrob:{CODE}\)\s*\Z", re.MULTILINE)
+_PICTURE = re.compile(r"!\[[^\[\]\n]*\]\((\S{1,1000}?)\)")
 _CODE = re.compile(r"^(```|~~~).*?(^\1|\Z)|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 _MENTION = re.compile(r"(?<![\w@/.])@([\w-]+(?:\.[\w-]+)*)")
 
@@ -24,9 +24,10 @@ def mark(marked: Marked) -> str:
     return "\n\n".join((marked.text.rstrip(), *shown, f"[//]: # (agentrob:{coded(marked)})"))
 
 
-def unmark(raw: str) -> Marked:
-    """Of a text without a mark, or with one that is not ours, everything is text."""
-    return taken_apart(raw, _MARK, _PICTURE)
+def unmark(raw: str, ours: bool = True) -> Marked:
+    """Of a text without a mark, or with one that is not ours, everything is text. `ours`: the post is by this account
+    or by a robot; else the mark is cut off unread."""
+    return taken_apart(raw, _MARK, _PICTURE, ours)
 
 
 def pictures_in(text: str) -> tuple[str, ...]:

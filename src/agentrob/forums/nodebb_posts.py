@@ -6,17 +6,21 @@ import asyncio
 import html
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from html.parser import HTMLParser
 from typing import Any
 from urllib.parse import quote, unquote
 
-from agentrob.errors import ForumDenied, ForumNotFound
+import structlog
+
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.forum import Board, Page, Topic
 from agentrob.forums.nodebb_accounts import Registry, former
 from agentrob.forums.nodebb_marks import pictures_in, unmark
 from agentrob.forums.nodebb_wire import NodeBBWire
+from agentrob.forums.wire import text_of
 from agentrob.model import Account, AccountKind, Post
 
 _JSON = dict[str, Any]
@@ -25,6 +29,7 @@ BOARDS_AGE_S = 60.0
 AT_ONCE = 6
 MOST_KNOWN = 1_000
 _UPLOADS = "/assets/uploads/"
+_log = structlog.get_logger()
 
 
 class Shelf:
@@ -97,6 +102,11 @@ class Shelf:
                     return await self.post(pid, listed=True)
                 except ForumNotFound:
                     return None
+                except ForumError:
+                    raise
+                except Exception as e:
+                    _log.warning("a post is not as NodeBB tells posts", post=pid, error=repr(e)[:200])
+                    return None
 
         read_all = await asyncio.gather(*(read(str(p["pid"])) for p in found if int(p["pid"]) > 0))
         return Page(tuple(p for p in read_all if p is not None), str(start + limit) if more else None)
@@ -137,7 +147,8 @@ class Shelf:
 
     async def _post(self, stored: _JSON, shown: _JSON, author: Account) -> Post:
         me = await self._registry.me()
-        marked = unmark(str(stored.get("content") or ""))
+        ours = author.id == me.id or author.kind is AccountKind.ROBOT_AGENT
+        marked = unmark(text_of(stored.get("content") or ""), ours)
         removed, pid = bool(stored.get("deleted")), str(stored["pid"])
         edited_ms, board_id = int(stored.get("edited") or 0), await self._board_of(int(shown["topic"]["cid"]))
         post = Post(
@@ -178,11 +189,19 @@ class Shelf:
         found: list[_JSON] = await self._wire.get("/api/recent/posts", page=page)
         if not isinstance(found, list):
             raise TypeError(found)
-        found = [p for p in found if isinstance(p["pid"], int)]  # others came from other servers
+        told = []
         for p in found:
-            if (pid := str(p["pid"])) not in self._known:
-                self._remember(await self._unread(pid, p))
-        return found
+            if not isinstance(p, dict) or type(p.get("pid")) is not int:
+                continue  # it came from another server
+            try:
+                if (pid := str(p["pid"])) not in self._known:
+                    self._remember(await self._unread(pid, p))
+            except ForumError:
+                raise
+            except Exception as e:  # what one post says keeps nobody from the others
+                _log.warning("a listed post is not as NodeBB tells posts", post=p["pid"], error=repr(e)[:200])
+            told.append(p)
+        return told
 
     async def _unread(self, pid: str, p: _JSON) -> Post:
         """Enough of a post to say later that it was removed."""
@@ -289,7 +308,8 @@ class _Mentions(HTMLParser):
 def mentions_in(content: str) -> tuple[str, ...]:
     """Handles of the accounts that a post's HTML mentions."""
     reader = _Mentions()
-    reader.feed(content)
+    with suppress(Exception):  # the parser fails on some malformed declarations; what it found before counts
+        reader.feed(content)
     return tuple(dict.fromkeys(name for name in reader.names if name))
 
 

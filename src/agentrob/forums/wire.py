@@ -10,7 +10,7 @@ from email.utils import parsedate_to_datetime
 
 import httpx2
 
-from agentrob.errors import ForumError, ForumUnreachable
+from agentrob.errors import AgentRobError, ForumError, ForumMalformed, ForumUnreachable
 
 #: Names that NodeBB takes for spiders (`python-requests/…`, `…Bot/`) get no CSRF token.
 USER_AGENT = "AgentRob/0.1"
@@ -27,8 +27,15 @@ def translated(forum: str = "the forum") -> Iterator[None]:
         raise ForumUnreachable(f"{forum} does not answer: {type(e).__name__} {e}".rstrip()) from None
     except (httpx2.HTTPError, httpx2.InvalidURL, httpx2.SSEError, httpx2.StreamError) as e:
         raise ForumError(f"{forum} cannot be used: {e}") from None
-    except (ValueError, KeyError, TypeError, AttributeError, IndexError) as e:
-        raise ForumError(f"{forum} answered what is not in its API: {e!r}") from None
+    except AgentRobError:
+        raise
+    except Exception as e:  # whatever reading it raises, also OverflowError of an infinity and RecursionError of a nest
+        raise ForumMalformed(f"{forum} answered what is not in its API: {e!r}"[:500]) from None
+
+
+def text_of(value: object) -> str:
+    """A text of an answer without lone surrogates: nothing that hashes, stores or sends text takes them."""
+    return str(value).encode("utf-8", "replace").decode()
 
 
 def same_origin(address: httpx2.URL, home: httpx2.URL) -> bool:

@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import json
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -29,6 +31,8 @@ R = TypeVar("R", bound=BaseModel)
 TIMEOUT_S = 30.0
 #: So long a call or a connection that we leave may take to end.
 LEAVE_S = 5.0
+#: Whatever wait is told, it is asked again after an hour at the latest.
+LONGEST_RETRY_S = 3600.0
 
 
 class ToolFailed(McpError):
@@ -154,17 +158,17 @@ class ForumClient:
         """Read a resource that is JSON. Raises `ToolFailed` and `ServerGone`."""
         for content in await self._contents(uri, limit_s):
             if (text := getattr(content, "text", None)) is not None:
-                try:
-                    return result.model_validate_json(text)
-                except ValidationError as e:
-                    raise McpError(f"{uri} is not as it should be: {e.error_count()} errors") from None
+                return _read_json(result, text, uri)
         raise McpError(f"{uri} has no text")
 
     async def read_bytes(self, uri: str) -> bytes:
         """Read a resource that is a picture."""
         for content in await self._contents(uri, None):
             if (blob := getattr(content, "blob", None)) is not None:
-                return base64.b64decode(blob)
+                try:
+                    return base64.b64decode(blob)
+                except ValueError as e:
+                    raise McpError(f"{uri} is no picture: {e}") from None
         raise McpError(f"{uri} has no bytes")
 
     async def _contents(self, uri: str, limit_s: float | None) -> Sequence[Any]:
@@ -346,7 +350,8 @@ async def _left(task: asyncio.Future[Any], limit_s: float) -> bool:
 
 
 def _failed(said: dict[str, Any]) -> ToolFailed:
-    error = said.get("error") or {}
+    error = said.get("error")
+    error = error if isinstance(error, dict) else {}
     failed = ToolFailed(
         str(error.get("code", "internal")),
         str(error.get("message", "")),
@@ -354,7 +359,8 @@ def _failed(said: dict[str, Any]) -> ToolFailed:
         bool(error.get("retryable")),
         str(said.get("trace_id", "")),
     )
-    failed.retry_after_s = float(error.get("retry_after_s", 1.0))
+    with suppress(ValueError, TypeError, OverflowError):
+        failed.retry_after_s = min(max(0.0, float(error.get("retry_after_s", 1.0))), LONGEST_RETRY_S)
     return failed
 
 
@@ -372,8 +378,24 @@ def _gone(error: Exception, link: _Link | None) -> ServerGone:
     return ServerGone(f"the MCP server does not answer: {type(error).__name__} {error}".rstrip()[:300])
 
 
-def _read(result: type[R], data: Any, tool: str) -> R:
+def _read(result: type[R], data: Any, what: str) -> R:
     try:
         return result.model_validate(data)
     except ValidationError as e:
-        raise McpError(f"{tool} answered what its client does not know: {e.error_count()} errors") from None
+        raise McpError(f"{what} answered what its client does not know: {e.error_count()} errors") from None
+    except Exception as e:
+        raise McpError(f"{what} answered what cannot be read: {e!r}"[:300]) from None
+
+
+def _read_json(result: type[R], text: str, what: str) -> R:
+    """The same of a text. Python reads some JSON that pydantic does not: lone surrogates, which are then replaced."""
+    try:
+        return result.model_validate_json(text)
+    except ValidationError:
+        pass
+    try:
+        data = json.loads(text)
+        data = json.loads(json.dumps(data, ensure_ascii=False).encode("utf-8", "replace"))
+    except (ValueError, RecursionError) as e:
+        raise McpError(f"{what} is not JSON: {e!r}"[:300]) from None
+    return _read(result, data, what)

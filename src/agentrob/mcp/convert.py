@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from functools import lru_cache
-from typing import Any
 
+from agentrob.forums.cards import card_of
 from agentrob.forums.forum import Board, Event, EventKind, Topic
 from agentrob.mcp.metadata import untagged
 from agentrob.mcp.results import AccountInfo, BoardInfo, EventInfo, PostInfo, TagInfo, TopicInfo
-from agentrob.model import Account, Post, StatusCard
-
-_CARD = frozenset(f.name for f in fields(StatusCard))
+from agentrob.model import Account, Post
 
 
 @lru_cache(maxsize=512)
@@ -94,13 +92,8 @@ def post(p: PostInfo) -> Post:
         key=p.key,
         url=p.url,
         images=p.images,
-        card=card(p.card) if p.card else None,
+        card=card_of(p.card),
     )
-
-
-def card(given: dict[str, Any]) -> StatusCard:
-    """A card from outside: keys that are not known are passed over."""
-    return StatusCard(**{k: v for k, v in given.items() if k in _CARD})
 
 
 def event(e: EventInfo) -> Event:

@@ -24,6 +24,7 @@ from agentrob.errors import (
     ForumDenied,
     ForumError,
     ForumLimited,
+    ForumMalformed,
     ForumNotFound,
     ForumUnoffered,
     ForumUnreachable,
@@ -102,6 +103,8 @@ class McpForum:
 
     async def post(self, post_id: str) -> Post:
         found = await _said(self._client.read(address("post", post_id), results.Found))
+        if not found.posts:
+            raise ForumNotFound(f"there is no post {post_id}")
         return convert.post(found.posts[0])
 
     async def download(self, url: str) -> bytes:
@@ -218,7 +221,7 @@ async def _said(asked: Awaitable[T]) -> T:
     except ServerGone as e:
         raise ForumUnreachable(str(e)) from None
     except McpError as e:
-        raise ForumError(str(e)) from None
+        raise ForumMalformed(str(e)) from None
 
 
 def _events(said: results.Changes) -> tuple[Event, ...]:

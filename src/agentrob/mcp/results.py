@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, ValidatorFunctionWrapHandler, WrapValidator, field_validator
 
 from agentrob.model import AccountKind, Role
 
@@ -146,13 +146,24 @@ class Notifications(_Result):
     untrusted: str = ""
 
 
+def _none_if_malformed(given: Any, read: ValidatorFunctionWrapHandler) -> Any:
+    """One event whose post or account cannot be read carries nothing; the others are heard."""
+    try:
+        return read(given)
+    except Exception:
+        return None
+
+
+_NEEDED = ("id", "kind", "at")
+
+
 class EventInfo(_Result):
     id: str
     kind: str
     at: datetime
-    post: PostInfo | None = None
+    post: Annotated[PostInfo | None, WrapValidator(_none_if_malformed)] = None
     robot: str | None = None
-    account: AccountInfo | None = None
+    account: Annotated[AccountInfo | None, WrapValidator(_none_if_malformed)] = None
 
 
 class Changes(_Result):
@@ -160,6 +171,14 @@ class Changes(_Result):
 
     events: tuple[EventInfo, ...] = ()
     at: datetime | None = None
+
+    @field_validator("events", mode="before")
+    @classmethod
+    def _readable(cls, given: Any) -> Any:
+        """Without those of which not even the id can be read."""
+        if not isinstance(given, list):
+            return given
+        return [e for e in given if not isinstance(e, dict) or all(isinstance(e.get(k), str) for k in _NEEDED)]
 
 
 class ForumFacts(_Result):

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from agentrob.errors import ForumUnoffered
+from agentrob.forums.cards import card_of
 from agentrob.forums.forum import (
     Event,
     EventKind,
@@ -21,14 +22,14 @@ from agentrob.forums.forum import (
 )
 from agentrob.mcp import arguments as a
 from agentrob.mcp import results as r
-from agentrob.mcp.convert import account_info, board_info, card, post_info, topic_info
+from agentrob.mcp.convert import account_info, board_info, post_info, topic_info
 from agentrob.mcp.cursors import number_in, place_in, seal, unseal
 from agentrob.mcp.envelope import ToolError
 from agentrob.mcp.identity import Accounts, Identity
 from agentrob.mcp.manual import manual
 from agentrob.mcp.media import KEEP_S
 from agentrob.mcp.metadata import disarmed, tagged
-from agentrob.model import Post
+from agentrob.model import Post, StatusCard
 
 #: How often a waiting call proves that its forum still answers.
 WAIT_HEARTBEAT_S = 5.0
@@ -192,7 +193,7 @@ async def reply_to_topic(call: Call, args: a.ReplyToTopic) -> r.Wrote:
         key=args.key or call.trace_id,
         reply_to=args.reply_to,
         images=who.media.get(args.images),
-        card=card(_whole_card(args.card)) if args.card is not None else None,
+        card=_card(args.card) if args.card is not None else None,
     )
     return r.Wrote(post=_cut([written.post], 400)[0], created=written.created)
 
@@ -201,20 +202,22 @@ async def edit_post(call: Call, args: a.EditPost) -> r.Wrote:
     who = call.who
     body = tagged(args.body, await who.me(), args.status, call.trace_id)
     images = who.media.get(args.images)
-    state = card(_whole_card(args.card)) if args.card is not None else None
+    state = _card(args.card) if args.card is not None else None
     key = f"{args.post_id} {args.key}" if args.key else None
     post, now = await who.once(key, lambda: who.forum.edit(args.post_id, body, images=images, card=state))
     return r.Wrote(post=_cut([post], 400)[0], created=now)
 
 
-def _whole_card(given: dict[str, Any]) -> dict[str, Any]:
-    """The words of a card, each of its kind."""
+def _card(given: dict[str, Any]) -> StatusCard:
+    """A card of which each word is of its kind."""
     words = {"robot": str, "state": str, "doing": str, "trace_id": str, "step": int, "steps": int, "place": int}
     wrong = [k for k, v in given.items() if k not in words or not (isinstance(v, words[k]) and not isinstance(v, bool))]
-    if wrong or not {"robot", "state"} <= given.keys():
-        raise ToolError("invalid_arguments", f"card: {', '.join(wrong)[:100] or 'robot or state is missing'}",
+    made = card_of(given)
+    if wrong or made is None:
+        missing = "robot or state is missing, or a word or number is too long"
+        raise ToolError("invalid_arguments", f"card: {', '.join(wrong)[:100] or missing}",
                         f"robot and state, and perhaps {', '.join(list(words)[2:])}")  # fmt: skip
-    return given
+    return made
 
 
 async def upload_media(call: Call, args: a.UploadMedia) -> r.Uploaded:

@@ -1,0 +1,29 @@
+"""Status cards as they come from outside: whatever is sent in place of one is no card (pure)."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields
+
+from agentrob.model import StatusCard
+
+#: No word of a card of ours is longer, and no number larger.
+LONGEST = 2_000
+LARGEST = 1_000_000
+_SURROGATE = re.compile("[\ud800-\udfff]")
+_NUMBERS = frozenset({"step", "steps", "place"})
+_TEXTS = frozenset(f.name for f in fields(StatusCard)) - _NUMBERS
+
+
+def card_of(given: object) -> StatusCard | None:
+    """The card that JSON says, or None where it says something else. Fields that are not known are passed over."""
+    if not isinstance(given, dict):
+        return None
+    facts = {name: given[name] for name in (*_TEXTS, *_NUMBERS) if given.get(name) is not None}
+    texts = [facts[name] for name in _TEXTS if name in facts]
+    numbers = [facts[name] for name in _NUMBERS if name in facts]
+    if not all(isinstance(t, str) and len(t) <= LONGEST and not _SURROGATE.search(t) for t in texts):
+        return None
+    if not all(type(n) is int and 0 <= n <= LARGEST for n in numbers):
+        return None
+    return StatusCard(**facts) if {"robot", "state"} <= facts.keys() else None
