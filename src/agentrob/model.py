@@ -244,12 +244,26 @@ class Pose:
     yaw_rad: float
 
 
+#: Why a robot is locked when somebody asked for it; other reasons are sentences of its guard.
+EMERGENCY_STOP = "an emergency stop"
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """An emergency stop that holds until the robot's owner releases it: who set it, why, and when by the clock of the
+    robot's machine. `by` is empty and `at` None where that is not known; both texts are untrusted."""
+
+    by: str
+    why: str
+    at: datetime | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class RobotState:
     """What is known of a robot now. `None` means unknown, and unknown is never taken as good.
 
     `age_s`: age of the newest state message. `ranges_m`: front, left, back, right. `mode`: idle, walking, gesture,
-    sitting, lying, damping, locked, fallen, unknown.
+    sitting, lying, damping, locked, fallen, unknown. `halted`: it refuses all motion, and `lock` says since when.
     """
 
     age_s: float
@@ -263,6 +277,7 @@ class RobotState:
     homed: bool = False
     halted: bool = False
     error_code: int | None = None
+    lock: Lock | None = None
 
 
 class Outcome(StrEnum):

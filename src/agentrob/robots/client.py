@@ -13,7 +13,7 @@ import httpx2
 
 from agentrob.config import runtime_dir
 from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
-from agentrob.model import ActionResult, Capabilities, Outcome, Plan, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, Capabilities, Lock, Outcome, Plan, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import wire
 from agentrob.robots.wire import name_of
 
@@ -122,13 +122,18 @@ class DriverClient:
         self._let_lapse()
         return wire.decode_stop(await self._call("POST", "/halt", {"by": by}, timeout_s=CALL_S))
 
-    async def release(self, by: str) -> None:
-        """Let a halted robot move again; the owner's to do."""
-        await self._call("POST", "/release", {"by": by})
+    async def release(self, by: str, since_s: float | None = None) -> Lock | None:
+        """Let a locked robot move again; the owner's to do. The lock that was taken away, None when it was not locked.
 
-    async def home(self, by: str) -> None:
+        `since_s` is when it was asked for (`time.monotonic()` on this host; now when not given): `RobotError` when the
+        robot was locked after that.
+        """
+        released = (await self._call("POST", "/release", {"by": by, "since_s": since_s}))["released"]
+        return None if released is None else wire.decode_lock(released)
+
+    async def home(self, by: str) -> Pose:
         """Where the robot stands now is its home; the owner's to do. `RobotError` when it cannot be."""
-        await self._call("POST", "/home", {"by": by})
+        return wire.decode_pose((await self._call("POST", "/home", {"by": by}))["home"])
 
     async def close(self) -> None:
         await self._http.aclose()

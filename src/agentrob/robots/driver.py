@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+import math
 import os
 import signal
 import socket
@@ -23,7 +24,7 @@ from typing import Any
 from agentrob.config import RobotConfig, default_data_dir, runtime_dir
 from agentrob.errors import RobotBusy, RobotError
 from agentrob.hostlock import HostLock
-from agentrob.model import ActionResult, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, Lock, Pose, Primitive, RobotState, StopResult
 from agentrob.plugins import find
 from agentrob.robots.guard import Guard
 from agentrob.robots.halt import Halt
@@ -119,11 +120,22 @@ class Driver:
         ended_s = self.leases.end("halt", by)
         return replace(self.guard.halt(name_of(by)), ended_s=ended_s)
 
-    def release(self, by: str) -> None:
-        self.guard.release(by)
+    def release(self, by: str, since_s: float = math.inf) -> Lock | None:
+        """Let a locked robot move again. Nothing moves by this: what was accepted before the release is over (law 14).
 
-    def home(self, by: str) -> None:
-        self.guard.home(by)
+        `since_s` is when it was asked for, by the monotonic clock. The lock that was taken away, None when there was
+        none. Raises `RobotError` when it stays locked.
+        """
+        lock = self.guard.release(by, since_s)
+        if lock is not None:
+            self.leases.end("release", by)
+        return lock
+
+    def home(self, by: str) -> Pose:
+        """Where the robot stands now is its home. Raises `RobotError`, also while anything moves."""
+        if self.busy:
+            raise RobotError("cannot set home while a step runs")
+        return self.guard.home(name_of(by))
 
     def close(self) -> None:
         """Stop the robot, waiting for its rest only a moment, and let it go."""

@@ -48,7 +48,18 @@ from dataclasses import replace
 
 from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
+from agentrob.model import (
+    EMERGENCY_STOP,
+    ActionResult,
+    Capabilities,
+    Lock,
+    Op,
+    Outcome,
+    Pose,
+    Primitive,
+    RobotState,
+    StopResult,
+)
 from agentrob.robots.fence import Fence, ahead
 from agentrob.robots.halt import Halt
 from agentrob.robots.limits import beyond_limits
@@ -108,7 +119,8 @@ class Guard:
 
     # ------------------------------------------------------------ the robot
     def state(self) -> RobotState:
-        return replace(sound(self._robot.state()), homed=self._fence is not None, halted=self._halt.why is not None)
+        lock = self._halt.lock
+        return replace(sound(self._robot.state()), homed=self._fence is not None, halted=lock is not None, lock=lock)
 
     def step(self, primitive: Primitive, watch: Watch, deadline_s: float | None = None) -> ActionResult:
         """As any robot's; `deadline_s` is how long it may take, at most the limit of a command."""
@@ -161,7 +173,7 @@ class Guard:
         log.info("home set by %s at x %.2f m, y %.2f m", by, state.pose.x_m, state.pose.y_m)
         return state.pose
 
-    def halt(self, by: str, why: str = "on request") -> StopResult:
+    def halt(self, by: str, why: str = EMERGENCY_STOP) -> StopResult:
         """Stop, and refuse all motion until `release`, also after a restart."""
         log.warning("%s", self._halt.set(by, why))
         kept: list[bool] = []
@@ -174,13 +186,18 @@ class Guard:
             result = replace(result, message=f"{result.message} {note}".strip())
         return result
 
-    def release(self, by: str) -> None:
-        """Allow motion again. Raises `RobotError` when the halt cannot be taken off the disk."""
+    def release(self, by: str, since_s: float = math.inf) -> Lock | None:
+        """Allow motion again; moves nothing. The lock that was taken away, None when there was none.
+
+        `since_s` is when it was asked for, in monotonic seconds. Raises `RobotError` when the robot was locked after
+        that, and when the halt cannot be taken off the disk.
+        """
         try:
-            self._halt.release()
+            lock = self._halt.release(since_s)
         except OSError as e:
             raise RobotError(f"the halt stays: {self._halt.path} cannot be removed ({e.strerror})") from None
-        log.warning("halt released by %s", by)
+        log.warning("released by %s: %s", by, lock)
+        return lock
 
     # ------------------------------------------------------------ before a step
     def _guarded(self, primitive: Primitive, watch: Watch, deadline_s: float) -> ActionResult:

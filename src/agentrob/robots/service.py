@@ -176,14 +176,14 @@ class _Face:
 
     # ------------------------------------------------------------------ the owner's
     async def release(self, request: Request) -> JSONResponse:
-        by = _text(await _body(request), "by")
-        await in_thread(lambda: self.driver.release(by))
-        return JSONResponse({})
+        data = await _body(request)
+        by, since_s = _text(data, "by"), _since(data)
+        lock = await in_thread(lambda: self.driver.release(by, math.inf if since_s is None else since_s))
+        return JSONResponse({"released": None if lock is None else encode(lock)})
 
     async def home(self, request: Request) -> JSONResponse:
         by = _text(await _body(request), "by")
-        await in_thread(lambda: self.driver.home(by))
-        return JSONResponse({})
+        return JSONResponse({"home": encode(await in_thread(lambda: self.driver.home(by)))})
 
 
 def _translated(answer: Answer) -> Answer:

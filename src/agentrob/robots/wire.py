@@ -5,12 +5,13 @@ from __future__ import annotations
 import base64
 import unicodedata
 from dataclasses import asdict
+from datetime import datetime
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, Capabilities, Lock, Pose, Primitive, RobotState, StopResult
 
 T = TypeVar("T")
 
@@ -21,9 +22,11 @@ _CAPABILITIES = TypeAdapter(Capabilities)
 _STATE = TypeAdapter(RobotState)
 _RESULT = TypeAdapter(ActionResult)
 _STOP = TypeAdapter(StopResult)
+_LOCK = TypeAdapter(Lock)
+_POSE = TypeAdapter(Pose)
 
 
-def encode(fact: Capabilities | RobotState | Primitive | ActionResult | StopResult) -> dict[str, Any]:
+def encode(fact: Capabilities | RobotState | Primitive | ActionResult | StopResult | Lock | Pose) -> dict[str, Any]:
     """Plain JSON data: enums as words, sets and tuples as lists, an image as base64, infinities as null."""
     if not isinstance(fact, ActionResult):
         return _plain(asdict(fact))  # type: ignore[no-any-return]
@@ -38,6 +41,8 @@ def _plain(value: Any) -> Any:
         return sorted(str(v) for v in value)
     if isinstance(value, list | tuple):
         return [_plain(v) for v in value]
+    if isinstance(value, datetime):
+        return value.isoformat(timespec="milliseconds")
     if isinstance(value, float) and value - value != 0.0:  # infinity and NaN are not JSON
         return None
     return None if isinstance(value, bytes) else value
@@ -74,6 +79,14 @@ def decode_result(data: Any) -> ActionResult:
 
 def decode_stop(data: Any) -> StopResult:
     return _read(_STOP, data)
+
+
+def decode_lock(data: Any) -> Lock:
+    return _read(_LOCK, data)
+
+
+def decode_pose(data: Any) -> Pose:
+    return _read(_POSE, data)
 
 
 def _read(adapter: TypeAdapter[T], data: Any) -> T:
