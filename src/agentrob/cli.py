@@ -216,6 +216,26 @@ def stop(
     raise typer.Exit(code)
 
 
+DemoData = Annotated[Path | None, typer.Option("--data", help="The data folder of the demo whose robot is meant.")]
+OwnRobot = Annotated[str, typer.Argument(help="The robot's name.")]
+
+
+@cli.command()
+def release(robot: OwnRobot, config: ConfigFile = None, data: DemoData = None) -> None:
+    """Release a robot that is locked by an emergency stop, on its own machine. Nothing moves by that."""
+    from agentrob import unlock
+
+    typer.echo(unlock.release(robot, app.load(config), data))
+
+
+@cli.command()
+def home(robot: OwnRobot, config: ConfigFile = None, data: DemoData = None) -> None:
+    """Make a robot's home where it stands now, on its own machine. It must stand still."""
+    from agentrob import unlock
+
+    typer.echo(unlock.home(robot, app.load(config), data))
+
+
 @cli.command()
 def driver(robot: RobotName = None, config: ConfigFile = None) -> None:
     """Hold one robot: the only process that moves it."""

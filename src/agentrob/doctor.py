@@ -79,7 +79,7 @@ def chosen(robot: str | None, config: Config, interface: str | None, domain: int
 def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
     """Everything that can be found out without moving the robot."""
     why = Halt(config.data_dir / "drivers" / f"{name}.halt").why
-    halted = [] if why is None else [_halted(why)]
+    halted = [] if why is None else [_halted(name, why)]
     if lock_name(name, settings) in hostlock.held("driver/"):
         return [*asyncio.run(_asked(name, settings)), *halted]
     if settings.model == "fake":
@@ -94,8 +94,10 @@ def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
     return [free, *checkup.examine(settings), *halted]
 
 
-def _halted(why: str) -> Finding:
-    advice = "When you know why and the robot stands safely, release it: POST /release on its driver's socket."
+def _halted(name: str, why: str) -> Finding:
+    advice = (
+        f"When you know why and the robot stands safely, release it: agentrob release {name} (its driver must run)."
+    )
     return Finding("halt", Status.BAD, why, advice)
 
 
@@ -121,7 +123,7 @@ async def _asked(name: str, settings: RobotConfig) -> list[Finding]:
     said.append(Finding("state", Status.OK, f"{1000 * state.age_s:.0f} ms old"))
     said += findings.of_state(state)
     if not state.homed:
-        advice = "Until then nothing moves it. Where it stands becomes its home by POST /home on its driver's socket."
+        advice = f"Until then nothing moves it. Where it stands becomes its home by: agentrob home {name}"
         said.append(Finding("home", Status.WARNING, "not set yet", advice))
     return [*said, findings.of_battery(state.battery_percent, settings), *findings.of_settings(settings)]
 

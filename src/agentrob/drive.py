@@ -318,11 +318,20 @@ def run(
         driven = robot_command_driver(text, robot, interface, config, on_step, mind)
     if driven.message:
         console.print(driven.message, markup=False, highlight=False)
+    for hint in _ways_out(driven, robot):
+        console.print(hint, highlight=False)
     for note in driven.plan.notes:
         console.print(f"[dim]{note}[/]", highlight=False)
     if as_json:
         print(json.dumps({"status": driven.status, "message": driven.message, "steps": shown}, ensure_ascii=False))  # noqa: T201
     return {"done": 0, "failed": 1}.get(driven.status, 2)
+
+
+def _ways_out(driven: Driven, robot: str) -> list[str]:
+    """The commands that help a robot which is locked or has no home."""
+    reasons = {result.reason for result in driven.results}
+    hints = [f"To release it: agentrob release {robot}"] if "halted" in reasons else []
+    return hints + ([f"To set its home where it stands: agentrob home {robot}"] if "not_homed" in reasons else [])
 
 
 def describe(result: ActionResult) -> dict[str, Any]:

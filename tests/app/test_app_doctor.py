@@ -143,6 +143,7 @@ def test_a_halt_is_told_with_how_it_ends(tmp_path: Path) -> None:
     found = doctor.examine("spot", settings, Config(data=str(tmp_path)))
     assert [(f.check, f.status) for f in found] == [("driver", Status.OK), ("halt", Status.BAD)]
     assert "smoke" in found[1].found
+    assert "agentrob release spot" in found[1].advice
 
 
 def spawn(*words: str, **env: str) -> subprocess.Popen[str]:
