@@ -8,6 +8,8 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 import httpx2
@@ -15,13 +17,13 @@ import pytest
 from PIL import Image
 from running_board import LIMIT_S, RunningBoard
 
-from agentrob.board import admin, administration, buttons, images, stage
+from agentrob.board import admin, administration, buttons, images, stage, teller
 from agentrob.board.events import Listener
-from agentrob.board.records import EventKind
+from agentrob.board.records import Event, EventKind
 from agentrob.board.stage import LIVE_FOR
 from agentrob.board.writer import Transaction
 from agentrob.errors import BoardError
-from agentrob.model import Role
+from agentrob.model import AccountKind, Role
 
 
 def picture(width: int = 64, height: int = 48, kind: str = "JPEG", **options: object) -> bytes:
@@ -39,8 +41,10 @@ def wait_for(condition: Callable[[], bool]) -> None:
 
 # -------------------------------------------------------------------- cards and buttons
 def test_a_robot_is_there_before_its_agent_told_anything(fresh_board: Callable[..., RunningBoard]) -> None:
-    robots = fresh_board().client("op").get("/robots").json()["items"]
-    assert robots == [{"name": "quadruped", "card": {}, "seen_at": None, "viewers": 0, "has_frame": False}]
+    board = fresh_board()
+    (robot,) = board.client("op").get("/robots").json()["items"]
+    assert robot.pop("url").endswith("/robots/quadruped")
+    assert robot == {"name": "quadruped", "card": {}, "seen_at": None, "viewers": 0, "has_frame": False}
 
 
 def test_a_card_is_shown_as_it_is(board: RunningBoard) -> None:
@@ -143,6 +147,89 @@ def test_a_stop_by_cookie_needs_the_csrf_token(board: RunningBoard) -> None:
 def test_operators_reset_the_room_and_members_do_not(board: RunningBoard) -> None:
     assert board.client("op").post("/robots/quadruped/reset").json()["kind"] == "robot.reset"
     assert board.client("member").post("/robots/quadruped/reset").json()["code"] == "not_operator"
+
+
+# -------------------------------------------------------------------- emergency stop, release, home
+def kinds(board: RunningBoard, after: str) -> list[tuple[str, str]]:
+    items = board.client("quadruped").get("/changes", params={"after": after, "limit": 100}).json()["items"]
+    return [(e["kind"], e["account"]["name"]) for e in items if e["robot"] == "quadruped"]
+
+
+@pytest.mark.parametrize("who", ["member", "op", "admin", "quadruped"])
+def test_law_17_everybody_may_press_emergency_stop(board: RunningBoard, who: str) -> None:
+    before = board.client(who).get("/changes").json()["now"]["id"]
+    answer = board.client(who).post("/robots/quadruped/estop").json()
+    assert (answer["kind"], answer["robot"], answer["account"]["name"]) == ("robot.estop", "quadruped", who)
+    wait_for(lambda: kinds(board, before) == [("robot.estop", who)])
+
+
+def test_law_15_an_emergency_stop_goes_past_a_database_that_cannot_be_written(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def stuck(*_: object, **__: object) -> None:
+        raise BoardError(503, "busy", "locked")
+
+    monkeypatch.setattr(board.services.store, "record", stuck)
+    with board.client("quadruped").stream("GET", "/events") as response:
+        lines = response.iter_lines()
+        next(lines)
+        assert board.client("member").post("/robots/quadruped/estop").json()["kind"] == "robot.estop"
+        assert next(line for line in lines if line.startswith("event: robot")) == "event: robot.estop"
+
+
+def test_law_15_an_emergency_stop_is_told_to_the_other_processes_as_a_stop_is(board: RunningBoard) -> None:
+    hub = board.services.hub
+    for kind in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP):
+        pressed = Event("", kind, datetime.now(UTC), robot="quadruped")
+        heard = teller.event_from_words(teller.words_of(pressed), hub)
+        assert (heard.kind, heard.robot) == (kind, "quadruped")
+    with pytest.raises(ValueError, match="no event that is announced"):
+        teller.event_from_words(teller.words_of(replace(pressed, kind=EventKind.ROBOT_RELEASE)), hub)
+
+
+@pytest.mark.parametrize("deed", ["release", "home"])
+def test_law_2_only_the_owner_and_admins_press_release_and_home(
+    fresh_board: Callable[..., RunningBoard], deed: str
+) -> None:
+    board = fresh_board()
+    board.have("mod", role=Role.MODERATOR)
+    board.have("olga")
+    board.have("planner", kind=AccountKind.COMMANDING_AGENT, role=Role.ADMIN)
+    chief = board.client("admin")
+    before = chief.get("/changes").json()["now"]["id"]
+    for who in ("member", "op", "mod", "olga", "planner", "quadruped"):
+        answer = board.client(who).post(f"/robots/quadruped/{deed}")
+        assert (answer.status_code, answer.json()["code"]) == (403, "not_owner"), who
+        assert f"agentrob {deed} quadruped" in answer.json()["hint"]
+    assert kinds(board, before) == []
+    board.client("quadruped").put("/robots/quadruped", json={"card": {"owner": "olga"}}).raise_for_status()
+    for who in ("olga", "admin"):
+        answer = board.client(who).post(f"/robots/quadruped/{deed}", headers={"Idempotency-Key": "twice"})
+        again = board.client(who).post(f"/robots/quadruped/{deed}", headers={"Idempotency-Key": "twice"})
+        assert (answer.status_code, answer.json()["kind"]) == (200, f"robot.{deed}")
+        assert again.json() == answer.json(), "a double press under one key is one event"
+    assert kinds(board, before) == [(f"robot.{deed}", "olga"), (f"robot.{deed}", "admin")]
+    rows = admin_client(board).get("/admin/audit", params={"target": "robot:quadruped"}).json()["items"]
+    assert [(r["actor"], r["action"]) for r in rows[:2]] == [("admin", f"robot.{deed}"), ("olga", f"robot.{deed}")]
+
+
+def admin_client(board: RunningBoard) -> httpx2.Client:
+    """The API as an admin with a token that administers."""
+    client = board.client()
+    token = admin.issue_token(
+        board.settings, admin.find_account(board.settings, "admin"), scopes=("read", "write", "admin")
+    )
+    client.headers["Authorization"] = f"Bearer {token}"
+    return client
+
+
+def test_law_2_where_nobody_releases_on_the_forum_not_even_an_admin_does(
+    fresh_board: Callable[..., RunningBoard],
+) -> None:
+    board = fresh_board()
+    changed = admin_client(board).patch("/admin/robots/quadruped", json={"release": "nobody"})
+    assert changed.status_code == 200, changed.text
+    assert board.client("admin").post("/robots/quadruped/release").json()["code"] == "not_owner"
 
 
 def test_an_unknown_robot_names_the_known_ones(board: RunningBoard) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -235,6 +236,40 @@ def test_everything_works_with_scripts_disabled(world: World, windows: Windows) 
     page.locator(f"#post-{post}").get_by_role("button", name="Stop @quadruped").click()
     expect(page.get_by_role("status").first).to_contain_text("Stop sent to @quadruped")
     assert stops(world, before) == [("quadruped", "bob")]
+
+
+@pytest.mark.parametrize("scripts", [True, False], ids=["scripts", "no scripts"])
+def test_law_17_emergency_stop_and_release_with_and_without_scripts(
+    world: World, windows: Windows, scripts: bool
+) -> None:
+    robot, before = world.api("quadruped"), now(world)
+    page = windows.open("root", java_script_enabled=scripts)
+    page.goto("/robots/quadruped", wait_until="domcontentloaded")  # without scripts the camera goes on for ever
+    page.get_by_role("button", name="Emergency stop").click()
+    expect(page.locator("main")).to_contain_text("Emergency stop sent to @quadruped")
+    lock = {"by": "root", "why": "an emergency stop", "at": "2026-11-22T16:00:05+00:00"}
+    robot.put("/robots/quadruped", json={"card": CARD | {"lock": lock, "homed": True}}).raise_for_status()
+    if not scripts:
+        page.goto("/robots/quadruped", wait_until="domcontentloaded")
+    expect(page.locator(".lock")).to_contain_text("Locked by root since", timeout=10_000)
+    page.get_by_role("link", name="Release @quadruped").click()
+    expect(page.get_by_role("heading", name="Release @quadruped?")).to_be_visible()
+    page.get_by_role("button", name="Release @quadruped").click()
+    expect(page.get_by_role("status").first).to_contain_text("Asked @quadruped")
+    told = {
+        "deed": "release",
+        "by": "root",
+        "at": datetime.now(UTC).isoformat(),
+        "done": True,
+        "said": "It was locked.",
+    }
+    robot.put("/robots/quadruped", json={"card": CARD | {"lock": None, "homed": True, "told": told}}).raise_for_status()
+    if not scripts:
+        page.goto("/robots/quadruped", wait_until="domcontentloaded")
+    expect(page.get_by_text("Released (root, ")).to_be_visible(timeout=10_000)
+    expect(page.locator(".lock")).to_have_count(0)
+    items = robot.get("/changes", params={"after": before}).json()["items"]
+    assert [(e["kind"], e["account"]["name"]) for e in items] == [("robot.estop", "root"), ("robot.release", "root")]
 
 
 def test_stop_buttons_are_large_enough_for_a_thumb(world: World, windows: Windows) -> None:

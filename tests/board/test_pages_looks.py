@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from typing import Any
 
 import pytest
@@ -105,6 +106,27 @@ def paths(world: World) -> list[str]:
     api.post("/topics", json={"board": "talk", "title": "W" * 190, "body": "x"}).raise_for_status()
     own = [f"/p/{post}/edit", f"/p/{post}/remove", f"/p/{post}/history"]
     return ["/", "/b/robots", "/b/talk", "/b/robots/new", f"/t/{topic}", *own, "/robots", "/robots/quadruped", "/u/bob"]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1280])
+def test_the_pages_of_a_robot_that_is_locked_or_has_no_home_fit_and_can_be_read(
+    world: World, windows: Windows, scheme: Any, width: int
+) -> None:
+    robot = world.api("quadruped")
+    told = {"deed": "release", "by": "w" * 32, "at": datetime.now(UTC).isoformat(), "said": "It could not. " * 9}
+    lock = {"by": "w" * 90, "why": "a rather long reason of its guard " * 5, "at": "2026-11-22T16:00:05+00:00"}
+    page = windows.open("root", viewport={"width": width, "height": 800}, color_scheme=scheme)
+    try:
+        for more in ({"lock": lock, "told": told, "homed": True}, {"homed": False, "told": told | {"done": True}}):
+            robot.put("/robots/quadruped", json={"card": CARD | more}).raise_for_status()
+            for path in ("/", "/robots", "/robots/quadruped", "/robots/quadruped/release", "/robots/quadruped/home"):
+                page.goto(path, wait_until="domcontentloaded")
+                assert page.evaluate("document.documentElement.scrollWidth") <= width, path
+                assert page.evaluate(CONTRAST) == [], path
+                assert page.evaluate(STRUCTURE) == [], path
+    finally:
+        robot.put("/robots/quadruped", json={"card": CARD}).raise_for_status()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -20,7 +20,9 @@ json = st.recursive(
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=10), inner, max_size=4),
     max_leaves=12,
 )
-fields = st.sampled_from([*CARD, "robot", "step", "steps", "doing", "place", "trace_id", "queue", "<b>"])
+fields = st.sampled_from(
+    [*CARD, "lock", "homed", "told", "owner", "robot", "step", "steps", "doing", "place", "trace_id", "queue", "<b>"]
+)
 cards = st.dictionaries(fields, json, max_size=10)
 
 
@@ -106,6 +108,103 @@ def test_a_robot_without_a_camera_has_no_place_for_its_picture(world: World) -> 
         assert ("camera.mjpg" in page) is ("The camera starts" in page) is there
     robot.put("/robots/quadruped", json={"card": {"model": "of before"}}).raise_for_status()
     assert "camera.mjpg" in surfer.get("/robots/quadruped").text
+
+
+LOCK = {"by": "bob", "why": "an emergency stop", "at": "2026-11-22T16:00:05.123+00:00"}
+
+
+def publish(world: World, **card: Any) -> None:
+    world.api("quadruped").put("/robots/quadruped", json={"card": CARD | card}).raise_for_status()
+
+
+def test_law_17_a_locked_robot_is_red_and_says_who_why_when_and_how(world: World) -> None:
+    publish(world, lock=LOCK, state="halted", owner="alice", homed=True)
+    bob, root, alice = world.browser("bob"), world.browser("root"), world.browser("alice")
+    for path in ("/robots/quadruped", "/robots/quadruped/fragment?part=lock"):
+        for surfer, may in ((bob, False), (root, True), (alice, True)):
+            page = surfer.get(path).text
+            assert 'class="note bad lock"' in page
+            assert "Locked by bob since" in page
+            assert "22 Nov 2026, 16:00 UTC" in page
+            assert "(an emergency stop)." in page
+            assert "agentrob release quadruped" in page
+            assert ('href="/robots/quadruped/release"' in page) is may
+    assert "<strong class=locked>locked</strong>" in bob.get("/robots/quadruped/fragment").text
+    for path in ("/", "/robots"):
+        page = bob.get(path).text
+        assert "Locked by bob since" in page
+        assert "is-locked" in page
+    assert "(locked)" in bob.get("/b/robots/new").text
+    publish(world, lock=None, homed=True)
+    for path in ("/robots/quadruped", "/robots/quadruped/fragment?part=lock", "/", "/robots"):
+        page = root.get(path).text
+        assert "Locked" not in page
+        assert "is-locked" not in page
+        assert "/release" not in page
+
+
+def test_law_17_release_is_confirmed_by_plain_forms_and_says_what_came_of_it(world: World) -> None:
+    publish(world, lock=LOCK, homed=True)
+    root, bob = world.browser("root"), world.browser("bob")
+    assert bob.get("/robots/quadruped/release").status_code == 403
+    assert bob.client.post("/robots/quadruped/release", data={"csrf": bob.csrf("/robots/quadruped")}).status_code == 403
+    asked = root.get("/robots/quadruped/release").text
+    assert "Release @quadruped?" in asked
+    assert "Locked by bob since" in asked
+    assert root.client.post("/robots/quadruped/release").status_code == 403, "without the form's token"
+    page = root.send("/robots/quadruped/release")
+    assert page.url.path == "/robots/quadruped"
+    assert "It has not answered yet" in page.text  # no agent runs here
+    told = {
+        "deed": "release",
+        "by": "root",
+        "at": datetime.now(UTC).isoformat(),
+        "done": True,
+        "said": "It was locked.",
+    }
+    publish(world, lock=None, homed=True, told=told)
+    assert "Released (root, " in bob.get("/robots/quadruped").text
+    publish(world, lock=LOCK, told=told | {"done": False, "said": "I could not."})
+    page = bob.get("/robots/quadruped").text
+    assert "Not released (root, " in page
+    assert "I could not." in page
+    publish(world, lock=LOCK, told=told | {"at": "2026-11-22T16:00:05+00:00"})
+    assert "Released (root, " not in bob.get("/robots/quadruped").text, "that was long ago"
+    publish(world)
+
+
+def test_law_9_a_robot_without_home_says_so_and_its_owner_sets_it(world: World) -> None:
+    publish(world, homed=False)
+    root, bob = world.browser("root"), world.browser("bob")
+    for surfer, may in ((bob, False), (root, True)):
+        page = surfer.get("/robots/quadruped").text
+        assert "It has no home, so nothing moves it." in page
+        assert "agentrob home quadruped" in page
+        assert ('href="/robots/quadruped/home"' in page) is may
+    assert "It has no home, so nothing moves it." in bob.get("/").text
+    assert "Set the home of @quadruped here?" in root.get("/robots/quadruped/home").text
+    assert bob.get("/robots/quadruped/home").status_code == 403
+    assert root.send("/robots/quadruped/home").url.path == "/robots/quadruped"
+    publish(world, homed=True)
+    assert "has no home" not in root.get("/robots/quadruped").text
+
+
+def test_law_17_emergency_stop_is_a_button_of_its_own_for_everybody_signed_in(world: World) -> None:
+    publish(world)
+    before = world.api("quadruped").get("/changes").json()["now"]["id"]
+    page = world.browser("bob").send("/robots/quadruped/estop", "/robots/quadruped")
+    assert "Emergency stop sent to <strong>@quadruped</strong>" in page.text
+    assert "stays locked until its owner releases it" in page.text
+    events = world.api("quadruped").get("/changes", params={"after": before}).json()["items"]
+    assert [(e["kind"], e["account"]["name"]) for e in events] == [("robot.estop", "bob")]
+    assert world.browser().client.post("/robots/quadruped/estop").status_code in (401, 403)
+
+
+def test_a_card_of_before_has_neither_lock_nor_home(world: World) -> None:
+    publish(world)
+    page = world.browser("root").get("/robots/quadruped").text
+    assert "Locked" not in page
+    assert "has no home" not in page
 
 
 def test_markup_in_cards_is_shown_as_text(world: World) -> None:

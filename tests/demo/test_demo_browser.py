@@ -200,3 +200,24 @@ def position(truth: str) -> tuple[float, float]:
     """Where the world says that the robot stands, in metres."""
     robot = httpx2.get(truth).json()["robots"]["go2"]
     return robot["x_m"], robot["y_m"]
+
+
+def test_law_17_the_visitor_releases_on_the_page_what_an_emergency_stop_locked(
+    visitor: BrowserContext, demo: RunningDemo
+) -> None:
+    page = visitor.new_page()
+    write_post(page, demo.url, "Emergency", "@quadruped emergency stop")
+    answer = page.locator("article.by-robot").last
+    expect(answer).to_contain_text("It refuses all motion until its owner releases it.", timeout=MOTION_MS)
+    expect(answer).to_contain_text("agentrob release quadruped")
+    answer.get_by_role("link", name="my page").click()
+    expect(page.locator(".lock")).to_contain_text("Locked by visitor since")
+    shot(page, "locked")
+    page.get_by_role("link", name="Release @quadruped").click()
+    page.get_by_role("button", name="Release @quadruped").click()
+    expect(page.get_by_text("Released (visitor, ")).to_be_visible()
+    expect(page.locator(".lock")).to_have_count(0)
+    write_post(page, demo.url, "Afterwards", "@quadruped walk forward 0.3 metres")
+    chip = page.locator("article.by-robot").last.locator(".status .chip")
+    expect(chip).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    page.close()

@@ -103,10 +103,20 @@ async def test_buttons_become_events_with_who_pressed_them(world: BoardWorld) ->
     after, _ = await robot.now()
     await op.press_stop("quadruped")
     await op.press_reset("quadruped")
+    await op.press_estop("quadruped")
+    with pytest.raises(ForumDenied, match="only the robot's owner"):
+        await op.press_release("quadruped")
+    await robot.publish_robot("quadruped", {"owner": "op"})
+    await op.press_release("quadruped")
+    await op.press_home("quadruped")
+    assert (await robot.robot_page("quadruped")).endswith("/robots/quadruped")
     events = await robot.changes(after)
     assert [(e.kind, e.robot, e.account and e.account.name) for e in events] == [
         (EventKind.ROBOT_STOP, "quadruped", "op"),
         (EventKind.ROBOT_RESET, "quadruped", "op"),
+        (EventKind.ROBOT_ESTOP, "quadruped", "op"),
+        (EventKind.ROBOT_RELEASE, "quadruped", "op"),
+        (EventKind.ROBOT_HOME, "quadruped", "op"),
     ]
 
 

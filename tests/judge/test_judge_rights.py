@@ -29,7 +29,7 @@ def test_members_look_and_stop_operators_command_human_admins_release(kind: Acco
     human = kind is AccountKind.HUMAN
     assert allowed(account(kind, Role.MODERATOR)) == {"look", "stop", "command"} | ({"approve"} if human else set())
     assert allowed(account(kind, Role.ADMIN)) == {"look", "stop", "command"} | (
-        {"approve", "release"} if human else set()
+        {"approve", "release", "home"} if human else set()
     )
 
 
@@ -58,5 +58,5 @@ def test_a_refusal_names_its_rule_and_speaks_the_language() -> None:
 
 
 def test_an_unknown_action_is_an_error() -> None:
-    with pytest.raises(ValueError, match="look, stop, command, approve and release"):
+    with pytest.raises(ValueError, match="look, stop, command, approve, release and home"):
         may(account(role=Role.ADMIN), "fly")  # type: ignore[arg-type]

@@ -11,21 +11,21 @@ from agentrob.judge.rights import Action, may
 from agentrob.model import Account, AccountKind, Decision, Role
 
 #: What law 2 keeps for the robot's owner and no account has a right to yet.
-NOT_OFFERED = ("damp", "home", "limits")
+NOT_OFFERED = ("damp", "limits")
 
 #: "yes", or the rule that refuses. `own`: `release` of a robot that the account owns. "nobody": there is no such right.
 TABLE = """
 kind              role       suspended  look       stop              command           approve           release           own               damp              home              limits
-human             guest      no         yes        yes               operator          approver          owner             yes               nobody            nobody            nobody
-human             member     no         yes        yes               operator          approver          owner             yes               nobody            nobody            nobody
-human             operator   no         yes        yes               yes               approver          owner             yes               nobody            nobody            nobody
-human             moderator  no         yes        yes               yes               yes               owner             yes               nobody            nobody            nobody
-human             admin      no         yes        yes               yes               yes               yes               yes               nobody            nobody            nobody
-commanding_agent  guest      no         yes        yes               operator          approver          owner             owner             nobody            nobody            nobody
-commanding_agent  member     no         yes        yes               operator          approver          owner             owner             nobody            nobody            nobody
-commanding_agent  operator   no         yes        yes               yes               approver          owner             owner             nobody            nobody            nobody
-commanding_agent  moderator  no         yes        yes               yes               approver          owner             owner             nobody            nobody            nobody
-commanding_agent  admin      no         yes        yes               yes               approver          owner             owner             nobody            nobody            nobody
+human             guest      no         yes        yes               operator          approver          owner             yes               nobody            owner             nobody
+human             member     no         yes        yes               operator          approver          owner             yes               nobody            owner             nobody
+human             operator   no         yes        yes               yes               approver          owner             yes               nobody            owner             nobody
+human             moderator  no         yes        yes               yes               yes               owner             yes               nobody            owner             nobody
+human             admin      no         yes        yes               yes               yes               yes               yes               nobody            yes               nobody
+commanding_agent  guest      no         yes        yes               operator          approver          owner             owner             nobody            owner             nobody
+commanding_agent  member     no         yes        yes               operator          approver          owner             owner             nobody            owner             nobody
+commanding_agent  operator   no         yes        yes               yes               approver          owner             owner             nobody            owner             nobody
+commanding_agent  moderator  no         yes        yes               yes               approver          owner             owner             nobody            owner             nobody
+commanding_agent  admin      no         yes        yes               yes               approver          owner             owner             nobody            owner             nobody
 robot_agent       guest      no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
 robot_agent       member     no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent
 robot_agent       operator   no         yes        robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent       robot_agent

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import os
 import signal
@@ -10,6 +11,7 @@ import socket
 import stat
 import threading
 import time
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -21,7 +23,7 @@ from driver_scene import FAR, NEAR, Drivers, Standing, at_rest, moving, until
 from agentrob import hostlock
 from agentrob.config import RobotConfig
 from agentrob.errors import ConfigError, LeaseLost, RobotBusy, RobotError, RobotUnreachable
-from agentrob.model import ActionResult, Direction, Op, Outcome, Plan, Primitive
+from agentrob.model import EMERGENCY_STOP, ActionResult, Direction, Op, Outcome, Plan, Pose, Primitive
 from agentrob.robots.client import DriverClient, run_plan
 from agentrob.robots.driver import Driver, listening, make_robot
 from agentrob.robots.fake import FakeRobot
@@ -325,7 +327,78 @@ async def test_law_17_a_halt_on_the_stop_channel_holds_until_released(drivers: D
         async with robot.lease("walker") as lease:
             assert (await robot.step(lease, NEAR, 10)).reason == "halted"
             await robot.release("owner")
+            with pytest.raises(LeaseLost, match="by a release of owner"):
+                await robot.step(lease, NEAR, 10)
+        async with robot.lease("walker") as lease:
             assert (await robot.step(lease, NEAR, 10)).ok
+
+
+async def test_law_14_a_release_moves_nothing_that_was_accepted_before_it(drivers: Drivers) -> None:
+    name, _ = drivers.start()
+    async with drivers.client(name) as robot:
+        await robot.halt("shell")
+        accepted_s = time.monotonic()
+        lock = await robot.release("owner")
+        assert lock is not None
+        assert (lock.by, lock.why) == ("shell", EMERGENCY_STOP)
+        assert lock.at is not None
+        assert abs((datetime.now(UTC) - lock.at).total_seconds()) < 10
+        with pytest.raises(LeaseLost) as lost:
+            async with robot.lease("walker", accepted_s):
+                pass
+        assert (lost.value.why, lost.value.by) == ("release", "owner")
+        assert await robot.release("owner") is None, "it was not locked any more"
+        async with robot.lease("walker") as lease:
+            assert (await robot.step(lease, NEAR, 10)).ok
+            assert await robot.release("owner") is None
+            assert (await robot.step(lease, NEAR, 10)).ok, "a release of what is free ends nothing"
+
+
+async def test_law_17_a_release_that_was_asked_for_before_the_halt_does_not_end_it(drivers: Drivers) -> None:
+    name, process = drivers.start()
+    async with drivers.client(name) as robot:
+        asked_s = time.monotonic()
+        await robot.halt("shell")
+        with pytest.raises(RobotError, match="locked after this release was asked for"):
+            await robot.release("owner", asked_s)
+        assert (await robot.state()).halted
+        process.kill()
+        process.communicate()
+        drivers.start(name)
+        with pytest.raises(RobotError, match="locked after this release was asked for"):
+            await robot.release("owner", asked_s)
+        lock = (await robot.state()).lock
+        assert lock is not None
+        assert lock.by == "shell", "also across a restart"
+        assert await robot.release("owner", time.monotonic()) == lock
+
+
+async def homed(robot: DriverClient) -> Pose:
+    """Its home is set as soon as the driver has seen it stand still for a moment."""
+    async with asyncio.timeout(5):
+        while True:
+            with contextlib.suppress(RobotError):
+                return await robot.home("owner")
+            await asyncio.sleep(0.05)
+
+
+async def test_law_9_home_is_not_set_while_it_moves(drivers: Drivers) -> None:
+    name, _ = drivers.start(home_on_start=False)
+    async with drivers.client(name) as robot:
+        async with robot.lease("walker") as lease:
+            assert (await robot.step(lease, NEAR, 10)).reason == "not_homed"
+        pose = await homed(robot)
+        async with robot.lease("walker") as lease:
+            step = asyncio.create_task(robot.step(lease, FAR, 60))
+            await moving(robot)
+            with pytest.raises(RobotError, match="cannot set home"):
+                await robot.home("owner")
+            await robot.stop("the test")
+            await step
+        state = await robot.state()
+        assert state.homed
+        assert state.pose is not None
+        assert state.pose.x_m > pose.x_m
 
 
 def test_no_driver_is_told_plainly() -> None:
@@ -354,6 +427,9 @@ async def test_law_17_a_halt_survives_a_killed_driver(drivers: Drivers) -> None:
         async with robot.lease("walker") as lease:
             assert (await robot.step(lease, NEAR, 10)).reason == "halted"
             await robot.release("owner")
+            with pytest.raises(LeaseLost, match="by a release of owner"):
+                await robot.step(lease, NEAR, 10)
+        async with robot.lease("walker") as lease:
             assert (await robot.step(lease, NEAR, 10)).ok
 
 

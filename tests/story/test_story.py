@@ -12,7 +12,9 @@ is simulated. Headings that are understood:
     ## NAME presses stop                    on the robot's page
     ## NAME removes KEY
     ## NAME is suspended                    from now on
-    ## the owner releases the robot         from its halt
+    ## NAME presses emergency stop          on the robot's page; so release
+    ## the owner releases the robot         from its halt, at its machine
+    ## the robot is released                wait until it is; or stays locked, when all buttons have been heard
     ## KEY shows STATE                      wait until the status of that command is so; it contains what is listed
     ## ROBOT answers KEY: STATE             the final answer; it contains each line of the list below (or does not:
                                             "without: …")
@@ -108,6 +110,24 @@ class Told:
     async def presses(self, name: str, _: str) -> None:
         await self.scene.world.sign_in(name).press_stop(ROBOT)
 
+    async def presses_emergency_stop(self, name: str, _: str) -> None:
+        await self.scene.world.sign_in(name).press_estop(ROBOT)
+
+    async def presses_release(self, name: str, _: str) -> None:
+        await self.scene.world.sign_in(name).press_release(ROBOT)
+
+    async def free(self, _: str) -> None:
+        async with asyncio.timeout(5):
+            while (await self.agent.driver.state()).halted:  # noqa: ASYNC110 (a process)
+                await asyncio.sleep(0.01)
+
+    async def stays_locked(self, _: str) -> None:
+        """Events are heard in order: once a later post is answered, the buttons before it have been."""
+        self.scene.person("barrier", Role.MEMBER)
+        await self.scene.final(await self.scene.post("barrier", f"@{ROBOT} help"))
+        await self.agent.stops.settled()
+        assert (await self.agent.driver.state()).halted
+
     async def removes(self, name: str, key: str, _: str) -> None:
         assert self.posts[key].author.name == name
         self.scene.world.remove(self.posts[key].id)
@@ -182,6 +202,10 @@ _STEPS: tuple[tuple[str, Callable[..., Awaitable[None]]], ...] = (
     (r"(\w+) replies to (\w+): (\w+)", Told.replies),
     (r"(\w+) edits (\w+)", Told.edits),
     (r"(\w+) presses stop", Told.presses),
+    (r"(\w+) presses emergency stop", Told.presses_emergency_stop),
+    (r"(\w+) presses release", Told.presses_release),
+    (r"the robot is released", Told.free),
+    (r"the robot stays locked", Told.stays_locked),
     (r"(\w+) removes (\w+)", Told.removes),
     (r"(\w+) is suspended", Told.suspended),
     (r"the owner releases the robot", Told.released),

@@ -16,6 +16,9 @@ from agentrob.agent.stops import Stops
 from agentrob.forums.forum import Event, EventKind
 from agentrob.model import Account, Language, StopResult
 
+#: Why a command was ended that had been posted before the robot was released.
+RELEASE = "release"
+
 
 class Brake:
     """One robot's. `stopped_at` is when the newest stop was posted: nothing of then or before moves any more.
@@ -73,19 +76,26 @@ class Brake:
         self._ring(self._now(), None, ended, "en")
         return len(ended), stopping
 
+    def released(self, at: datetime) -> None:
+        """A locked robot is released: what was posted before that does not move it afterwards (laws 14 and 17)."""
+        self.stopped_at = max(self.stopped_at, at)
+        self._write_down(self._line.end_before(at, RELEASE), RELEASE)
+
     def _end_all(self, by: str, at: datetime, halt: bool = False) -> tuple[list[Job], asyncio.Task[StopResult | None]]:
         self.stopped_at = max(self.stopped_at, at)
         ended = self._line.end_before(at, STOP)
         stopping: asyncio.Task[StopResult | None] = self._spawn(self._stops.stop(by, at, halt))
         for job in ended:
             job.stop, job.stopped_by = stopping, by
-        # On disk only now that the stop is on its way: nothing delays it.
+        self._write_down(ended, STOP)  # on disk only now that the stop is on its way: nothing delays it
+        return ended, stopping
+
+    def _write_down(self, ended: list[Job], why: str) -> None:
         if (journal := self._journal()) is not None:
             if self._saving is None or self._saving.done():
                 self._saving = self._spawn(self._save(journal))
             if ended:
-                self._spawn(journal.end([job.command.post_id for job in ended], STOP))
-        return ended, stopping
+                self._spawn(journal.end([job.command.post_id for job in ended], why))
 
     def _ring(self, at: datetime, topic: str | None, ended: list[Job], language: Language) -> None:
         if self._alarm.rings(at):

@@ -26,6 +26,7 @@ from agentrob.agent.line import Job, Line
 from agentrob.agent.look import look
 from agentrob.agent.look_goal import errand_of, in_words
 from agentrob.agent.mind_notes import notes, worded
+from agentrob.agent.owner import Owner
 from agentrob.agent.pace import Pace
 from agentrob.agent.permission import Terms, own_rights, permission
 from agentrob.agent.pictures import Picture, illustrate, late_recording
@@ -95,6 +96,7 @@ class Course:
     on_end: Callable[[Report], None] = lambda _: None
     #: What carries the commands that wait until the forum lets our account write again.
     denied: set[asyncio.Task[Any]] = field(default_factory=set)
+    owner: Owner | None = None
 
     @property
     def terms(self) -> Terms:
@@ -286,7 +288,9 @@ class Course:
 
     async def _state_text(self, language: Language) -> str:
         try:
-            return words.state_text(await self.driver.state(), len(self.line) - 1, language)
+            state = await self.driver.state()
+            more = self.owner.of_state(state, language) if self.owner else []
+            return "\n\n".join([words.state_text(state, len(self.line) - 1, language), *more])
         except RobotError as e:
             return words.state_text(None, len(self.line) - 1, language, str(e))
 
@@ -537,6 +541,7 @@ class Course:
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
             told += look_words.paragraphs(looked, report.results, language, refused=False)
             told += notes(job.thought, self.thinking.mind.name, language, used)
+            told += await self.owner.ways_out(report) if self.owner else []
 
         def text(pictures: Sequence[Picture]) -> str:
             with self._beside(job, "report told as data"):

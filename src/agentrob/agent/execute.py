@@ -232,6 +232,8 @@ class Run:
         except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum does not know
             self.stopped_by = e.by
             self.status, self.message = ("stopped", "") if e.why in _BY_PEOPLE else ("failed", str(e))
+            if e.why == "release" and not self.results:  # accepted before the robot was released at its machine
+                self.status = "cancelled"
         except RobotError as e:
             self.message = str(e)
         except Exception:

@@ -11,10 +11,11 @@ from typing import Any
 import httpx2
 import structlog
 
+from agentrob.agent.owner import Owner
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.forum import Stage
-from agentrob.model import Capabilities, RobotState
+from agentrob.model import Capabilities, Lock, RobotState
 from agentrob.robots.client import DriverClient
 
 LOOK_S = 1.0
@@ -30,13 +31,20 @@ class Presence:
     """Publishes a card every five seconds and when something changed. `waiting`: the posts of commands, in order."""
 
     def __init__(
-        self, stage: Stage, driver: DriverClient, name: str, settings: RobotConfig, waiting: Callable[[], Sequence[str]]
+        self,
+        stage: Stage,
+        driver: DriverClient,
+        name: str,
+        settings: RobotConfig,
+        waiting: Callable[[], Sequence[str]],
+        owner: Owner | None = None,
     ) -> None:
         self._stage = stage
         self._driver = driver
         self._name = name
         self._settings = settings
         self._waiting = waiting
+        self._owner = owner
         self._changed = asyncio.Event()
 
     def changed(self) -> None:
@@ -86,7 +94,19 @@ class Presence:
             "simulated": self._settings.simulated,
             "can_reset": bool(self._settings.room_reset),
             "camera": bool(self._settings.room_camera),
+            "owner": self._settings.owner,
+            "homed": state.homed if state else None,
+            "lock": _lock_of(state) if state else None,
+            "told": self._owner.told if self._owner else None,
         }
+
+
+def _lock_of(state: RobotState) -> dict[str, str] | None:
+    """Who locked the robot, why and when, as its card says it; None while it is not locked."""
+    if not state.halted:
+        return None
+    lock = state.lock or Lock("", "")
+    return {"by": lock.by, "why": lock.why, "at": lock.at.isoformat() if lock.at else ""}
 
 
 async def reset_room(driver: DriverClient, settings: RobotConfig, by: str) -> None:

@@ -275,13 +275,16 @@ def stop_figures(stop: StopResult, language: Language) -> str:
     return said + say("stop.end", language)
 
 
-def stop_reply(stop: StopResult | None, language: Language, ended: int, halted: bool | None, folded: int = 0) -> str:
+def stop_reply(
+    stop: StopResult | None, language: Language, ended: int, halted: bool | None, folded: int = 0, how: str = ""
+) -> str:
     """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands.
-    `halted` None: a halt was asked for, but the robot could only be stopped."""
+    `halted` None: a halt was asked for, but the robot could only be stopped. `how` says how a halt is released."""
     said = [say("stopped", language)] if stop is not None and stop.confirmed else []
     said.append(stop_figures(stop, language) if stop else say("stop.unreachable", language))
     if halted is not False and stop:
         said.append(say("stop.halted" if halted else "stop.not_halted", language))
+        said += [how] if halted and how else []
     if ended:
         said.append(say("stop.cancelled", language, count=ended))
     if folded:

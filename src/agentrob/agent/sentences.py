@@ -152,6 +152,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "Another agent of my account has answered this post already.",
         "我的账号的另一个代理程序已经答复过这个帖子。",
     ),
+    "because.release": (
+        "I was locked when it was posted, and have been released since: nothing of before moves me. Post it anew.",
+        "发帖时我处于急停锁定，之后才被解除，此前的命令不再执行。请重新发帖。",
+    ),
     "because.replaced": (
         "The forum is no longer the one that this was posted on.",
         "论坛已被替换，不再是发帖时的那个论坛。",
@@ -337,6 +341,30 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "stop.third": (
         "I was stopped {count} times within {minutes} minutes. Somebody should look at what goes on here. {names}",
         "我在 {minutes} 分钟内被叫停了 {count} 次，请有人来看看发生了什么。{names}",
+    ),
+    # ------------------------------------------------------------ the lock, the home, and how each is dealt with
+    "lock.by": ("Locked by {who} since {at} UTC: {why}.", "{who} 于 {at}（UTC）将我锁定：{why}。"),
+    "lock.nobody": ("Locked: {why}.", "已锁定：{why}。"),
+    "lock.emergency": ("an emergency stop", "急停"),
+    "owner.named": ("My owner ({owner}) or an admin", "我的主人（{owner}）或管理员"),
+    "owner.any": ("My owner or an admin", "我的主人或管理员"),
+    "owner.page": ("my page", "我的页面"),
+    "how.release": (
+        "{who} releases me with the button Release on {page}, or with `agentrob release {robot}` on my machine.",
+        "{who}可在{page}上按“Release”解除，或在我的主机上运行 `agentrob release {robot}`。",
+    ),
+    "how.release.shell": (
+        "My owner releases me with `agentrob release {robot}` on my machine.",
+        "我的主人可在我的主机上运行 `agentrob release {robot}` 来解除。",
+    ),
+    "how.home": (
+        "{who} sets my home, where I stand, with the button Set home here on {page}, or with `agentrob home {robot}` "
+        "on my machine.",
+        "{who}可在{page}上按“Set home here”，把我站的地方设为原点，或在我的主机上运行 `agentrob home {robot}`。",
+    ),
+    "how.home.shell": (
+        "My owner sets my home, where I stand, with `agentrob home {robot}` on my machine.",
+        "我的主人可在我的主机上运行 `agentrob home {robot}`，把我站的地方设为原点。",
     ),
     # ------------------------------------------------------------ status
     "status.unknown": ("I cannot reach my robot: {message}", "联系不上机器人：{message}"),

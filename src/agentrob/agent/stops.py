@@ -79,6 +79,11 @@ class Stops:
         with self._counted():
             await self._driver.stop(f"agent: {why}", running_only=True)
 
+    async def settled(self) -> None:
+        """Wait for the stops that are on their way to the driver."""
+        if self._under_way:
+            await asyncio.wait(tuple(self._under_way))
+
     @contextlib.contextmanager
     def _counted(self) -> Iterator[None]:
         done = asyncio.get_running_loop().create_future()
@@ -93,8 +98,7 @@ class Stops:
         """Since when the driver may know of no stop, for a command accepted at `accepted_s` (monotonic) that we did
         not end: waits for our own stops, which were for earlier commands, and counts from when the driver ended those:
         a stop by somebody at the robot, while it still came to rest, is not hidden by ours."""
-        if self._under_way:
-            await asyncio.wait(tuple(self._under_way))
+        await self.settled()
         return max(accepted_s, self._ended_s)
 
     async def _stop(self, by: str, at: datetime, halt: bool) -> StopResult | None:

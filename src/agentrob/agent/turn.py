@@ -29,6 +29,7 @@ from agentrob.agent.inbox import Inbox
 from agentrob.agent.journal import Journal
 from agentrob.agent.line import Job, Line
 from agentrob.agent.lookback import close_unknown, is_open, recent_posts
+from agentrob.agent.owner import Owner
 from agentrob.agent.pace import Pace
 from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
 from agentrob.agent.presence import Presence, reset_room
@@ -45,7 +46,7 @@ from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
 from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
-from agentrob.model import Account, Command, Decision, Post, Report, StopResult
+from agentrob.model import Account, Command, Decision, Language, Post, Report, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -94,12 +95,15 @@ class RobotAgent:
             self._decline, self._approve,
         )  # fmt: skip
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
-        self.stops = Stops(forum, driver, settings, self.channel.now, words.stop_reply)
+        self.stops = Stops(forum, driver, settings, self.channel.now, self._stop_reply)
         self.brake = Brake(
             self.line, self.inbox, self.stops, self.alarm, lambda: self._journal, self.channel.now, self._spawn
         )
+        self.owner = Owner(
+            name, settings, forum, driver, self.stops, self.brake, self.channel.now, self._line_changed
+        )  # fmt: skip
         stage = forum if isinstance(forum, Stage) else None
-        self.presence = Presence(stage, driver, name, settings, lambda: self.line.posts) if stage else None
+        self.presence = Presence(stage, driver, name, settings, lambda: self.line.posts, self.owner) if stage else None
         seen_by = settings.room_camera
         live, view = stage is not None and bool(seen_by), settings.recording.view
         self.recorder = Recorder(
@@ -169,6 +173,7 @@ class RobotAgent:
         await self.prepare()
         self._journal = await Journal.open(self.folder, self.name)
         self._me = await insist(self.forum.me)
+        await self.owner.learn_page()
         newest = await insist(self.channel.set_clock)
         begun = await self.journal.get_time("watermark")
         if begun is None:
@@ -276,7 +281,7 @@ class RobotAgent:
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
             self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
             pace, Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
-            self._on_end,
+            self._on_end, owner=self.owner,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
@@ -350,6 +355,11 @@ class RobotAgent:
                 self._stop(event, event.post.author, heard)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
             self._stop(event, event.account, heard)
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_ESTOP:
+            self._stop(event, event.account, Heard(Call.HALT))
+        elif event.robot == self.name and event.kind in (EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME):
+            assert self._me is not None
+            self._spawn(self.owner.pressed(event, self._me))
         elif event.robot == self.name and event.kind is EventKind.ROBOT_WATCH and self.camera:
             self.camera.wake()
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
@@ -382,6 +392,12 @@ class RobotAgent:
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
         return self.brake.pulled(by, posted_at)
+
+    def _stop_reply(
+        self, stop: StopResult | None, language: Language, ended: int, halted: bool | None, folded: int
+    ) -> str:
+        how = self.owner.how_to_release(language)
+        return words.stop_reply(stop, language, ended, halted, folded, how)
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None

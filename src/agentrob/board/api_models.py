@@ -225,6 +225,7 @@ class EventOut(_Out):
 
 class RobotOut(_Out):
     name: str
+    url: str = Field(description="the robot's page, with its buttons")
     card: dict[str, Any]
     seen_at: Time | None
     viewers: int
@@ -369,9 +370,11 @@ class Shaper:
         )
 
 
-def robot_out(name: str, card: Mapping[str, Any], seen_at: datetime | None, viewers: int, has_frame: bool) -> RobotOut:
+def robot_out(
+    name: str, url: str, card: Mapping[str, Any], seen_at: datetime | None, viewers: int, has_frame: bool
+) -> RobotOut:
     seen = time_out(seen_at) if seen_at else None
-    return RobotOut(name=name, card=dict(card), seen_at=seen, viewers=viewers, has_frame=has_frame)
+    return RobotOut(name=name, url=url, card=dict(card), seen_at=seen, viewers=viewers, has_frame=has_frame)
 
 
 def rights_out(kept: RobotSettings, board: records.Board, now: datetime) -> RightsOut:

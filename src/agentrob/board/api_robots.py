@@ -128,6 +128,24 @@ async def stop(request: Request, name: str, by: Stopper, key: Key = None) -> Res
     return out(shaper(request, by).event(await buttons.stop(services(request), name, by, key)))
 
 
+@router.post("/robots/{name}/estop", response_model=EventOut)
+async def emergency_stop(request: Request, name: str, by: Stopper, key: Key = None) -> Response:
+    """Stop a robot and lock it: it refuses all motion until its owner releases it. Every signed-in account may."""
+    return out(shaper(request, by).event(await buttons.emergency_stop(services(request), name, by, key)))
+
+
+@router.post("/robots/{name}/release", response_model=EventOut)
+async def release(request: Request, name: str, by: Member, key: Key = None) -> Response:
+    """Release a locked robot: its owner and admins. What came of it is in its card, `told`."""
+    return out(shaper(request, by).event(await buttons.release(services(request), name, by, key)))
+
+
+@router.post("/robots/{name}/home", response_model=EventOut)
+async def home(request: Request, name: str, by: Member, key: Key = None) -> Response:
+    """Make the robot's home where it stands: its owner and admins. What came of it is in its card, `told`."""
+    return out(shaper(request, by).event(await buttons.home(services(request), name, by, key)))
+
+
 @router.post("/robots/{name}/reset", response_model=EventOut)
 async def reset(request: Request, name: str, by: Member, key: Key = None) -> Response:
     """Put a simulated room back: operators only."""
@@ -136,7 +154,8 @@ async def reset(request: Request, name: str, by: Member, key: Key = None) -> Res
 
 def _robot(parts: Services, account: Account) -> RobotOut:
     now = parts.stage.robot(account.name)
-    return robot_out(now.name, now.card, now.seen_at, now.watched, parts.stage.live_frame(account.name) is not None)
+    url, shown = f"{parts.settings.base_url}/robots/{now.name}", parts.stage.live_frame(account.name) is not None
+    return robot_out(now.name, url, now.card, now.seen_at, now.watched, shown)
 
 
 def _check_card(card: dict[str, Any]) -> None:

@@ -1,4 +1,5 @@
-"""What the buttons of a robot's page do: stop, put the room back; and telling a robot's agent that somebody looks."""
+"""What the buttons of a robot's page do: stop, emergency stop, release, home, put the room back; and telling a robot's
+agent that somebody looks."""
 
 from __future__ import annotations
 
@@ -37,6 +38,51 @@ async def stop(services: Services, robot: str, by: Account, key: str | None = No
     """Stop a robot. Every signed-in account may; there is no limit, and no disk stands in its way."""
     name = known_robot(services, robot).name
     return await _record_or_announce(services, EventKind.ROBOT_STOP, name, by, key)
+
+
+async def emergency_stop(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Stop a robot and lock it until its owner releases it. Every signed-in account may, as `stop`."""
+    name = known_robot(services, robot).name
+    return await _record_or_announce(services, EventKind.ROBOT_ESTOP, name, by, key)
+
+
+async def release(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Ask a robot's agent to release it. 403 for all but its owner and admins; the agent asks for the right again."""
+    name = check_owner(services, robot, by)
+    return await services.store.record(EventKind.ROBOT_RELEASE, name, by, key=key)
+
+
+async def home(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Ask a robot's agent to make its home where it stands. As `release`."""
+    name = check_owner(services, robot, by)
+    return await services.store.record(EventKind.ROBOT_HOME, name, by, key=key)
+
+
+def check_owner(services: Services, robot: str, by: Account | None) -> str:
+    """The robot's name. 403 for those who may not release it, 404."""
+    name = known_robot(services, robot).name
+    if not may_release(services, name, by):
+        what = "only the robot's owner and admins may release it or set its home"
+        raise BoardError(403, "not_owner", what, f"at its machine: agentrob release {name}, agentrob home {name}")
+    return name
+
+
+def may_release(services: Services, robot: str, by: Account | None) -> bool:
+    """Whether somebody may release this robot and set its home."""
+    return rights.releases(rights.settings_of(services.store.reader, robot), by, _told_owner(services, robot))
+
+
+def owner_of(services: Services, robot: str) -> str:
+    """Whose it is: as this forum keeps it, else as its agent's configuration says, when there is such an account."""
+    if owner := rights.settings_of(services.store.reader, robot).owner:
+        return owner
+    told = _told_owner(services, robot)
+    return told if told and services.store.account(told) is not None else ""
+
+
+def _told_owner(services: Services, robot: str) -> str:
+    told = services.stage.robot(robot).card.get("owner")
+    return told.lower() if isinstance(told, str) else ""
 
 
 async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> Event:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Request
@@ -23,6 +24,9 @@ router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 Reading = Annotated[Viewer, Depends(access.reader)]
 Anybody = Annotated[Viewer, Depends(access.viewer)]
 _LATEST = 10
+#: An owner's button waits so often for so long until the robot's agent has told what came of it.
+HEARD_TRIES, HEARD_S = 15, 0.1
+Press = Callable[[Services, str, Account], Awaitable[object]]
 #: Answers among which the last picture is looked for.
 _LOOK_BACK = 50
 
@@ -45,15 +49,18 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
         else None
     )
     data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view, viewer)
+    data["releases"] = buttons.may_release(known, account.name, viewer.account)
     data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
     return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
 
 
 @router.get("/robots/{name}/fragment")
-async def robot_fragment(request: Request, viewer: Reading, name: str) -> Response:
+async def robot_fragment(request: Request, viewer: Reading, name: str, part: str = "") -> Response:
     known = services(request)
     view = robot_view.robot(known, name)[1]
-    return show(request, viewer, "robot_facts.html", {"robot": view} | _about(known, view, viewer))
+    data = {"robot": view, "releases": buttons.may_release(known, view.name, viewer.account)}
+    template = "robot_lock.html" if part == "lock" else "robot_facts.html"
+    return show(request, viewer, template, data | _about(known, view, viewer))
 
 
 @router.post("/robots/{name}/stop")
@@ -65,6 +72,59 @@ async def stop(request: Request, viewer: Anybody, name: str) -> Response:
     if request.headers.get("x-live"):
         return Response(status_code=204)
     return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "stop", name))
+
+
+@router.post("/robots/{name}/estop")
+async def emergency_stop(request: Request, viewer: Anybody, name: str) -> Response:
+    """As stop; besides, it locks the robot."""
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    await buttons.emergency_stop(services(request), name, access.account_of(viewer))
+    if request.headers.get("x-live"):
+        return Response(status_code=204)
+    return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "estop", name))
+
+
+@router.get("/robots/{name}/release")
+async def release_form(request: Request, viewer: Reading, name: str) -> Response:
+    return _confirm(request, viewer, name, "release", f"Release @{name}?")
+
+
+@router.post("/robots/{name}/release")
+async def release(request: Request, viewer: Anybody, name: str) -> Response:
+    return await _owners(request, viewer, name, "release", buttons.release)
+
+
+@router.get("/robots/{name}/home")
+async def home_form(request: Request, viewer: Reading, name: str) -> Response:
+    return _confirm(request, viewer, name, "home", f"Set the home of @{name} here?")
+
+
+@router.post("/robots/{name}/home")
+async def home(request: Request, viewer: Anybody, name: str) -> Response:
+    return await _owners(request, viewer, name, "home", buttons.home)
+
+
+def _confirm(request: Request, viewer: Viewer, name: str, deed: str, heading: str) -> Response:
+    """Asks whether the owner means it: nothing that lets a robot move is one slip of the finger away."""
+    known = services(request)
+    buttons.check_owner(known, name, access.account_of(viewer))
+    data = {"robot": robot_view.robot(known, name)[1], "deed": deed, "heading": heading}
+    return show(request, viewer, "robot_owner.html", data, here="robots")
+
+
+async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press: Press) -> Response:
+    """Press an owner's button and wait a moment for what came of it, so that the page that follows shows that."""
+    known = services(request)
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    stage, before = known.stage, known.stage.robot(name).card.get("told")
+    await press(known, name, access.account_of(viewer))
+    for _ in range(HEARD_TRIES):
+        if stage.robot(name).card.get("told") != before:
+            return go(f"/robots/{name}")
+        await asyncio.sleep(HEARD_S)
+    return go(with_receipt(f"/robots/{name}", viewer, deed, name))
 
 
 @router.post("/robots/{name}/reset")
@@ -106,7 +166,7 @@ def _about(known: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:
     line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
     robots = [buttons.known_robot(known, view.name)]
     asking = [one for post in line for one in approvals.waiting(known, post, robots, viewer.account)]
-    about = {"owner": rights.settings_of(known.store.reader, view.name).owner, "line": line}
+    about = {"owner": buttons.owner_of(known, view.name), "line": line}
     return about | {"waiting": asking, "key": forms.nonce()}
 
 

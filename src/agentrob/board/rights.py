@@ -138,6 +138,18 @@ def approves(settings: RobotSettings, account: Account, author: Account) -> bool
     return reaches(account, settings.approve, settings.owner) and (settings.approve_own or account.id != author.id)
 
 
+def releases(settings: RobotSettings, account: Account | None, told_owner: str = "") -> bool:
+    """Whether an account may press Release and Set home here, as the robot's agent judges too, which decides.
+
+    `told_owner` is the owner that the agent's own configuration names, as the robot's card has it.
+    """
+    if account is None or account.kind is not AccountKind.HUMAN or account.suspended or settings.release == "nobody":
+        return False
+    if account.role is Role.ADMIN:
+        return True
+    return settings.release == "owner" and account.name in {settings.owner, told_owner} - {""}
+
+
 def sees_camera(settings: RobotSettings, account: Account | None, robot: str) -> bool:
     """Whether somebody who may read here may see what this robot's camera saw. Its own agent always may."""
     if account is not None and account.name in (robot, settings.owner):

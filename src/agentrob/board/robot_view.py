@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from agentrob.board import rights
@@ -28,7 +28,13 @@ _KNOWN = {
     "camera",
     "queue",
     "line",
+    "owner",
+    "homed",
+    "lock",
+    "told",
 }
+#: What came of an owner's button is shown for so long after it was pressed.
+TOLD_FOR = timedelta(minutes=5)
 _LIMITS = {
     "speed_mps": ("Speed", "m/s"),
     "turn_dps": ("Turning", "°/s"),
@@ -47,12 +53,37 @@ _OPS = {
 
 
 @dataclass(frozen=True, slots=True)
+class LockView:
+    """Who locked it, why and when; what is not known is empty."""
+
+    by: str = ""
+    why: str = ""
+    at: datetime | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ToldView:
+    """What came of the last release or home: whose it was, whether it was done, and what the agent said of it."""
+
+    deed: str
+    by: str
+    at: datetime
+    done: bool
+    said: str
+
+    @property
+    def recent(self) -> bool:
+        return datetime.now(UTC) - self.at < TOLD_FOR
+
+
+@dataclass(frozen=True, slots=True)
 class RobotView:
     """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
     `camera`: there may be live pictures, unless its card says that there are none.
 
     `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
-    words for people; `facts` are what else the card says.
+    words for people; `facts` are what else the card says. `lock` is None while it is not locked, `homed` while that is
+    not known; `told` is what came of the last release or home.
     """
 
     name: str
@@ -70,6 +101,9 @@ class RobotView:
     ops: tuple[str, ...] = ()
     limits: tuple[tuple[str, str], ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
+    lock: LockView | None = None
+    homed: bool | None = None
+    told: ToldView | None = None
 
 
 def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> RobotView:
@@ -82,7 +116,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         name=name,
         live=seen_at is not None and datetime.now(UTC) - seen_at < LIVE_FOR,
         seen_at=seen_at,
-        state=_words(card.get("state")),
+        state="locked" if _lock(card.get("lock")) else _words(card.get("state")),
         model=_words(card.get("model")),
         simulated=card.get("simulated") is True,
         battery=_percent(card.get("battery_percent")),
@@ -94,7 +128,33 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         ops=tuple(op_in_words(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
         limits=_limits(limits) if isinstance(limits, Mapping) else (),
         facts=tuple((name, value) for name, value in facts[:20] if value),
+        lock=_lock(card.get("lock")),
+        homed=homed if isinstance(homed := card.get("homed"), bool) else None,
+        told=_told(card.get("told")),
     )
+
+
+def _lock(lock: object) -> LockView | None:
+    """Anything that is no mapping is no lock: a card of before says so by its state alone."""
+    if not isinstance(lock, Mapping):
+        return None
+    return LockView(_words(lock.get("by")), _words(lock.get("why")).rstrip("."), _time(lock.get("at")))
+
+
+def _told(told: object) -> ToldView | None:
+    if not isinstance(told, Mapping) or (at := _time(told.get("at"))) is None:
+        return None
+    said = {key: _words(told.get(key)) for key in ("deed", "by", "said")}
+    return ToldView(at=at, done=told.get("done") is True, **said)
+
+
+def _time(value: object) -> datetime | None:
+    """A time with its zone; None for all else, also for those of years that pages cannot show."""
+    try:
+        at = datetime.fromisoformat(value) if isinstance(value, str) else None
+        return at.astimezone(UTC) if at is not None and at.tzinfo is not None else None
+    except (ValueError, OverflowError):
+        return None
 
 
 def robots(services: Services) -> tuple[RobotView, ...]:

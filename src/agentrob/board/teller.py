@@ -154,7 +154,7 @@ def words_of(event: Event) -> str:
 def event_from_words(words: str, hub: Hub) -> Event:
     """As another process said it. `ValueError` for what no process announces."""
     kind, at_us, robot, name = json.loads(words)
-    if kind not in (EventKind.ROBOT_STOP, EventKind.ROBOT_WATCH) or not isinstance(robot, str):
+    if kind not in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP, EventKind.ROBOT_WATCH) or not isinstance(robot, str):
         raise ValueError("no event that is announced")
     account = None
     if name is not None and hub.reader is not None:

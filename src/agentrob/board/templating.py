@@ -173,7 +173,7 @@ def piece(template: str, data: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """That a button was pressed, shown on the page that follows. `deed` is stop or reset."""
+    """That a button was pressed, shown on the page that follows. `deed` is stop, estop, release, home or reset."""
 
     deed: str
     robot: str

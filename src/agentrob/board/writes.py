@@ -30,6 +30,8 @@ from agentrob.model import Account, AccountKind, Role
 MAX_IMAGES = 32
 Card = Mapping[str, Any]
 now_us = audit.now_us
+#: Buttons of robots' owners: who pressed one stands in the audit log.
+_AUDITED = frozenset({EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME})
 _t = db.topics.c
 _ONE_POST_MORE = (
     update(db.topics)
@@ -173,6 +175,8 @@ def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key:
         at_us = t.connection.execute(select(db.events.c.at_us).where(db.events.c.id == old)).scalar_one()
         return Event(event_id(old, at_us), kind, from_us(at_us), robot=robot, account=by)
     number = add_event(t, kind, at_us, **values)
+    if by and kind in _AUDITED:
+        audit.note(t.connection, by.name, str(kind), f"robot:{robot}")
     if by:
         _use_key(t, by, f"{kind}:{robot}"[:40], key, number)
     return Event(event_id(number, at_us), kind, from_us(at_us), robot=robot, account=by)

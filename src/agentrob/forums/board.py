@@ -165,6 +165,9 @@ class BoardForum:
         path, headers = f"/robots/{quote(robot, safe='')}/frame", {"Content-Type": "image/jpeg"}
         return await self._call("PUT", path, lambda answer: int(answer["viewers"]), content=jpeg, headers=headers)
 
+    async def robot_page(self, robot: str) -> str:
+        return await self._call("GET", f"/robots/{quote(robot, safe='')}", lambda answer: str(answer["url"]))
+
     async def command_page(self, post_id: str) -> str:
         return await self._call("GET", f"/commands/{quote(post_id, safe='')}", lambda answer: str(answer["url"]))
 
@@ -210,6 +213,18 @@ class BoardForum:
     async def press_stop(self, robot: str) -> None:
         """The stop button of a robot's page."""
         await self._call("POST", f"/robots/{quote(robot, safe='')}/stop", _nothing)
+
+    async def press_estop(self, robot: str) -> None:
+        """The button that stops a robot and locks it."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/estop", _nothing)
+
+    async def press_release(self, robot: str) -> None:
+        """The owner's button that releases a locked robot."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/release", _nothing)
+
+    async def press_home(self, robot: str) -> None:
+        """The owner's button that makes the robot's home where it stands."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/home", _nothing)
 
     async def press_reset(self, robot: str) -> None:
         """The button that resets a simulated room; operators only."""

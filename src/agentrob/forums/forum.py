@@ -67,6 +67,9 @@ class EventKind(StrEnum):
     POST_EDITED = "post.edited"
     POST_REMOVED = "post.removed"
     ROBOT_STOP = "robot.stop"
+    ROBOT_ESTOP = "robot.estop"
+    ROBOT_RELEASE = "robot.release"
+    ROBOT_HOME = "robot.home"
     ROBOT_RESET = "robot.reset"
     ROBOT_WATCH = "robot.watch"
     HEARTBEAT = "heartbeat"
@@ -77,7 +80,7 @@ class Event:
     """Something that happened, in order. `id` resumes the stream after it; ids compare by the forum only.
 
     `post` is set for post events (as it was when the event was delivered), `robot` and `account` for robot events:
-    who pressed stop or reset, or that somebody watches.
+    who pressed which button (an emergency stop also locks the robot), or that somebody watches.
     """
 
     id: str
@@ -183,6 +186,16 @@ class Stage(Protocol):
 
     async def publish_frame(self, robot: str, jpeg: bytes) -> int:
         """Show a live picture; returns how many people watch."""
+        ...
+
+
+@runtime_checkable
+class Panel(Protocol):
+    """A forum whose page of a robot has buttons: emergency stop for everybody, release and home for its owner. They
+    come as events."""
+
+    async def robot_page(self, robot: str) -> str:
+        """The address of the robot's page."""
         ...
 
 

@@ -247,6 +247,9 @@ class MemoryForum:
     async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
         self._writing().robots[robot] = card
 
+    async def robot_page(self, robot: str) -> str:
+        return f"memory:/robots/{robot}"
+
     async def publish_frame(self, robot: str, jpeg: bytes) -> int:
         world = self._writing()
         world.frames[robot] = jpeg
@@ -256,6 +259,18 @@ class MemoryForum:
     async def press_stop(self, robot: str) -> None:
         """The stop button of a robot's page."""
         self._press(EventKind.ROBOT_STOP, robot)
+
+    async def press_estop(self, robot: str) -> None:
+        """The button that stops a robot and locks it."""
+        self._press(EventKind.ROBOT_ESTOP, robot)
+
+    async def press_release(self, robot: str) -> None:
+        """The button that releases a locked robot; its agent judges who may."""
+        self._press(EventKind.ROBOT_RELEASE, robot)
+
+    async def press_home(self, robot: str) -> None:
+        """The button that makes the robot's home where it stands; its agent judges who may."""
+        self._press(EventKind.ROBOT_HOME, robot)
 
     async def press_reset(self, robot: str) -> None:
         """The button that resets a simulated room; operators only."""

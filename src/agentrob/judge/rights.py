@@ -23,7 +23,7 @@ from agentrob.model import (
     Verdict,
 )
 
-Action = Literal["look", "stop", "command", "approve", "release"]
+Action = Literal["look", "stop", "command", "approve", "release", "home"]
 
 _CLASSES = {Op.GET_FRONT_IMAGE: ActionClass.PHOTO, Op.BACKFLIP: ActionClass.RISKY} | dict.fromkeys(
     (Op.MOVE, Op.TURN), ActionClass.MOVE
@@ -49,8 +49,8 @@ def may(
 
     `owner` is the handle of the robot's owner as its configuration has it, `rights` what the forum keeps of the robot,
     `classes` what a command would do. Everybody signed in looks and stops; operators command, where `rights` let them;
-    the robot's owner and human admins release and approve. Suspended accounts may nothing, not even stop; robot and
-    monitoring agents may look and are never obeyed, whatever their role.
+    the robot's owner and human admins release it and set its home, and approve. Suspended accounts may nothing, not
+    even stop; robot and monitoring agents may look and are never obeyed, whatever their role.
     """
     if account.suspended:
         return _refused("rights.suspended", "refuse.suspended", language)
@@ -64,10 +64,10 @@ def may(
         return objection
     if action == "approve" and not _approves(account, owner, rights or _DEFAULT):
         return _refused("rights.approver", "refuse.approver", language)
-    if action == "release" and not _releases(account, owner, rights or _DEFAULT):
+    if action in ("release", "home") and not _releases(account, owner, rights or _DEFAULT):
         return _refused("rights.owner", "refuse.owner", language)
-    if action not in ("stop", "command", "approve", "release"):
-        raise ValueError(f"no action named {action!r}; there are look, stop, command, approve and release")
+    if action not in ("stop", "command", "approve", "release", "home"):
+        raise ValueError(f"no action named {action!r}; there are look, stop, command, approve, release and home")
     return Verdict(Decision.ALLOW, f"rights.{action}")
 
 
@@ -117,7 +117,8 @@ def _owns(account: Account, owner: str) -> bool:
 
 
 def _releases(account: Account, owner: str, rights: RobotRights) -> bool:
-    """A person's to do: no agent takes a robot out of its halt. Nobody's where the forum says so."""
+    """A person's to do: no agent takes a robot out of its halt or says where its home is. Nobody's where the forum says
+    so."""
     allowed = account.role is Role.ADMIN or _owns(account, owner) or _owns(account, rights.owner)
     return (
         account.kind is AccountKind.HUMAN

@@ -109,7 +109,7 @@ PHRASES = {
     "refuse.robot": "Robots do not take commands from robots.",
     "refuse.monitor": "Monitoring accounts may watch, but not command or stop a robot.",
     "refuse.operator": "Commanding a robot needs the operator role; this account may look and stop.",
-    "refuse.owner": "Only the robot's owner may release it.",
+    "refuse.owner": "Only the robot's owner and admins may release it and set its home.",
     "refuse.approver": "This account may not approve what others ask of this robot.",
     "refuse.closed": "This robot is in maintenance until {until}: it does nothing, but it can be stopped.",
     "refuse.board": "This account may not command robots on this board.",

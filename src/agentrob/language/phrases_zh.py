@@ -94,7 +94,7 @@ PHRASES = {
     "refuse.robot": "机器人不听机器人的命令。",
     "refuse.monitor": "监视账号只能看，不能指挥机器人，也不能让它停。",
     "refuse.operator": "指挥机器人需要 operator 权限；这个账号只能查看和叫停。",
-    "refuse.owner": "只有机器人的主人可以解除锁定。",
+    "refuse.owner": "只有机器人的主人和管理员可以解除锁定、设置原点。",
     "refuse.approver": "这个账号不能批准别人对这台机器人的要求。",
     "refuse.closed": "这台机器人正在维护，到 {until} 为止：什么都不做，但可以叫停。",
     "refuse.board": "这个账号不能在这个版块指挥机器人。",

@@ -191,13 +191,16 @@ document.addEventListener("submit", async (event) => {
   event.preventDefault();
   const button = form.querySelector("button");
   const label = [...button.childNodes];
-  button.replaceChildren("Sending stop…");
+  const what = "estop" in form.dataset ? "Emergency stop" : "Stop";
+  button.replaceChildren(`Sending ${what.toLowerCase()}…`);
   try {
     const sent = { method: "POST", body: new FormData(form), headers: { "X-Live": "1" }, keepalive: true };
     const answer = await fetch(form.action, { ...sent, signal: AbortSignal.timeout(3000) });
     if (!answer.ok) throw new Error(String(answer.status));
-    button.replaceChildren("Stop sent");
-    say(`Stop sent to @${form.dataset.stop}. Its reply says how fast it stopped, or that it did not confirm.`);
+    button.replaceChildren(`${what} sent`);
+    say(what === "Stop"
+      ? `Stop sent to @${form.dataset.stop}. Its reply says how fast it stopped, or that it did not confirm.`
+      : `Emergency stop sent to @${form.dataset.stop}. It stays locked until its owner releases it.`);
     setTimeout(() => button.replaceChildren(...label), 3000);
   } catch {
     form.submit(); // the plain way, which also shows what is wrong
