@@ -12,7 +12,7 @@ import socket
 from pathlib import Path
 
 from agentrob import demo
-from agentrob.config import Config, default_data_dir, runtime_dir
+from agentrob.config import Config, runtime_dir
 from agentrob.errors import ConfigError, RobotUnreachable
 from agentrob.model import Lock, Pose, RobotState
 from agentrob.robots.client import DriverClient
@@ -81,7 +81,7 @@ def _socket(robot: str, config: Config, data: Path | None) -> Path:
 
 def _demo_sockets(data: Path | None) -> dict[str, Path]:
     """Those of the demo that runs with this data folder, or with the usual one."""
-    facts = demo.running(data or default_data_dir() / "demo") or {}
+    facts = demo.running(data or demo.default_data(once=False)) or {}
     folder = facts.get("runtime")  # its AGENTROB_RUNTIME
     return _sockets(Path(folder) / "agentrob") if isinstance(folder, str) else {}
 
