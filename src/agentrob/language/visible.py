@@ -20,8 +20,12 @@ from html.parser import HTMLParser
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
+from agentrob.language.complexity import nfkc, parsing_us
+
 #: Longer posts have no visible text at all: nobody commands a robot with a book, and parsing stays quick.
 MAX_CHARS = 10_000
+#: Nor have posts whose markup would take longer to parse: a stop of somebody else waits meanwhile (law 15).
+MAX_PARSING_US = 30_000
 
 #: Stands where inline code or HTML hid words within a visible line.
 OMITTED = "\ufffc"
@@ -41,14 +45,22 @@ _BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 def visible_text(raw: str) -> str:
     """The visible paragraph and list text of a Markdown body, NFKC-normalised, one line per line, mentions included."""
-    return "" if len(raw) > MAX_CHARS else _visible(raw)
+    return _visible(raw) if readable(raw) else ""
+
+
+def readable(raw: str) -> bool:
+    """Whether a body is short and plain enough that its visible text is read at all."""
+    return len(raw) <= MAX_CHARS and parsing_us(raw, MAX_PARSING_US) <= MAX_PARSING_US
 
 
 @lru_cache(maxsize=64)  # one post is asked about several times in a row
 def _visible(raw: str) -> str:
     walker = _Walker()
     walker.blocks(_MARKDOWN.parse(raw))
-    return _without_bbcode(_plain("".join(walker.out))).strip()
+    text = "".join(walker.out)
+    if len(nfkc(text)) > MAX_CHARS:  # some characters are up to 18 in NFKC
+        return ""
+    return _without_bbcode(_plain(text)).strip()
 
 
 # A handle must not run on in letters that merely look Latin; Chinese, which is written without spaces, may touch it.
@@ -185,10 +197,11 @@ def _plain(text: str) -> str:
     """NFKC without invisible and bidirectional characters; spaces become plain spaces, line ends `\\n`."""
     # NFKC would make 11⁄2 of 1½ and 22 of 2²: such digits stay apart from their neighbours.
     text = "".join(f" {c} " if not c.isascii() and _is_compound_digit(c) else c for c in text)
-    shown = "".join(filter(None, map(_shown, unicodedata.normalize("NFKC", text))))
-    return re.sub(" {2,}", " ", unicodedata.normalize("NFKC", shown))
+    shown = "".join(filter(None, map(_shown, nfkc(text))))
+    return re.sub(" {2,}", " ", nfkc(shown))
 
 
+@lru_cache(maxsize=1024)
 def _is_compound_digit(char: str) -> bool:
     kind = unicodedata.decomposition(char).partition(">")[0]
     return kind in ("<fraction", "<super", "<sub", "<circle", "<compat", "<square") and any(
@@ -196,6 +209,7 @@ def _is_compound_digit(char: str) -> bool:
     )
 
 
+@lru_cache(maxsize=4096)
 def _shown(char: str) -> str:
     if (char.isascii() and char.isprintable()) or char == "\n":
         return char
