@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -32,8 +32,11 @@ MAX_PER_ACCOUNT = 50
 MAX_ANONYMOUS = MAX_LISTENERS // 2
 #: How often is looked for what another process wrote: on SQLite, where that takes microseconds, and elsewhere.
 FOLLOW_S, FOLLOW_ELSEWHERE_S = 0.02, 0.1
-#: Where other processes take stops too, a beat is sent only so long after it was proven that they are heard.
+#: A beat is sent only so long after the way of a stop was proven: that a post is written, and, where other processes
+#: take stops too, that they are heard.
 PROVEN_S = 1.0
+#: How often it is proven that a stop in a post would be written.
+PROOF_S = 0.2
 
 log = structlog.get_logger(__name__)
 
@@ -130,6 +133,7 @@ class Hub:
         self._listeners: set[Listener] = set()
         self._last, self._last_id = 0, BEFORE_ALL
         self._proven_s: float | None = None
+        self._written_s: float | None = None
         #: Tells other processes of an event that could not be written.
         self.tell_others: Callable[[Event], None] = lambda event: None
 
@@ -181,11 +185,27 @@ class Hub:
             self._last, self._last_id = event_number(newest_id), newest_id
             self._cut_off()
 
+    async def prove_writing(self, prove: Callable[[], Awaitable[None]]) -> None:
+        """Go the way of a stop in a post again and again, from this loop through the writer and back (`prove`), until
+        cancelled. Counted from when each was due, so that also a loop that is held up proves nothing."""
+        self._written_s, well = time.monotonic(), True
+        while not self.closed:
+            due_s = time.monotonic() + PROOF_S
+            await asyncio.sleep(PROOF_S)
+            try:
+                await prove()
+                self._written_s, well = due_s, True
+            except BoardError as e:
+                if well:
+                    log.error("board.stops_not_written", error=str(e))
+                well = False
+
     @property
     def hears(self) -> bool:
-        """Whether a stop that any process takes now is heard here. Without it there is no beat, and after 2 s of
-        silence robots stop by themselves (law 16). A process that is the only one always hears itself."""
-        return self._proven_s is None or time.monotonic() - self._proven_s < PROVEN_S
+        """Whether a stop that any process takes now, by the button or in a post, is told here within a second. Without
+        it there is no beat, and after 2 s of silence robots stop by themselves (law 16)."""
+        since_s = time.monotonic() - PROVEN_S
+        return all(proven_s is None or proven_s > since_s for proven_s in (self._proven_s, self._written_s))
 
     def _catch_up(self, newest: int) -> bool:
         assert self.reader is not None

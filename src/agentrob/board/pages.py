@@ -84,7 +84,7 @@ async def create_topic(request: Request, viewer: Anybody, board_id: str) -> Resp
         author = access.account_of(viewer)
         typed = replace(typed, pictures=await forms.pictures(known, form, author))
         if form.get("do") == "preview":
-            return _new_topic(request, viewer, board_id, previewed(known, typed, board_id))
+            return _new_topic(request, viewer, board_id, await previewed(known, typed, author, board_id))
         checked, found = (forms.title(typed.title), forms.body(typed.draft)), forms.tags_of(form)
         key, pictures = forms.key(form, *checked), [image.id for image in typed.pictures]
         written = await known.store.create_topic(author, board_id, *checked, key=key, images=pictures, tags=found)
@@ -117,9 +117,8 @@ async def reply(request: Request, viewer: Anybody, topic_id: str) -> Response:
         author = access.account_of(viewer)
         typed = replace(typed, pictures=await forms.pictures(known, form, author))
         if form.get("do") == "preview":
-            return _topic(
-                request, viewer, topic_id, None, previewed(known, typed, known.store.topic(topic_id).board_id)
-            )
+            board_id = known.store.topic(topic_id).board_id
+            return _topic(request, viewer, topic_id, None, await previewed(known, typed, author, board_id))
         written = await _replied(request, author, topic_id, typed, form)
     except BoardError as e:
         if may_not_look(viewer) or e.code == "no_such_topic":

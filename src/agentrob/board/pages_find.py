@@ -14,11 +14,11 @@ from agentrob.board import schema as db
 from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
 from agentrob.board.records import Page, Post, Topic
-from agentrob.board.render import render
 from agentrob.board.services import Services, services
 from agentrob.board.store import SearchMode
 from agentrob.board.templating import go, show
 from agentrob.errors import BoardError
+from agentrob.model import Account
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
@@ -105,16 +105,16 @@ async def preview(
 ) -> Response:
     """How a text would look, and whether a robot would answer it on that board; nothing is kept."""
     access.check_form(viewer, csrf)
-    access.account_of(viewer)
-    shown = previewed(services(request), Composed(draft=body.replace("\r\n", "\n")), board)
+    account = access.account_of(viewer)
+    shown = await previewed(services(request), Composed(draft=body.replace("\r\n", "\n")), account, board)
     return show(request, viewer, "preview.html", {"typed": shown})
 
 
-def previewed(known: Services, typed: Composed, board_id: str = "") -> Composed:
-    """The form with its text as it would look. 413 when it is too long; an empty text looks empty."""
+async def previewed(known: Services, typed: Composed, by: Account, board_id: str = "") -> Composed:
+    """The form with its text as it would look. 413 when it is too long; an empty text looks empty. 422, 429, 503."""
     text = forms.body(typed.draft) if typed.draft.strip() else ""
     hint = reach.hint(known, board_id, text) if board_id else ""
-    return replace(typed, preview=render(text, lambda name: known.store.account(name) is not None), hint=hint)
+    return replace(typed, preview=(await known.store.renderer.render(text, by)).html, hint=hint)
 
 
 @router.get("/names")

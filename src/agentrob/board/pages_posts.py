@@ -79,7 +79,7 @@ async def edit(request: Request, viewer: Anybody, post_id: str) -> Response:
         author = access.account_of(viewer)
         typed = replace(typed, pictures=await forms.pictures(known, form, author))
         if form.get("do") == "preview":
-            return _edit(request, viewer, known.store.post(post_id), previewed(known, typed))
+            return _edit(request, viewer, known.store.post(post_id), await previewed(known, typed, author))
         text, pictures = forms.body(typed.draft), [image.id for image in typed.pictures]
         key = forms.key(form, post_id, text)
         changed = await known.store.edit(author, post_id, text, key=key, images=pictures)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from agentrob.board.robot_view import RobotView, robots
 from agentrob.board.services import Services
+from agentrob.language.complexity import parsing_us
 from agentrob.language.grammar import parse
 from agentrob.language.stop import stop_intent
 from agentrob.language.visible import mentions, visible_text
@@ -17,6 +18,8 @@ from agentrob.model import Intent, Op
 ALIKE = 0.75
 #: Longer texts without a mention are not parsed: whoever writes that much is not commanding a robot.
 COMMAND_CHARS = 500
+#: Nor are texts whose markup takes longer to parse: it is done on the event loop, where stops wait (law 15).
+READ_US = 10_000
 
 
 def acting_on(board_id: str, known: Services) -> tuple[RobotView, ...]:
@@ -26,12 +29,15 @@ def acting_on(board_id: str, known: Services) -> tuple[RobotView, ...]:
 
 def hint(known: Services, board_id: str, raw: str) -> str:
     """What keeps every robot from answering this post on this board; empty when one will, or none is meant."""
+    if parsing_us(raw, READ_US) > READ_US:
+        return ""
     text, found = visible_text(raw), robots(known)
     names = mentions(text)
     called = [robot for robot in found if robot.name in names]
     if called:
         return "" if any(board_id in robot.boards and robot.live for robot in called) else _away(called[0], board_id)
-    strangers = [name for name in names if known.store.account(name) is None]
+    here = known.store.reader.names(names) if names else ()
+    strangers = [name for name in names if name not in here]
     if strangers:
         return _stranger(strangers[0], found)
     return "" if names else _nobody(text, found, board_id)

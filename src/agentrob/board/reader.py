@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from typing import Any, TypeVar
 
 from sqlalchemy import Connection, Executable, Integer, Row, Select, and_, bindparam, func, or_, select
@@ -52,6 +52,7 @@ _TOPICS_BY_ID = _TOPICS.where(db.topics.c.id.in_(bindparam("ids", expanding=True
 _POSTS_BY_ID = _POSTS.where(db.posts.c.id.in_(bindparam("ids", expanding=True)))
 _BOARDS = select(db.boards).order_by(db.boards.c.position, db.boards.c.id)
 _ACCOUNT_BY_NAME = ACCOUNT.where(db.accounts.c.name == bindparam("name"))
+_NAMES = select(db.accounts.c.name).where(db.accounts.c.name.in_(bindparam("names", expanding=True)))
 _ROBOTS = ACCOUNT.where(db.accounts.c.kind == AccountKind.ROBOT_AGENT).order_by(db.accounts.c.name)
 _IMAGES_OF_POSTS = (
     select(db.post_images.c.post_id, db.images.c.id, db.images.c.width, db.images.c.height, db.images.c.media_type)
@@ -328,6 +329,10 @@ class Reader:
     def account(self, name: str) -> Account | None:
         row = self.first(_ACCOUNT_BY_NAME, name=name.lower())
         return account_from(row) if row else None
+
+    def names(self, names: Collection[str]) -> frozenset[str]:
+        """Those of some names (lower case) that are accounts."""
+        return frozenset(row.name for row in self.rows(_NAMES, names=list(names)))
 
     def robots(self) -> tuple[Account, ...]:
         return self.kept("robots", lambda: tuple(map(account_from, self.rows(_ROBOTS))))

@@ -7,11 +7,12 @@ cleaned by nh3 (a real HTML parser) with a short list of what may stay.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from html import escape
+from typing import Any
 
 import nh3
 from markdown_it import MarkdownIt
-from markdown_it.rules_core import StateCore
 from markdown_it.token import Token
 
 IsAccount = Callable[[str], bool]
@@ -28,6 +29,8 @@ _SAFE_LINK = re.compile(r"(https?:|mailto:|[^:/?#]*([/?#]|\Z))", re.IGNORECASE)
 _LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
 #: Names in these are quoted or decoration, not addressed to anybody (law 3).
 _NOT_SAID = ("blockquote", "heading", "table")
+#: Above a body that is shown as it was typed.
+TOO_COMPLEX = "This post is shown as plain text: its markup takes too long to render."
 #: The page has its own h1 and h2, so a heading in a post begins at h3.
 _HEADING_SHIFT = 2
 
@@ -55,22 +58,47 @@ def render(raw: str, is_account: IsAccount) -> str:
     `is_account` says whether a name (lower case) is an account; `@name` of such a one becomes a link to it where it is
     said in a paragraph or list, not where it is quoted, struck out, code, a heading or in a table. Never raises.
     """
-    text = raw.encode("utf-8", "replace").decode()
-    return _CLEANER.clean(_MARKDOWN.render(text, {"is_account": is_account}))
+    return Parsed(raw).html(is_account)
 
 
-def _polish(state: StateCore) -> None:
+class Parsed:
+    """A post's Markdown, parsed: whom it may name, and its HTML once it is known which of these names are accounts."""
+
+    def __init__(self, raw: str) -> None:
+        self._env: dict[str, Any] = {}
+        self._tokens = _MARKDOWN.parse(raw.encode("utf-8", "replace").decode(), self._env)
+
+    def names(self) -> Iterator[str]:
+        """Every name (lower case) that `html` asks about, and perhaps more; some of them several times."""
+        for token in self._tokens:
+            for child in token.children or ():
+                for match in _SPECIAL.finditer(child.content if child.type == "text" else ""):
+                    if match["name"]:
+                        yield from _candidates(match["name"].lower())
+
+    def html(self, is_account: IsAccount) -> str:
+        """Once only: safe HTML, as `render` gives it."""
+        _polish(self._tokens, is_account)
+        return _CLEANER.clean(_MARKDOWN.renderer.render(self._tokens, _MARKDOWN.options, self._env))
+
+
+def as_plain_text(raw: str) -> str:
+    """Safe HTML that shows a body as it was typed, for one whose Markdown takes too long to render."""
+    lines = escape(raw.encode("utf-8", "replace").decode()).splitlines()
+    return f"<p><em>{TOO_COMPLEX}</em></p>\n<p>{'<br>'.join(lines)}</p>\n"
+
+
+def _polish(tokens: list[Token], is_account: IsAccount) -> None:
     """Last step of parsing: demote headings, turn alignment into an attribute, replace pictures, link names."""
-    is_account: IsAccount = state.env["is_account"]
     not_said = 0
-    for token in state.tokens:
+    for token in tokens:
         not_said += token.nesting * token.type.startswith(_NOT_SAID)
         if token.type in ("heading_open", "heading_close"):
             token.tag = f"h{min(6, int(token.tag[1]) + _HEADING_SHIFT)}"
         elif token.type in ("th_open", "td_open") and "style" in token.attrs:
             token.attrs["align"] = str(token.attrs.pop("style")).removeprefix("text-align:")
         elif token.type == "inline" and token.children:
-            token.children = list(_inline(state.md, token.children, _nobody if not_said else is_account))
+            token.children = list(_inline(_MARKDOWN, token.children, _nobody if not_said else is_account))
 
 
 def _inline(md: MarkdownIt, tokens: list[Token], is_account: IsAccount) -> Iterator[Token]:
@@ -128,10 +156,14 @@ def unmarked(raw: str) -> str:
 
 def _known(name: str, is_account: IsAccount) -> str:
     """The account meant by `name`, also when a dash follows it (`@quadruped- go`); "" when there is none."""
-    for candidate in dict.fromkeys((name, name.rstrip("-_"))):
+    for candidate in _candidates(name):
         if is_account(candidate):
             return candidate
     return ""
+
+
+def _candidates(name: str) -> Iterable[str]:
+    return dict.fromkeys((name, name.rstrip("-_")))
 
 
 def _without_tail(url: str) -> str:
@@ -166,7 +198,6 @@ def _valid_link(url: str) -> bool:
 
 def _parser() -> MarkdownIt:
     md = MarkdownIt("commonmark", {"html": False, "breaks": True}).enable(["table", "strikethrough"])
-    md.core.ruler.push("polish", _polish)
     md.validateLink = _valid_link  # type: ignore[method-assign]
     return md
 

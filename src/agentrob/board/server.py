@@ -117,7 +117,8 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
 
     async def work() -> None:  # each process keeps by itself what the posts mean, and what its readers have read
         marking = unread.keep_writing(parts.marks, parts.store, parts.settings.shared)
-        await asyncio.gather(following, parts.store.follow_meanings(), marking)
+        proving = parts.hub.prove_writing(parts.store.writer.prove)
+        await asyncio.gather(following, parts.store.follow_meanings(), marking, proving)
 
     return work()
 

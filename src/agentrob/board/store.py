@@ -21,6 +21,7 @@ from agentrob.board import search, sight, writes
 from agentrob.board.database import open_engine, unavailable
 from agentrob.board.reader import Reader
 from agentrob.board.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
+from agentrob.board.renderer import Renderer
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Job, T, Writer
 from agentrob.errors import BoardError
@@ -60,12 +61,14 @@ class Store:
 
             self._follower = Follower(settings.encoder(), Reader(self._engines[0].connect()))
         self.writer = Writer(self._engines[1], published)
+        self.renderer = Renderer(self.everything.names)
 
     def close(self) -> None:
         """Finish what is being written and close the database."""
         if self._follower is not None:
             self._follower.close()
         self.writer.close()
+        self.renderer.close()
         self._searching.shutdown(cancel_futures=True)
         for reader in (self._finder, self.reader):
             reader.connection.close()
@@ -196,9 +199,10 @@ class Store:
         tags: Sequence[str] = (),
     ) -> Written:
         """`tags` as `tags.checked` gives them."""
-        draft = writes.Draft(author, body, key, images, limits=self._limits)
+        text = await self.renderer.render(body, author)
+        draft = writes.Draft(author, text, key, images, limits=self._limits)
         job: Job[Written] = lambda t: writes.create_topic(t, board_id, title, draft, tags)  # noqa: E731
-        return await self.writer.do(job, lambda: writes.says_stop(body))
+        return await self.writer.do(job, first=text.stop)
 
     async def reply(
         self,
@@ -211,8 +215,9 @@ class Store:
         images: Sequence[str] = (),
         card: Mapping[str, Any] | None = None,
     ) -> Written:
-        draft = writes.Draft(author, body, key, images, reply_to, card, self._limits)
-        return await self.writer.do(lambda t: writes.reply(t, topic_id, draft), lambda: writes.says_stop(body))
+        text = await self.renderer.render(body, author)
+        draft = writes.Draft(author, text, key, images, reply_to, card, self._limits)
+        return await self.writer.do(lambda t: writes.reply(t, topic_id, draft), first=text.stop)
 
     async def edit(
         self,
@@ -225,9 +230,9 @@ class Store:
         card: Mapping[str, Any] | Literal["keep"] | None = "keep",
     ) -> Post:
         """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
-        most = self._limits.posts
-        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, body, key, images, card, most)  # noqa: E731
-        return await self.writer.do(job, lambda: writes.says_stop(body))
+        text, most = await self.renderer.render(body, editor), self._limits.posts
+        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, text, key, images, card, most)  # noqa: E731
+        return await self.writer.do(job, first=text.stop)
 
     async def remove(self, by: Account, post_id: str, reason: str = "") -> Post:
         """Hide a post for everybody; its author and moderators may (403). Again does nothing."""
@@ -238,7 +243,8 @@ class Store:
     ) -> Event:
         """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
         happened_us = writes.now_us() if at_us is None else at_us
-        return await self.do(lambda t: writes.record(t, kind, robot, by, key, happened_us))
+        job: Job[Event] = lambda t: writes.record(t, kind, robot, by, key, happened_us)  # noqa: E731
+        return await self.writer.do(job, first=kind is EventKind.ROBOT_STOP)
 
     async def add_image(
         self, by: Account, file: Path, image: Image, key: str | None = None

@@ -54,7 +54,7 @@ def change(t: Transaction, by: Account, topic_id: str, found: Sequence[str], per
     429 beyond `per_hour` changes."""
     reader = Reader(t.connection)
     topic = reader.topic(topic_id)
-    may_post(by, reader.board(topic.board_id), "", topic)
+    may_post(by, reader.board(topic.board_id), topic)
     if not may_change(by, topic):
         what = "only who began a topic and moderators choose its tags"
         raise BoardError(403, "not_yours", what, "ask one of them")

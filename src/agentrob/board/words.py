@@ -12,12 +12,13 @@ from __future__ import annotations
 import re
 import sqlite3
 import threading
-import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import Connection, String, TextClause, bindparam, text
+
+from agentrob.language.complexity import nfkc
 
 _PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
 _FTS5 = "USING fts5(words, chars, tokenize = 'porter unicode61 remove_diacritics 2'"
@@ -105,7 +106,7 @@ def fill_index(connection: Connection) -> None:
     if dialect not in INDEXED:
         return
     while rows := connection.execute(_ALL_POSTS, {"after": after, "most": _BATCH}).all():
-        found = [_row(dialect, r.id, r.raw, r.title if r.id == r.first else "") for r in rows]
+        found = [_row(dialect, r.id, *indexed(r.raw), r.title if r.id == r.first else "") for r in rows]
         connection.execute(_ADD[dialect], found)
         after = rows[-1].id
 
@@ -119,21 +120,23 @@ def _execute(connection: Connection, statements: Sequence[str]) -> None:
         connection.execute(text(statement))
 
 
-def add(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
-    """A new post; the first one of a topic is found by the title too."""
+def add(connection: Connection, post_id: int, words: str, chars: str, title: str = "") -> None:
+    """A new post, as `indexed` gives it; the first one of a topic is found by the title too."""
     if (statement := _ADD.get(connection.dialect.name)) is not None:
-        connection.execute(statement, _row(connection.dialect.name, post_id, raw, title))
+        connection.execute(statement, _row(connection.dialect.name, post_id, words, chars, title))
 
 
-def change(connection: Connection, post_id: int, raw: str, title: str = "") -> None:
+def change(connection: Connection, post_id: int, words: str, chars: str, title: str = "") -> None:
     """An edited post."""
     if (forget := _FORGET.get(connection.dialect.name)) is not None:
         connection.execute(forget, {"id": post_id})
-        add(connection, post_id, raw, title)
+        add(connection, post_id, words, chars, title)
 
 
-def _row(dialect: str, post_id: int, raw: str, title: str) -> dict[str, Any]:
-    words, chars = indexed(f"{title}\n{raw}" if title else raw)
+def _row(dialect: str, post_id: int, words: str, chars: str, title: str) -> dict[str, Any]:
+    if title:
+        title_words, title_chars = indexed(title)
+        words, chars = f"{title_words}\n{words}", f"{title_chars} {chars}"
     if dialect == "sqlite":
         return {"id": post_id, "words": words, "chars": chars}
     tokens = _tokens.of(words)
@@ -142,7 +145,7 @@ def _row(dialect: str, post_id: int, raw: str, title: str) -> dict[str, Any]:
 
 def indexed(words: str) -> tuple[str, str]:
     """A text as it is given to the index: its words, and its Chinese, Japanese and Korean characters."""
-    plain = unicodedata.normalize("NFKC", words)
+    plain = nfkc(words)
     chars = dict.fromkeys("".join(_PAIRED.findall(plain)))
     return _PAIRED.sub(lambda run: f" {' '.join(_pairs(run[0]))} ", plain), " ".join(chars)
 

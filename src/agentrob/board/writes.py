@@ -6,7 +6,8 @@ same transaction.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -17,17 +18,17 @@ from agentrob.board import audit, limits, notices, words
 from agentrob.board import schema as db
 from agentrob.board.reader import Reader, not_found, row_id
 from agentrob.board.records import Board, Event, EventKind, Image, Post, Topic, Written, from_us
-from agentrob.board.render import render
+from agentrob.board.renderer import Rendered
 from agentrob.board.rows import event_id
 from agentrob.board.settings import NO_LIMITS
 from agentrob.board.writer import Transaction
 from agentrob.config_board import BoardLimitsConfig
 from agentrob.errors import BoardError
-from agentrob.language.stop import stop_intent
-from agentrob.language.visible import mentions, visible_text
 from agentrob.model import Account, AccountKind, Role
 
 MAX_IMAGES = 32
+#: Of a topic whose author may not begin one: it is there for the stop in it.
+STOP_TITLE = "Stop"
 Card = Mapping[str, Any]
 now_us = audit.now_us
 #: Buttons of robots' owners: who pressed one stands in the audit log.
@@ -45,7 +46,7 @@ class Draft:
     """What somebody wants to post; `images` are ids, `reply_to` a post of the same topic."""
 
     author: Account
-    body: str
+    text: Rendered
     key: str | None = None
     images: Sequence[str] = ()
     reply_to: str | None = None
@@ -54,12 +55,13 @@ class Draft:
 
 
 def create_topic(t: Transaction, board_id: str, title: str, draft: Draft, tags: Sequence[str] = ()) -> Written:
-    """A new topic and its first post. `tags` are checked ones."""
+    """A new topic and its first post. `tags` are checked ones. One that is taken only since it is a stop gets a fixed
+    title and no tags: nothing but the stop is said in it."""
     if old := _written_before(t, draft):
         return old
     board = Reader(t.connection).board(board_id)
-    may_post(draft.author, board, draft.body)
-    check_limits(t, draft)
+    if not taken_as_any_other(t, draft, board):
+        title, tags = STOP_TITLE, ()
     at = now_us()
     row = {"board_id": board.id, "title": title, "author_id": int(draft.author.id)}
     topic_id = _insert(t, db.topics, **row, created_us=at, last_post_us=at)
@@ -74,48 +76,61 @@ def reply(t: Transaction, topic_id: str, draft: Draft) -> Written:
         return old
     reader = Reader(t.connection)
     topic = reader.topic(topic_id)
-    may_post(draft.author, reader.board(topic.board_id), draft.body, topic)
-    check_limits(t, draft)
+    taken_as_any_other(t, draft, reader.board(topic.board_id), topic)
     return _add_post(t, int(topic.id), draft, now_us())
 
 
-def may_post(author: Account, board: Board, body: str, topic: Topic | None = None) -> None:
-    """403 where the author may not write, 404 where it may not even look.
+def taken_as_any_other(t: Transaction, draft: Draft, board: Board, topic: Topic | None = None) -> bool:
+    """Whether a post is within what its author may do; False when it is taken all the same, since it says stop and
+    nothing else (law 15). Else 403 or 429; 404 where the author may not even look."""
+    taken = False
+    with _a_stop_is_taken(draft.text):
+        may_post(draft.author, board, topic)
+        check_limits(t, draft)
+        taken = True
+    return taken
 
-    A stop may be posted wherever its author may look (law 15), and robots answer wherever they were asked.
-    """
+
+@contextmanager
+def _a_stop_is_taken(text: Rendered) -> Iterator[None]:
+    """Of what is asked within, only a 404 counts for a text that says stop and nothing else."""
+    try:
+        yield
+    except BoardError as e:
+        if e.status == 404 or not text.only_stop:
+            raise
+
+
+def may_post(author: Account, board: Board, topic: Topic | None = None) -> None:
+    """403 where the author may not write, 404 where it may not even look. Robots answer wherever they were asked."""
     if author.role.rank < board.read_role.rank:
         raise not_found("topic", topic.id) if topic else not_found("board", board.id)
-    if author.kind is AccountKind.ROBOT_AGENT or says_stop(body):
+    if author.kind is AccountKind.ROBOT_AGENT:
         return
     if author.role.rank < max(board.post_role.rank, Role.MEMBER.rank):
         what = f"writing on the board {board.id} needs the role {board.post_role}"
-        raise BoardError(403, "board_role", what, "ask an admin; a stop may be posted all the same")
+        raise BoardError(403, "board_role", what, "ask an admin; a post that only says stop is taken all the same")
     if topic is not None and topic.locked and author.role.rank < Role.MODERATOR.rank:
-        raise BoardError(403, "locked", "this topic is locked", "begin a new one; a stop may be posted all the same")
+        hint = "begin a new one; a post that only says stop is taken all the same"
+        raise BoardError(403, "locked", "this topic is locked", hint)
 
 
 def check_limits(t: Transaction, draft: Draft) -> None:
-    """429 when the author wrote or commanded too much in the last hour. Robots and stops are exempt."""
-    if draft.author.kind is AccountKind.ROBOT_AGENT or says_stop(draft.body):
+    """429 when the author wrote or commanded too much in the last hour. Robots are exempt."""
+    if draft.author.kind is AccountKind.ROBOT_AGENT:
         return
     limits.check_posts(t.connection, draft.author, draft.limits.posts)
     if draft.limits.commands:
         robots = frozenset(r.name for r in Reader(t.connection).robots())
-        if robots.intersection(mentions(visible_text(draft.body))):
+        if robots.intersection(draft.text.mentions):
             limits.check_commands(t.connection, draft.author, draft.limits.commands, robots)
-
-
-def says_stop(body: str) -> bool:
-    """Whether a text says stop, in any thread: no limit stands in its way (law 15)."""
-    return stop_intent(visible_text(body)) is not None
 
 
 def edit(
     t: Transaction,
     editor: Account,
     post_id: str,
-    body: str,
+    text: Rendered,
     key: str | None,
     images: Sequence[str],
     card: Card | Literal["keep"] | None,
@@ -130,18 +145,19 @@ def edit(
         return post
     if post.removed:
         raise BoardError(409, "removed", "the post was removed", "write a new one")
-    may_post(editor, reader.board(post.board_id), body, reader.topic(post.topic_id))
-    if not says_stop(body):
+    board, topic = reader.board(post.board_id), reader.topic(post.topic_id)
+    with _a_stop_is_taken(text):
+        may_post(editor, board, topic)
         limits.count_change(t.connection, editor, per_hour)
     at = now_us()
     version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
     t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
-    values = _text(t.connection, body) | {"version": post.version + 1, "edited_us": at}
+    values = _columns(text) | {"version": post.version + 1, "edited_us": at}
     if card != "keep":
         values["card"] = card
     t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
     _attach(t.connection, int(post.id), editor, images, first=len(post.images))
-    words.change(t.connection, int(post.id), body, reader.title_begun_by(post))
+    words.change(t.connection, int(post.id), text.words, text.chars, reader.title_begun_by(post))
     add_event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
     return reader.post(post.id)
 
@@ -213,29 +229,19 @@ def _written_before(t: Transaction, draft: Draft) -> Written | None:
 def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str = "") -> Written:
     reader = Reader(t.connection)
     reply_to = _same_topic(reader, draft.reply_to, topic_id) if draft.reply_to is not None else None
-    text = _text(t.connection, draft.body)
     values = {"author_id": int(draft.author.id), "reply_to": reply_to, "key": draft.key, "card": draft.card}
-    post_id = _insert(t, db.posts, topic_id=topic_id, created_us=at, **values, **text)
+    post_id = _insert(t, db.posts, topic_id=topic_id, created_us=at, **values, **_columns(draft.text))
     t.connection.execute(_ONE_POST_MORE, {"topic": topic_id, "post": post_id, "at": at})
     _attach(t.connection, post_id, draft.author, draft.images)
-    words.add(t.connection, post_id, draft.body, title)
-    notices.tell(t, post_id, topic_id, draft.author, text["mentions"], reply_to)
+    words.add(t.connection, post_id, draft.text.words, draft.text.chars, title)
+    notices.tell(t, post_id, topic_id, draft.author, draft.text.mentions, reply_to)
     add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
 
 
-def _text(connection: Connection, body: str) -> dict[str, Any]:
-    """The columns that follow from a text. Only names of accounts are mentions, and only where they can be seen."""
-    known: dict[str, bool] = {}
-    reader = Reader(connection)
-
-    def is_account(name: str) -> bool:
-        if name not in known:
-            known[name] = reader.account(name) is not None
-        return known[name]
-
-    named = [name for name in mentions(visible_text(body)) if is_account(name)]
-    return {"raw": body, "html": render(body, is_account), "mentions": named}
+def _columns(text: Rendered) -> dict[str, Any]:
+    """The columns that follow from a text."""
+    return {"raw": text.raw, "html": text.html, "mentions": list(text.mentions)}
 
 
 def _same_topic(reader: Reader, post_id: str, topic_id: int) -> int:

@@ -11,8 +11,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
+from agentrob.language.complexity import nfkc
 from agentrob.language.languages import known
-from agentrob.language.visible import OMITTED, without_mentions
+from agentrob.language.visible import OMITTED, mentions, visible_text, without_mentions
 from agentrob.model import Intent
 
 _HAN = r"[\u3400-\u9fff]"
@@ -155,3 +156,19 @@ def _clauses(text: str) -> Iterator[str]:
         yield text[at : end.start()]
         at = end.end()
     yield text[at:]
+
+
+#: A post that is nothing but a stop is no longer, and addresses no more than these.
+_ONLY_CHARS, _ONLY_NAMES = 120, 3
+
+
+def is_only_stop(raw: str) -> bool:
+    """Whether a body says stop and nothing else: it is short, and every clause of what was typed, not only of what is
+    visible, is stop words and politeness. No limit holds for such a post (law 15), so it must carry nothing else."""
+    if len(raw) > _ONLY_CHARS or stop_intent(visible_text(raw)) is None:
+        return False
+    typed = nfkc(raw)
+    if len(mentions(typed)) > _ONLY_NAMES:
+        return False
+    said = (_read_clause(clause) for clause in _clauses(without_mentions(typed)))
+    return all(meant is not None for meant in said)
