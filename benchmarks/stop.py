@@ -13,6 +13,9 @@ each time. No trial is left out; a command that ends otherwise than stopped ends
 Conditions:
   quiet    nothing else happens
   flood    another account writes talk into another thread: 50 posts a second that the board accepts; fewer is a miss
+  hostile  24 accounts write posts, edits and previews of 32 to 64 KiB that cost a Markdown parser much, and posts with
+           1,500 mentions, each as fast as it is answered. Stops come by post and by button in turn, and time counts
+           from before the request is sent: what holds up a stop holds it up before the board has accepted it
   camera   the command begins with a photo and the walk waits for it; pictures are drawn without GL, so they take long
   disk     the agent can write no file any more while the robot walks, nor into those that are there (RLIMIT_FSIZE 0;
            EFBIG instead of ENOSPC: a full disk itself takes most writes of the journal, whose write-ahead log is used
@@ -33,6 +36,7 @@ import os
 import resource
 import signal
 import sqlite3
+import sys
 import tempfile
 import threading
 import time
@@ -46,6 +50,8 @@ from unittest import mock
 import httpx2
 
 from agentrob import app
+from agentrob.board.accounts import new_session
+from agentrob.board.database import open_engine
 from agentrob.demo import VISITOR, Demo, DemoSettings, sigterm_interrupts
 from agentrob.forums.forum import Forum
 from agentrob.model import AccountKind, Post, Role
@@ -56,7 +62,7 @@ from agentrob.visit import FINAL
 from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_
 
 ROBOT = "quadruped"
-CONDITIONS = ("quiet", "flood", "camera", "disk", "frozen")
+CONDITIONS = ("quiet", "flood", "hostile", "camera", "disk", "frozen")
 #: What p99 must not exceed: a stop post, and an agent that is gone (the lease of 1 s, and half a second to notice).
 LIMIT_MS = {"frozen": 1500.0}
 STOP_LIMIT_MS = 200.0
@@ -67,6 +73,8 @@ STRAY_M, STRAY_DEG = 0.8, 25.0
 FLOOD_PER_S = 50.0
 #: So many posts are under way at once at most; and of the wanted rate so much must be reached.
 FLOOD_WRITERS, FLOOD_SHARE = 8, 0.98
+HOSTILE_ACCOUNTS, HOSTILE_FIRST_S = 24, 3.0
+HOSTILE_POSTS = Path(__file__).parent / "instruments" / "hostile_posts.py"
 #: For so long after the zero the disk stays full; and so many of all stops must have been refused by it.
 FULL_S, FULL_SHARE = 0.05, 0.95
 
@@ -171,7 +179,9 @@ class Scene:
 
     def __init__(self, demo: Demo, forum: Forum) -> None:
         self.demo, self.forum = demo, forum
-        self.domain = app.load(demo.data / "agentrob.toml").robot(ROBOT).domain
+        config = app.load(demo.data / "agentrob.toml")
+        self.domain = config.robot(ROBOT).domain
+        self.url, self.token = app.board_settings(config).base_url, demo.tokens[VISITOR]
         self.wire = Wire(self.domain)
         self.agent = next(child for child in demo.children if child.name == f"agent-{ROBOT}").process
         self._posts = 0
@@ -210,6 +220,18 @@ class Scene:
         post = (await self.forum.reply(command.topic_id, "stop", key=f"stop-{command.id}")).post
         return post, post.created_at.timestamp() - (time.time() - time.monotonic())
 
+    @property
+    def posts(self) -> int:
+        """How many commands were posted."""
+        return self._posts
+
+    async def press(self) -> None:
+        """Press the button that stops the robot."""
+        async with httpx2.AsyncClient(trust_env=False, timeout=WAIT_S) as http:
+            headers = {"Authorization": f"Bearer {self.token}"}
+            pressed = await http.post(f"{self.url}/api/v1/robots/{ROBOT}/stop", headers=headers)
+            pressed.raise_for_status()
+
     async def ended(self, command: Post) -> str:
         """The final state of a command."""
         end_s = time.monotonic() + WAIT_S
@@ -238,6 +260,20 @@ async def stopped(scene: Scene) -> float:
     _, accepted_s = await scene.stop(command)
     await scene.wire.wait("zero", mark, accepted_s)
     return await _settled(scene, command, mark, accepted_s)
+
+
+async def stopped_however(scene: Scene) -> float:
+    """One stop by a post or by the button while the robot walks; milliseconds from before it is asked for."""
+    mark = len(scene.wire.heard)
+    command = await scene.walk()
+    await scene.walking(mark)
+    asked_s = time.monotonic()
+    if scene.posts % 2:
+        await scene.stop(command)
+    else:
+        await scene.press()
+    await scene.wire.wait("zero", mark, asked_s)
+    return await _settled(scene, command, mark, asked_s)
 
 
 async def written(scene: Scene) -> bool:
@@ -310,6 +346,38 @@ async def flood(scene: Scene, over: asyncio.Event) -> tuple[int, float]:
     return accepted, time.monotonic() - begun_s
 
 
+@contextlib.asynccontextmanager
+async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
+    """Meanwhile others write hostile posts."""
+    config = app.load(scene.demo.data / "agentrob.toml")
+    settings, accounts = app.board_settings(config), []
+    engine = open_engine(settings, writes=True)
+    for number in range(HOSTILE_ACCOUNTS):
+        account = app.board_account(config, f"hostile{number}", AccountKind.HUMAN, Role.MEMBER)
+        with engine.begin() as connection:
+            session = new_session(connection, int(account.id))
+        accounts.append({"name": account.name, "token": app.board_token(config, account.name), "session": session})
+    engine.dispose()
+    topic = (await scene.forum.create_topic("robots", "Hostile", "Come all", key="hostile")).post.topic_id
+    words = {"url": scene.url, "topic": topic, "cookie": settings.cookie, "accounts": accounts}
+    pipes = {"stdin": asyncio.subprocess.PIPE, "stdout": asyncio.subprocess.PIPE}
+    writing = await asyncio.create_subprocess_exec(sys.executable, str(HOSTILE_POSTS), **pipes)
+    assert writing.stdin is not None
+    begun_s = time.monotonic()
+    writing.stdin.write(json.dumps(words).encode() + b"\n")
+    await writing.stdin.drain()
+    try:
+        await asyncio.sleep(HOSTILE_FIRST_S)
+        yield
+    finally:
+        answered, _ = await writing.communicate()
+    seconds, answers = time.monotonic() - begun_s, json.loads(answered)
+    done = {what: sum(n for status, n in found.items() if int(status) < 300) for what, found in answers.items()}
+    said = ", ".join(f"{done[what]} {what}s" for what in ("post", "edit", "preview"))
+    row.note = f"{said} and {done['names']} posts of mentions taken in {seconds:.0f} s"
+    row.void = "" if len(done) == 4 and all(done.values()) else f"nobody was hostile: {answers}"
+
+
 @contextlib.contextmanager
 def full(agent: int) -> Iterator[None]:
     """No room for anything that the agent writes meanwhile."""
@@ -339,12 +407,14 @@ async def full_disk(scene: Scene) -> float:
 async def measure(demo: Demo, condition: str, trials: int) -> Row:
     """All trials of one condition."""
     row = Row(condition, LIMIT_MS.get(condition, STOP_LIMIT_MS))
-    trial = {"camera": waiting_for_camera, "disk": full_disk, "frozen": frozen}.get(condition, stopped)
+    trials_of = {"hostile": stopped_however, "camera": waiting_for_camera, "disk": full_disk, "frozen": frozen}
+    trial = trials_of.get(condition, stopped)
     over = asyncio.Event()
     async with Scene.of(demo) as scene:
         flooding = asyncio.create_task(flood(scene, over)) if condition == "flood" else None
-        for _ in range(trials):
-            row.found_ms.append(await trial(scene))
+        async with hostile(scene, row) if condition == "hostile" else contextlib.nullcontext():
+            for _ in range(trials):
+                row.found_ms.append(await trial(scene))
         over.set()
         if flooding:
             posts, seconds = await flooding

@@ -1,0 +1,85 @@
+"""Accounts that write hostile posts as fast as the forum answers, in a process of its own: posts and edits of 32 to 64
+KiB that cost a Markdown parser much, previews of them, and posts that name everybody.
+
+    python benchmarks/instruments/hostile_posts.py < words
+
+`words` is a line of JSON: {"url", "topic", "cookie", "accounts": [{"name", "token", "session"}]}. It ends with its
+input, and then prints how many of each were answered how: {"post": {"201": n, …}, "edit": …, "preview": …, "names": …}.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from collections import Counter, defaultdict
+from itertools import count
+from typing import Any
+
+import httpx2
+
+from agentrob.board.access import csrf_token
+
+SIZES = (65_000, 48_000, 32_000)
+UNITS = ("![", "[", "![](", "[a](", "*_", "*a **a ", "- a\n* a\n", "a|b\n-|-\n", "`a``b", "<a ", "> - a\n", "*a*, ")
+SOME = (
+    "[a]: http://x.example/" + "u" * 20_000 + "\n\n" + "![a]" * 5_000,
+    "|" + "a|" * 300 + "\n|" + "-|" * 300 + "\n" + "|\n" * 15_000,
+    ">" * 100 + "a\n" + "a\n" * 15_000,
+)
+WAIT_S = 60.0
+
+
+def text(number: int) -> str:
+    """Another one for each number, in turn."""
+    kinds = len(UNITS) + len(SOME)
+    if (kind := number % kinds) >= len(UNITS):
+        return SOME[kind - len(UNITS)]
+    unit, size = UNITS[kind], SIZES[number // kinds % len(SIZES)]
+    return unit * (size // len(unit.encode()))
+
+
+async def attack(words: dict[str, Any], over: asyncio.Event) -> dict[str, dict[str, int]]:
+    """All accounts at once, until it is over."""
+    answers: dict[str, Counter[str]] = defaultdict(Counter)
+    everybody = " ".join(f"@{account['name']}" for account in words["accounts"])
+
+    async def write(account: dict[str, str], first: int) -> None:
+        headers = {"Authorization": f"Bearer {account['token']}"}
+        session = {"csrf": csrf_token(account["session"])}
+        api, replies = f"{words['url']}/api/v1", f"/topics/{words['topic']}/posts"
+        async with (
+            httpx2.AsyncClient(base_url=api, headers=headers, timeout=WAIT_S, trust_env=False) as program,
+            httpx2.AsyncClient(
+                base_url=words["url"], cookies={words["cookie"]: account["session"]}, timeout=WAIT_S, trust_env=False
+            ) as browser,
+        ):
+            for number in count(first):
+                made = await program.post(replies, json={"body": text(number)})
+                answers["post"][str(made.status_code)] += 1
+                if made.status_code == 201:
+                    edit = {"body": text(number + 1)}
+                    edited = await program.patch(f"/posts/{made.json()['post']['id']}", json=edit)
+                    answers["edit"][str(edited.status_code)] += 1
+                looked = await browser.post("/preview", data=session | {"body": text(number + 2)})
+                answers["preview"][str(looked.status_code)] += 1
+                named = await program.post(replies, json={"body": everybody + " " + f"@{account['name']} " * 1_500})
+                answers["names"][str(named.status_code)] += 1
+
+    writing = [asyncio.create_task(write(account, 7 * n)) for n, account in enumerate(words["accounts"])]
+    await over.wait()
+    for task in writing:
+        task.cancel()
+    await asyncio.gather(*writing, return_exceptions=True)
+    return {what: dict(found) for what, found in answers.items()}
+
+
+async def main() -> None:
+    words = json.loads(sys.stdin.readline())
+    over = asyncio.Event()
+    asyncio.get_running_loop().run_in_executor(None, sys.stdin.read).add_done_callback(lambda _: over.set())
+    print(json.dumps(await attack(words, over)))
+
+
+if __name__ == "__main__":
+    asyncio.run(main())
