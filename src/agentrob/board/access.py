@@ -147,12 +147,13 @@ async def sign_in(services: Services, name: str, password: str, address: str) ->
 
 async def _check_password(services: Services, name: str, password: str, address: str) -> None:
     await _count(services, name, address)
+    await asyncio.sleep(attempts.delay_s(services.store.reader, name))
     row = services.store.reader.first(accounts.password_of(name))
     async with services.hashing:
         right = await asyncio.to_thread(accounts.verify_password, row.password_hash if row else None, password)
     if row is None or not right:
         raise BoardError(401, "wrong_password", "that name or password is wrong", "try again, or ask an admin")
-    await services.store.do(lambda t: attempts.forget(t.connection, name))
+    await services.store.do(lambda t: attempts.forget(t.connection, name, address))
 
 
 async def _count(services: Services, name: str, address: str) -> None:

@@ -8,6 +8,7 @@ hashes, for an hour, and in no backup.
 from __future__ import annotations
 
 import hashlib
+import ipaddress
 import math
 
 from sqlalchemy import Connection, delete, insert, select
@@ -19,14 +20,19 @@ from agentrob.errors import BoardError
 
 WINDOW_S = 300.0
 HOUR_S = 3600.0
+#: Of one name from one address, and of all names from one address.
 PER_NAME = 10
 PER_ADDRESS = 30
+#: So many attempts for a name from anywhere make each further one a second slower, up to `SLOWEST_S`.
+SLOWER_EVERY = 30
+SLOWEST_S = 5.0
 
 
 def refuse(reader: Reader, name: str, address: str) -> None:
-    """429 when there were `PER_NAME` attempts for the name or `PER_ADDRESS` from the address in `WINDOW_S`.
+    """429 when there were `PER_NAME` attempts for the name from the address, or `PER_ADDRESS` for any, in `WINDOW_S`.
 
-    Without a name (signing up) only the address counts: else a few newcomers would shut out all others.
+    A name is never refused to all addresses: else anybody could lock its owner out. Without a name (signing up) only
+    the address counts: else a few newcomers would shut out all others.
     """
     for key, limit in _limits(name, address):
         if (wait_s := _wait_s(reader, key, limit, WINDOW_S)) is not None:
@@ -36,12 +42,20 @@ def refuse(reader: Reader, name: str, address: str) -> None:
 def count(connection: Connection, name: str, address: str) -> None:
     """Count one attempt. 429 when there were too many; that one then does not count."""
     refuse(Reader(connection), name, address)
-    _add(connection, *(key for key, _ in _limits(name, address)))
+    _add(connection, *(key for key, _ in _limits(name, address)), *([_name(name)] if name else []))
+
+
+def delay_s(reader: Reader, name: str) -> float:
+    """How long an attempt for this name has to wait, since there were many, from however many addresses."""
+    a, most = db.attempts.c, math.ceil(SLOWEST_S) * SLOWER_EVERY
+    since = now_us() - int(WINDOW_S * 1_000_000)
+    recent = select(a.at_us).where(a.key == _name(name), a.at_us > since).limit(most)
+    return min(SLOWEST_S, float(len(reader.rows(recent)) // SLOWER_EVERY))
 
 
 def count_sign_up(connection: Connection, address: str, most: int) -> None:
     """Count one account made from an address. 429 beyond `most` in an hour; 0 is no such limit."""
-    if (wait_s := count_in_hour(connection, "sign-up", address, most)) is not None:
+    if (wait_s := count_in_hour(connection, "sign-up", _network(address), most)) is not None:
         said = f"{most} accounts were made from your address within the last hour, which is the limit"
         minutes = math.ceil(wait_s / 60)
         raise BoardError(429, "too_many_sign_ups", said, f"come again in {minutes} minutes", wait_s)
@@ -58,14 +72,14 @@ def count_in_hour(connection: Connection, kind: str, value: str, most: int) -> f
     return wait_s
 
 
-def forget(connection: Connection, name: str) -> None:
-    """A right password: the name starts anew."""
-    connection.execute(delete(db.attempts).where(db.attempts.c.key == _name(name)))
+def forget(connection: Connection, name: str, address: str) -> None:
+    """A right password: the name starts anew from this address."""
+    connection.execute(delete(db.attempts).where(db.attempts.c.key == _name_at(name, address)))
 
 
 def _limits(name: str, address: str) -> list[tuple[str, int]]:
-    limits = [(_key("address", address), PER_ADDRESS)]
-    return [(_name(name), PER_NAME), *limits] if name else limits
+    limits = [(_key("address", _network(address)), PER_ADDRESS)]
+    return [(_name_at(name, address), PER_NAME), *limits] if name else limits
 
 
 def _wait_s(reader: Reader, key: str, limit: int, window_s: float) -> float | None:
@@ -84,6 +98,23 @@ def _add(connection: Connection, *keys: str) -> None:
 
 def _name(name: str) -> str:
     return _key("name", name.strip().lower()[:64])
+
+
+def _name_at(name: str, address: str) -> str:
+    return _key("name at", f"{name.strip().lower()[:64]} {_network(address)}")
+
+
+def _network(address: str) -> str:
+    """The part of an address that its owner cannot choose: all of IPv4, the first 64 bits of IPv6."""
+    try:
+        ip = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(ip, ipaddress.IPv4Address):
+        return address
+    if ip.ipv4_mapped is not None:
+        return str(ip.ipv4_mapped)
+    return str(ipaddress.ip_network((int(ip), 64), strict=False))
 
 
 def _key(kind: str, value: str) -> str:
