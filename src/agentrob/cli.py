@@ -59,6 +59,10 @@ def demo(
     robot: Annotated[
         list[str] | None, typer.Option(help="Another kind of robot that is installed, beside the two; also several.")
     ] = None,
+    mind: Annotated[
+        str | None,
+        typer.Option(help="Who reads posts: rules, or a [minds.NAME] of ./agentrob.toml. [default: as last]"),
+    ] = None,
 ) -> None:
     """Start everything on this machine and print the address to open."""
     if context.invoked_subcommand:
@@ -75,6 +79,7 @@ def demo(
         as_json=as_json,
         world=world,
         more=tuple(robot or ()),
+        mind=mind,
     )
     raise typer.Exit(demonstration.run(settings))
 

@@ -22,9 +22,9 @@ from typing import IO, Any
 from agentrob import config as configuration
 from agentrob import hostlock
 from agentrob.child import Child, ChildError, end_all
-from agentrob.config import Config, ForumConfig, RatesConfig
+from agentrob.config import Config, ForumConfig, MindConfig, RatesConfig
 from agentrob.config_board import BoardConfig
-from agentrob.errors import AgentRobError, RobotBusy
+from agentrob.errors import AgentRobError, ConfigError, RobotBusy
 from agentrob.model import AccountKind, Role
 
 PORT = 8088
@@ -48,7 +48,8 @@ class DemoError(AgentRobError):
 class DemoSettings:
     """`port` None means any free one; `data` is kept; `post` runs one post and ends.
 
-    `more` are kinds of robots beside the two; each is called by its kind.
+    `more` are kinds of robots beside the two; each is called by its kind. `mind` reads posts to them: `rules`, or one of
+    the minds of `./agentrob.toml` or of the data folder's; None is the one of last time.
     """
 
     data: Path
@@ -57,6 +58,7 @@ class DemoSettings:
     as_json: bool = False
     world: str = "room"
     more: Sequence[str] = ()
+    mind: str | None = None
 
     @property
     def robots(self) -> dict[str, str]:
@@ -206,8 +208,9 @@ class Demo:
     def _write_config(self, port: int, room_url: str) -> Path:
         from agentrob import app
 
+        minds, mind = self._minds()
         # one visitor, who owns the robots and the forum, and may play as long as they like
-        own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0)}
+        own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0), "mind": mind}
         room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
         robots = {
             name: app.simulated_robot(model, self._domains[name].number, self.settings.world).model_copy(
@@ -220,10 +223,38 @@ class Demo:
             board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=self.url),
             forum=ForumConfig(url=self.url),
             robots=robots,
+            minds=minds,
         )
         path = self.data / "agentrob.toml"
-        config.write(path, "Written by `agentrob demo` at each start; edit a copy.")
+        config.write(path, "Written by `agentrob demo` at each start, which keeps only [minds]; edit a copy.")
         return path
+
+    def _minds(self) -> tuple[dict[str, MindConfig], str]:
+        """The models that are known, and the mind that reads posts. `ConfigError` when the one that is asked for is
+        none of them."""
+        path = self.data / "agentrob.toml"
+        before = self._config_of_last_time(path)
+        minds = before.minds | configuration.load().minds
+        last = next((robot.mind for robot in before.robots.values()), "rules")
+        mind = self.settings.mind or (last if last in minds else "rules")
+        if mind != "rules" and mind not in minds:
+            known = ", ".join(sorted(minds)) or "none yet"
+            raise ConfigError(
+                f"no mind named {mind!r}; there are rules, and as [minds.NAME] in ./agentrob.toml or {path}: {known}"
+            )
+        return minds, mind
+
+    def _config_of_last_time(self, path: Path) -> Config:
+        """The demo's own file; one that somebody broke is set aside, since the demo starts whatever was changed."""
+        if not path.exists():
+            return Config()
+        try:
+            return configuration.load(path)
+        except ConfigError as e:
+            aside = path.with_suffix(".toml.broken")
+            path.replace(aside)
+            print(f"AgentRob demo: {e}; it is now {aside}", file=sys.stderr)
+            return Config()
 
     def _bootstrap(self, config_path: Path) -> None:
         from agentrob import app
