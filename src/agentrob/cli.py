@@ -118,19 +118,21 @@ EvalFile = Annotated[Path, typer.Argument(help="Rows with text, one JSON object 
 EvalMind = Annotated[str, typer.Option("--mind", help="rules, or a mind of the configuration.")]
 EvalRobot = Annotated[str, typer.Option("--robot", help="The kind of robot: go2, g1.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+EvalLimit = Annotated[int | None, typer.Option("--limit", min=1, help="Only the first rows of the file.")]
 
 
 @eval_cli.command("plan")
 def eval_plan(
     file: Annotated[Path, typer.Argument(help="Rows of text and plan, one JSON object a line.")],
     mind: EvalMind = "rules",
+    limit: EvalLimit = None,
     as_json: AsJson = False,
     config: ConfigFile = None,
 ) -> None:
     """How many sentences are understood exactly as they were meant."""
     from agentrob import evaluate
 
-    found = evaluate.plans(file, mind, app.load(config))
+    found = evaluate.plans(file, mind, app.load(config), limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else evaluate.describe(found))
 
 
@@ -140,13 +142,14 @@ def eval_danger(
     mind: EvalMind = "rules",
     robot: EvalRobot = "go2",
     scenes: Annotated[bool, typer.Option("--scenes", help="Judge each row within its scene.")] = False,
+    limit: EvalLimit = None,
     as_json: AsJson = False,
     config: ConfigFile = None,
 ) -> None:
     """How many dangerous commands would be executed, and how many harmless ones are refused."""
     from agentrob import evaluate_danger as measure
 
-    found = measure.danger(file, mind, robot, app.load(config), scenes=scenes)
+    found = measure.danger(file, mind, robot, app.load(config), scenes=scenes, limit=limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
 
 
@@ -155,13 +158,14 @@ def eval_injection(
     file: EvalFile,
     mind: EvalMind = "rules",
     robot: EvalRobot = "go2",
+    limit: EvalLimit = None,
     as_json: AsJson = False,
     config: ConfigFile = None,
 ) -> None:
     """Whether text slipped into a post changes what the command beside it moves."""
     from agentrob import evaluate_injection as measure
 
-    found = measure.injections(file, mind, robot, app.load(config))
+    found = measure.injections(file, mind, robot, app.load(config), limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
 
 

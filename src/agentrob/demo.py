@@ -48,7 +48,7 @@ class DemoError(AgentRobError):
 class DemoSettings:
     """`port` None means any free one; `data` is kept; `post` runs one post and ends.
 
-    `more` are kinds of robots beside the two; each is called by its kind. `mind` reads posts to them: `rules`, or one of
+    `more` are kinds of robots beside the two; each is called by its kind. `mind` reads their posts: `rules`, or one of
     the minds of `./agentrob.toml` or of the data folder's; None is the one of last time.
     """
 

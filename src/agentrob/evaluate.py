@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-from collections.abc import Sequence
+import signal
+from collections.abc import Awaitable, Callable, Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from agentrob import app
 from agentrob.config import Config
@@ -18,6 +19,9 @@ from agentrob.language.visible import visible_text
 from agentrob.minds.mind import Listener, LivingMind, Mind, Reading, read
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Intent, Limits, Op
+
+K = TypeVar("K", bound=Hashable)
+V = TypeVar("V")
 
 #: A robot that is bound by nothing: what is measured is understanding. It offers its paw as its hello, as a Go2 does.
 UNBOUND = Capabilities("any", frozenset(Op) - {Op.SHAKE}, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
@@ -35,15 +39,19 @@ class Plans:
         return {**self.score.as_json(), "mind": self.mind, "unanswered": self.unanswered}
 
 
-def plans(path: Path, mind: str = "rules", config: Config | None = None) -> Plans:
+def plans(path: Path, mind: str = "rules", config: Config | None = None, limit: int | None = None) -> Plans:
     """Read every row's text by a mind and compare with the plan that was meant (`agentrob.language.score`).
+
+    `limit` takes the first rows only. When the process is told to end, the score is of the rows that were read.
 
     Raises `ConfigError` for a file that cannot be read or holds other rows, and for an unknown mind; `MindError` when
     the mind answered no question at all.
     """
-    rows = read_rows(path)
+    rows = read_rows(path, limit)
     texts = [row["text"] for row in rows if isinstance(row.get("text"), str)]
     readings = asyncio.run(_read(app.make_mind(mind, config), texts))
+    rows = [row for row in rows if not isinstance(row.get("text"), str) or row["text"] in readings]
+    texts = [text for text in texts if text in readings]
     if why := never_answered([reading.usage for reading in readings.values()]):
         raise MindError(f"the mind {mind!r} answered no question ({why}); see: agentrob mind check {mind}")
     try:
@@ -58,10 +66,37 @@ async def _read(mind: Mind, texts: list[str]) -> dict[str, Reading]:
     if isinstance(mind, LivingMind):
         await mind.prepare()
     try:
-        return {text: await read(mind, visible_text(text), listener) for text in dict.fromkeys(texts)}
+        return await one_by_one(texts, lambda text: read(mind, visible_text(text), listener))
     finally:
         if isinstance(mind, LivingMind):
             await mind.close()
+
+
+async def one_by_one(items: Sequence[K], work: Callable[[K], Awaitable[V]]) -> dict[K, V]:
+    """What comes of each, with a progress bar on a terminal; of those that were done when the process was told to end
+    (Ctrl-C or SIGTERM), which is said on standard error."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    todo, found = list(dict.fromkeys(items)), dict[K, V]()
+    console = Console(stderr=True)
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    task = asyncio.current_task()
+    assert task is not None
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, task.cancel)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+        bar = shown.add_task("reading", total=len(todo))
+        try:
+            for item in todo:
+                found[item] = await work(item)
+                shown.advance(bar)
+                await asyncio.sleep(0)  # a mind that awaits nothing gives the signals a turn too
+        except asyncio.CancelledError:
+            if not found:
+                raise KeyboardInterrupt from None
+            console.print(f"ended after {len(found)} of {len(todo)}: what follows is of those", markup=False)
+    return found
 
 
 def never_answered(usages: Sequence[Sequence[Usage]]) -> str:
@@ -70,8 +105,9 @@ def never_answered(usages: Sequence[Sequence[Usage]]) -> str:
     return questions[-1].failed if questions and all(usage.failed for usage in questions) else ""
 
 
-def read_rows(path: Path) -> list[dict[str, Any]]:
-    """The JSON objects of a file, one a line; empty lines are passed over. Raises `ConfigError`."""
+def read_rows(path: Path, limit: int | None = None) -> list[dict[str, Any]]:
+    """The JSON objects of a file, one a line, the first `limit` of them; empty lines are passed over. Raises
+    `ConfigError`."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as e:
@@ -89,7 +125,7 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
         rows.append(row)
     if not rows:
         raise ConfigError(f"{path} holds no rows; one is {EXAMPLE}")
-    return rows
+    return rows[:limit]
 
 
 EXAMPLE = '{"text": "turn left", "plan": [{"op": "turn", "direction": "left", "degrees": 90}]}'

@@ -74,13 +74,20 @@ class Danger:
 
 
 def danger(
-    path: Path, mind: str = "rules", robot: str = "go2", config: Config | None = None, *, scenes: bool = False
+    path: Path,
+    mind: str = "rules",
+    robot: str = "go2",
+    config: Config | None = None,
+    *,
+    scenes: bool = False,
+    limit: int | None = None,
 ) -> Danger:
-    """Judge every row: `text`, `label` (`benign`, or anything else for dangerous), `scene` when `scenes`.
+    """Judge every row: `text`, `label` (`benign`, or anything else for dangerous), `scene` when `scenes`; the first
+    `limit` only.
 
     Raises `ConfigError` for a file that cannot be read or holds other rows.
     """
-    rows = read_rows(path)
+    rows = read_rows(path, limit)
     for row in rows:
         if not isinstance(row.get("text"), str) or not isinstance(row.get("scene", ""), str):
             raise ConfigError(f"{path}: a row needs `text` (and may have `label` and `scene`), such as {EXAMPLE}")
@@ -88,7 +95,7 @@ def danger(
             raise ConfigError(f"{path}: with --scenes each row needs `scene`, a description of the place")
     posts = [(row["text"], row.get("scene", "") if scenes else "") for row in rows]
     found = outcomes(posts, mind, robot, config)
-    return Danger(tuple(_judged(row, outcome) for row, outcome in zip(rows, found, strict=True)), mind)
+    return Danger(tuple(_judged(row, outcome) for row, outcome in zip(rows, found, strict=False)), mind)
 
 
 def _judged(row: Mapping[str, Any], outcome: Outcome) -> Judged:

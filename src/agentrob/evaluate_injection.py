@@ -63,9 +63,12 @@ class Injections:
         }  # fmt: skip
 
 
-def injections(path: Path, mind: str = "rules", robot: str = "go2", config: Config | None = None) -> Injections:
-    """Place every row's `text` into posts and see what moves. Raises `ConfigError` for a file of other rows."""
-    texts = [row.get("text") for row in read_rows(path)]
+def injections(
+    path: Path, mind: str = "rules", robot: str = "go2", config: Config | None = None, limit: int | None = None
+) -> Injections:
+    """Place every row's `text`, the first `limit` only, into posts and see what moves. Raises `ConfigError` for a file
+    of other rows."""
+    texts = [row.get("text") for row in read_rows(path, limit)]
     if not all(isinstance(text, str) for text in texts):
         raise ConfigError(f"{path}: a row needs `text`, such as {EXAMPLE}")
     placed = []
@@ -75,7 +78,7 @@ def injections(path: Path, mind: str = "rules", robot: str = "go2", config: Conf
     found = outcomes([(command, "") for command in COMMANDS] + [(body, "") for *_, body in placed], mind, robot, config)
     wanted = dict(zip(COMMANDS, found, strict=False))
     rest = found[len(COMMANDS) :]
-    rows = [Slipped(t, w, c, o, wanted[c].plan) for (t, w, c, _), o in zip(placed, rest, strict=True)]
+    rows = [Slipped(t, w, c, o, wanted[c].plan) for (t, w, c, _), o in zip(placed, rest, strict=False)]
     return Injections(tuple(rows), mind)
 
 

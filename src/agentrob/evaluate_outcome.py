@@ -6,11 +6,12 @@ import asyncio
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 from agentrob import app
 from agentrob.config import Config
 from agentrob.errors import MindError
-from agentrob.evaluate import never_answered
+from agentrob.evaluate import never_answered, one_by_one
 from agentrob.judge.addressed import heard_by
 from agentrob.judge.screen import harm_in_words, prepare, screen
 from agentrob.language.visible import mentions, visible_text
@@ -49,7 +50,8 @@ def capabilities_of(robot: str) -> Capabilities:
 
 def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Config | None = None) -> list[Outcome]:
     """What comes of each (body of a post, description of the scene or empty), as with an agent of usual settings: read
-    by the mind, judged by the rules, and what they allow looked at by the model once more.
+    by the mind, judged by the rules, and what they allow looked at by the model once more. Fewer than the
+    posts when the process is told to end.
 
     Raises `ConfigError` for an unknown mind or robot, `MindError` when the mind answered no question at all.
     """
@@ -58,17 +60,14 @@ def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Co
 
 
 async def _all(posts: Sequence[tuple[str, str]], mind: Mind, can: Capabilities) -> list[Outcome]:
-    known: dict[tuple[str, str], Outcome] = {}
     if isinstance(mind, LivingMind):
         await mind.prepare()
     try:
-        for post in posts:
-            if post not in known:
-                known[post] = await _one(*post, mind, can)
+        known = await one_by_one(posts, lambda post: _one(*post, mind, can))
     finally:
         if isinstance(mind, LivingMind):
             await mind.close()
-    found = [known[post] for post in posts]
+    found = [known[post] for post in takewhile(known.__contains__, posts)]
     if why := never_answered([outcome.usage for outcome in found]):
         raise MindError(f"the mind {mind.name!r} answered no question ({why}); see: agentrob mind check {mind.name}")
     return found

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,6 +20,7 @@ from agentrob.errors import ConfigError, MindError
 
 sys.path.append(str(Path(__file__).parents[1] / "minds"))
 from brain import FINE, Brain, move, running_brain
+from faulty_server import called
 from model_double import model_double
 
 FREE, FREE_READ = "be a darling and meander forward 1 m", move("meander forward 1 m", 1)
@@ -138,3 +143,40 @@ def test_a_mind_that_never_answers_or_is_not_there_gives_no_figures(
     assert isinstance(done.exception, ConfigError)
     assert "clever" in str(done.exception)
     assert CliRunner().invoke(cli, ["eval", kind]).exit_code == 2
+
+
+@pytest.mark.parametrize("kind", ["plan", "danger"])
+def test_an_evaluation_that_is_ended_prints_what_it_has(tmp_path: Path, brain: Brain, kind: str) -> None:
+    asked, over = threading.Event(), threading.Event()
+
+    def answer(handler: Any) -> None:
+        if len(brain.questions("read")) > 1:
+            asked.set()
+            over.wait(30)
+        handler.send(200, json.dumps(called("answer", FREE_READ)).encode())
+
+    brain.reads = answer
+    configured(tmp_path, f"{brain.server.url}/v1")
+    rows = PLANS[:1] + [{"text": f"{FREE} number {n}", "plan": None} for n in range(5)]
+    command = ["eval", kind, str(write(tmp_path, rows)), "--mind", "clever", "--json"]
+    process = subprocess.Popen(
+        [Path(sys.executable).with_name("agentrob"), *command, "--config", str(tmp_path / "agentrob.toml")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TEST_KEY": "sk-test-0123456789"},
+    )
+    assert asked.wait(30)
+    process.send_signal(signal.SIGINT)
+    told, said = process.communicate(timeout=30)
+    over.set()
+    assert process.returncode == 0, said
+    assert json.loads(told)["n"] == 1
+    assert "ended after 1 of 6" in said
+
+
+def test_only_the_first_rows_are_read_where_a_limit_says_so(tmp_path: Path, brain: Brain) -> None:
+    configured(tmp_path, f"{brain.server.url}/v1")
+    for kind, rows in (("plan", PLANS), ("danger", DANGER), ("injection", DANGER)):
+        told = found(run(tmp_path, kind, rows, "--limit", "1", "--json", mind="rules"))
+        assert told["n"] == (13 if kind == "injection" else 1)
