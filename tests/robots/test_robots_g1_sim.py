@@ -18,7 +18,7 @@ import httpx2
 import pytest
 
 from agentrob.config import FenceConfig, RobotConfig
-from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import RobotContract, apart_m, fresh, go_on
 from agentrob.robots.g1 import G1
 from agentrob.robots.guard import Guard
@@ -29,6 +29,8 @@ from agentrob.robots.robot import Robot
 #: The same as of the Go2's tests: the SDK joins one DDS domain per process, and their world has ended before.
 DOMAIN = 171 + int(os.environ["AGENTROB_TEST_NUMBER"])
 SETTINGS = RobotConfig(model="g1", domain=DOMAIN, simulated=True, home_on_start=True)
+#: Longer than a message is on its way, and than a stop looks back.
+THERE_S = 0.6
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 
 pytestmark = pytest.mark.sim
@@ -55,14 +57,17 @@ def connected(room: str) -> Iterator[G1]:
 
 @pytest.fixture
 def g1(connected: G1, room: str) -> G1:
-    """At its start: a reset puts the odometry back to zero, which a message from before it does not show."""
-    asked_s = time.monotonic()
+    """At its start for a moment: a reset puts the odometry back to zero, and messages from before it may come later."""
     httpx2.post(room + "/reset", timeout=10).raise_for_status()
+    since_s = math.inf
 
     def ready() -> bool:
-        state = connected.state()
-        at = (state.pose.x_m, state.pose.y_m) if state.pose else (math.inf, 0.0)
-        return state.mode == "idle" and math.hypot(*at) < 0.05 and state.age_s < time.monotonic() - asked_s
+        nonlocal since_s
+        state, now_s = connected.state(), time.monotonic()
+        pose = state.pose or Pose(math.inf, 0.0, 0.0)
+        there = math.hypot(pose.x_m, pose.y_m) < 0.05 and abs(pose.yaw_rad) < 0.05
+        since_s = min(since_s, now_s) if there and state.mode == "idle" and state.age_s < 0.2 else math.inf
+        return now_s - since_s > THERE_S
 
     until(ready)
     return connected

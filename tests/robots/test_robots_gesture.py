@@ -66,3 +66,29 @@ def test_law_14_a_stop_just_before_the_next_call_prevents_it() -> None:
     gesture.follow()
     gesture._thread.join(10)
     assert (called, gesture.reason) == ([], "stop")
+
+
+@pytest.mark.parametrize("reason", ["stop", "lease_lapsed", "halted"])
+def test_law_18_a_gesture_that_a_stop_broke_off_at_once_is_told_as_stopped_and_not_as_failed(reason: str) -> None:
+    """The robot's answer, an error, may come before anybody asked again whether to go on."""
+    stopped = threading.Event()
+
+    def broken_off() -> int:
+        stopped.set()
+        return 4201
+
+    gesture = Gesture((broken_off,), lambda: reason if stopped.is_set() else None)
+    gesture.follow()
+    assert (gesture.running, gesture.reason) == (False, reason)
+
+
+def test_a_gesture_that_was_done_when_the_stop_came_was_done() -> None:
+    stopped = threading.Event()
+
+    def done() -> int:
+        stopped.set()
+        return 0
+
+    gesture = Gesture((done,), lambda: "stop" if stopped.is_set() else None)
+    gesture.follow()
+    assert (gesture.code, gesture.reason) == (0, "")

@@ -6,6 +6,7 @@ import itertools
 import math
 import os
 import threading
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import pytest
@@ -41,8 +42,9 @@ AT_REST = RobotState(
 class Told(UnitreeRobot):
     """Says the states it is given, and then the last of them for ever."""
 
-    def __init__(self, *states: RobotState) -> None:
+    def __init__(self, *states: RobotState, recent: Sequence[tuple[float, Pose]] = ()) -> None:
         super().__init__()
+        self._recent = lambda: tuple(recent)  # type: ignore[method-assign]
         self._states = itertools.chain(states, itertools.repeat(states[-1]))
 
     def state(self) -> RobotState:
@@ -67,3 +69,42 @@ def test_a_stop_says_whether_the_robot_was_moving(before: dict[str, object], aft
     stopped = Told(replace(AT_REST, **before), replace(AT_REST, pose=after)).stop()  # type: ignore[arg-type]
     assert stopped.confirmed, stopped.message
     assert stopped.was_moving is was_moving
+
+
+def lately(path: Callable[[float], Pose]) -> list[tuple[float, Pose]]:
+    """Where it was in the last half second; `path` tells it of the seconds since then."""
+    return [(100.0 + k / 50, path(k / 50)) for k in range(26)]
+
+
+@pytest.mark.parametrize(
+    ("before", "path", "was_moving"),
+    [
+        # a body that stands and sways shows the speed of a walk for a moment, and comes back
+        ({"velocity_mps": (0.28, 0.0)}, lambda t: Pose(0.008 * math.sin(30 * t), 0, math.pi), False),
+        ({"yaw_rate_rps": 0.5}, lambda t: Pose(0, 0, math.pi - 0.01 * math.sin(30 * t)), False),
+        # one that turns or walks shows none for a moment, between two strides
+        ({"yaw_rate_rps": 0.04}, lambda t: Pose(0, 0, math.pi - 0.5 * (0.5 - t)), True),
+        ({"velocity_mps": (0.02, 0.0)}, lambda t: Pose(-0.15 * (0.5 - t), 0, math.pi), True),
+        # and one whose odometry jumped came nowhere
+        ({}, lambda t: Pose(0 if t > 0.2 else 1.5, 0, math.pi), False),
+    ],
+)
+def test_a_sway_is_no_motion_and_a_moment_of_standing_within_a_stride_is_no_rest(
+    before: dict[str, object], path: Callable[[float], Pose], was_moving: bool
+) -> None:
+    at = replace(AT_REST, **before)  # type: ignore[arg-type]
+    stopped = Told(at, AT_REST, recent=lately(path)).stop()
+    assert stopped.confirmed, stopped.message
+    assert stopped.was_moving is was_moving
+
+
+def test_law_18_a_stop_tells_no_way_across_a_jump_of_the_odometry() -> None:
+    stopped = Told(AT_REST, AT_REST, replace(AT_REST, pose=Pose(1.0, 0, math.pi))).stop()
+    assert stopped.confirmed, stopped.message
+    assert (stopped.was_moving, stopped.coasted_m) == (False, None)
+
+
+def test_law_18_a_stop_that_is_not_confirmed_tells_no_way() -> None:
+    gone = replace(AT_REST, pose=Pose(math.nan, 0, 0))
+    stopped = Told(AT_REST, *[replace(AT_REST, pose=Pose(0.01 * k, 0, math.pi)) for k in range(5)], gone).stop()
+    assert (stopped.confirmed, stopped.coasted_m) == (False, None)

@@ -20,7 +20,7 @@ from typing import Any
 
 from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Limits, Op, Outcome, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, Capabilities, Limits, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import g1_fsm, unitree
 from agentrob.robots.gesture import Gesture
 from agentrob.robots.guard import BLIND_MPS
@@ -32,6 +32,7 @@ from agentrob.robots.unitree_robot import (
     UnitreeRobot,
     failed,
     moves,
+    poses,
     read,
     refused,
 )
@@ -121,6 +122,9 @@ class G1(UnitreeRobot):
             return RobotState(age_s=math.inf)
         state = replace(read(newest[1]), age_s=time.monotonic() - newest[0])
         return replace(state, mode=mode_of(state, self._fsm.id, gesturing=self._gesturing))
+
+    def _recent(self) -> tuple[tuple[float, Pose], ...]:
+        return poses(self._odometry)
 
     def _age_s(self) -> float:
         newest = self._odometry.newest()

@@ -25,12 +25,17 @@ class Gesture:
         return self._thread.is_alive()
 
     def follow(self) -> None:
-        """Until the calls are answered, or until the objection; then the call under way runs on without us."""
+        """Until the calls are answered, or until the objection; then the call under way runs on without us.
+
+        A stop breaks a call off, which then answers an error, perhaps before the next look: so it is asked once more.
+        """
         self._thread.start()
         while self.running:
             self._thread.join(1 / RATE_HZ)
             if self.running and self._objected():
                 return
+        if self.code:
+            self._objected()
 
     def _run(self) -> None:
         for call in self._calls:

@@ -13,12 +13,12 @@ from typing import Any
 
 from agentrob.config import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Op, Outcome, Primitive, RobotState
+from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots import unitree, unitree_robot
 from agentrob.robots.gesture import Gesture
 from agentrob.robots.motion import Gait, Velocity
 from agentrob.robots.robot import Watch, limits_of
-from agentrob.robots.unitree_robot import IMAGE_TIMEOUT_S, WRITE_TIMEOUT_S, UnitreeRobot, failed, refused
+from agentrob.robots.unitree_robot import IMAGE_TIMEOUT_S, WRITE_TIMEOUT_S, UnitreeRobot, failed, poses, refused
 from agentrob.robots.walk import not_begun, walk
 
 GAIT = Gait(speed_mps=1.0, side_mps=0.3, turn_rps=math.radians(90))
@@ -91,6 +91,9 @@ class Go2(UnitreeRobot):
         }
 
     # ------------------------------------------------------------ the robot
+    def _recent(self) -> tuple[tuple[float, Pose], ...]:
+        return poses(self._state)
+
     def state(self) -> RobotState:
         newest = self._state.newest()
         if newest is None:

@@ -94,6 +94,10 @@ def clients(*makers: tuple[Callable[[], C], float]) -> list[C]:
     return made
 
 
+#: So long, and so often at most, are the messages of a topic kept.
+KEPT_S, KEPT_EVERY_S = 1.0, 0.02
+
+
 class Topic:
     """The newest message of a DDS topic and when it came; `None` until the first."""
 
@@ -101,11 +105,19 @@ class Topic:
         from unitree_sdk2py.core.channel import ChannelSubscriber
 
         self._newest: tuple[float, Any] | None = None
+        self._kept: tuple[tuple[float, Any], ...] = ()
         self._subscriber = ChannelSubscriber(name, kind)
-        self._subscriber.Init(self._take, 0)  # in the listener's own thread: one assignment
+        self._subscriber.Init(self._take, 0)  # in the listener's own thread: what others read is replaced, not changed
 
     def _take(self, message: Any) -> None:
-        self._newest = (time.monotonic(), message)
+        now_s = time.monotonic()
+        self._newest = (now_s, message)
+        if not self._kept or now_s - self._kept[-1][0] >= KEPT_EVERY_S:
+            self._kept = (*(one for one in self._kept if one[0] > now_s - KEPT_S), self._newest)
+
+    def recent(self) -> tuple[tuple[float, Any], ...]:
+        """(monotonic seconds, message) of the last second, oldest first, not all of them."""
+        return self._kept
 
     def newest(self) -> tuple[float, Any] | None:
         """(monotonic seconds, message)."""

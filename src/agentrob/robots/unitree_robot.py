@@ -11,7 +11,8 @@ from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import unitree
 from agentrob.robots.gesture import Gesture
-from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Rest, known
+from agentrob.robots.motion import RATE_HZ, STOPPED_WINDOW_S, Rest, known, wrap
+from agentrob.robots.odometry import Odometry
 from agentrob.robots.robot import Watch
 from agentrob.robots.walk import REST_LIMIT_S
 
@@ -21,8 +22,12 @@ IMAGE_TIMEOUT_S = 3.0
 IMAGE_MAX_BYTES = 8 * 1024 * 1024
 #: Cosine of the tilt below which it lies rather than stands (60 degrees).
 UPRIGHT = 0.5
-#: A standing robot sways a little; faster than this it moves.
+#: A standing robot sways a little; faster than this, at one moment, it moves.
 MOVING_MPS, MOVING_RPS = 0.12, 0.25
+#: Whoever walks or turns comes on by more than this in half a second, whatever a stride or a sway shows at one moment.
+#: In simulation bodies at rest stay below 0.01 m/s and 0.02 rad/s, and a walk at 0.2 m/s or a turn at 0.5 rad/s above
+#: 0.17 m/s or 0.41 rad/s, while the speed of single moments of such a turn falls to 0.04 rad/s.
+COMES_ON_S, COMES_ON_MPS, COMES_ON_RPS = 0.5, 0.06, 0.1
 #: Neither does one that stands come on so far within a stop.
 CAME_ON_M, CAME_ON_RAD = 0.05, 0.06
 #: A state that is older confirms nothing.
@@ -40,11 +45,16 @@ class UnitreeRobot:
     def __init__(self) -> None:
         self._stops = 0
         self._gesture: Gesture | None = None
+        self._walking = False
         self._looking = threading.Lock()
 
     # ------------------------------------------------------------ of each kind
     def state(self) -> RobotState:
         raise NotImplementedError
+
+    def _recent(self) -> tuple[tuple[float, Pose], ...]:
+        """Where it was in the last second: (monotonic seconds, pose), oldest first; empty where that is not kept."""
+        return ()
 
     def _do(self, primitive: Primitive, watch: Watch) -> ActionResult:
         """A step that moves the body; no gesture is under way."""
@@ -65,34 +75,43 @@ class UnitreeRobot:
             return self._image(primitive)
         if self._gesturing:
             return refused(primitive, "busy", "The robot has not finished its last gesture yet.")
-        return self._do(primitive, attentive)
+        self._walking = primitive.op in (Op.MOVE, Op.TURN)
+        try:
+            return self._do(primitive, attentive)
+        finally:
+            self._walking = False
 
     def stop(self) -> StopResult:
         """Zero velocity at once, on a client of its own that waits for no answer, then watch for rest."""
         asked_s = time.monotonic()
         self._stops += 1
-        before = self.state()
+        before, recent, walking = self.state(), self._recent(), self._walking
         sent = self._send_stop()
         latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
-        rest, gesturing = Rest(STOPPED_WINDOW_S), self._gesturing
+        rest, gesturing, odometry, jumped = Rest(STOPPED_WINDOW_S), self._gesturing, Odometry(), False
+        odometry.see(asked_s, before)
         if gesturing:
             self._end_gesture()
         while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
             state = self.state()
+            jumped |= odometry.see(now_s, state) is not None
             fresh = state.pose is not None and state.age_s < CONFIRMING_S
             if fresh and state.pose and rest.see(now_s, state.pose) and not self._gesturing:
                 break
             time.sleep(1 / RATE_HZ)
             if now_s < asked_s + 0.5:
                 self._send_stop()  # a velocity that was on its way meanwhile, or a lost sample
-        moved_m, turned_rad = rest.distance_m(before.pose), rest.turned_rad(before.pose)
+        start = None if jumped else before.pose  # from before a jump nothing is measured
+        moved_m, turned_rad = rest.distance_m(start), rest.turned_rad(start)
         # in a stride there are moments at which it hardly moves: then it is seen by its coming on
         came_on = (moved_m or 0.0) > CAME_ON_M or abs(turned_rad or 0.0) > CAME_ON_RAD
-        was_moving = gesturing or moves(before) or came_on
+        coming = comes_on(recent)
+        # the speed of one moment counts where we walk it, or where it alone is known: a body that stands sways too
+        was_moving = gesturing or came_on or coming is True or ((walking or coming is None) and moves(before))
         doubt = self._doubt(rest)
         if doubt and not sent:
             doubt += " The stop could not be written to the robot's network."
-        return StopResult(latency_ms, not doubt, was_moving, moved_m, doubt)
+        return StopResult(latency_ms, not doubt, was_moving, None if doubt else moved_m, doubt)
 
     def _doubt(self, rest: Rest) -> str:
         """Why the robot cannot be said to have come to rest; empty when it can."""
@@ -152,6 +171,30 @@ def read(message: Any) -> RobotState:
         yaw_rate_rps=turning if math.isfinite(turning) else None,
         upright=1.0 - 2.0 * (x * x + y * y) > UPRIGHT if attitude else None,
     )
+
+
+def comes_on(recent: tuple[tuple[float, Pose], ...]) -> bool | None:
+    """Whether a body walks or turns, by where it was lately; None when too little was seen to tell."""
+    if not recent:
+        return None
+    (end_s, end), odometry = recent[-1], Odometry()
+    kept: list[tuple[float, Pose]] = []
+    for at_s, pose in recent:
+        if odometry.see(at_s, RobotState(age_s=0.0, pose=pose)) is not None:
+            kept.clear()  # it jumped: what was before tells nothing
+        if at_s >= end_s - COMES_ON_S:
+            kept.append((at_s, pose))
+    start_s, start = kept[0]
+    if (seconds := end_s - start_s) < 0.6 * COMES_ON_S:
+        return None
+    metres, radians = math.hypot(end.x_m - start.x_m, end.y_m - start.y_m), abs(wrap(end.yaw_rad - start.yaw_rad))
+    return metres > COMES_ON_MPS * seconds or radians > COMES_ON_RPS * seconds
+
+
+def poses(topic: unitree.Topic) -> tuple[tuple[float, Pose], ...]:
+    """Where a robot was in the last second, of its `SportModeState_`s."""
+    seen = ((at_s, read(message).pose) for at_s, message in topic.recent())
+    return tuple((at_s, pose) for at_s, pose in seen if pose is not None)
 
 
 def moves(state: RobotState) -> bool:
