@@ -213,6 +213,13 @@ def test_camera_pictures_are_gone_when_they_are_older_than_they_are_kept(board: 
     assert not path.exists()
     assert httpx2.get(f"{board.url}/images/{image}", headers=robot.headers).status_code == 404
     assert robot.get(f"/posts/{post}").json()["images"] == []
+    gone = robot.patch(f"/posts/{post}", json={"body": "look", "images": [image]})
+    assert (gone.status_code, gone.json()["code"]) == (404, "no_such_image")
+    for n in (8, 9):  # the post can be edited all the same, and shows new pictures
+        more = robot.post("/images", files={"file": ("x.jpg", jpeg(n), "image/jpeg")}).json()["id"]
+        edited = robot.patch(f"/posts/{post}", json={"body": f"look {n}", "images": [more]})
+        assert (edited.status_code, edited.json().get("images", [{}])[-1].get("id")) == (200, more), edited.text
+    assert len(edited.json()["images"]) == 2
     chief(board).patch("/admin/robots/quadruped", json={"camera_days": 0}).raise_for_status()
 
 

@@ -348,6 +348,24 @@ def test_a_lost_right_ends_the_live_picture(board: RunningBoard, monkeypatch: py
     wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
 
 
+def test_a_robot_speaks_for_no_other_robot(board: RunningBoard) -> None:
+    """A card shows that robot's name and stop button: posted, edited or in a record, it names who sends it."""
+    robot, op = board.client("quadruped"), board.client("op")
+    made = op.post("/topics", json={"board": "talk", "title": "t", "body": "go"}).json()
+    path, post = f"/topics/{made['topic']['id']}/posts", made["post"]["id"]
+    mine, other = ({"robot": name, "state": "running"} for name in ("quadruped", "humanoid"))
+    status = robot.post(path, json={"body": "mine", "card": mine}).json()["post"]["id"]
+    refused = [
+        robot.post(path, json={"body": "x", "card": other}),
+        robot.patch(f"/posts/{status}", json={"body": "x", "card": other}),
+        robot.put(f"/commands/{post}", json={"reply": status, "record": {"robot": "humanoid", "status": "done"}}),
+    ]
+    assert [(r.status_code, r.json()["code"]) for r in refused] == [(403, "not_this_robot")] * 3
+    assert "'humanoid'" in refused[0].json()["detail"]
+    assert robot.get(f"/posts/{status}").json()["raw"] == "mine"
+    assert robot.put(f"/commands/{post}", json={"reply": status, "record": {"robot": "quadruped"}}).status_code == 200
+
+
 @pytest.mark.parametrize("lost", ["camera_role raised", "viewer demoted", "viewer no longer owner"])
 def test_a_lost_right_to_the_camera_ends_the_live_picture(
     fresh_board: Callable[..., RunningBoard], monkeypatch: pytest.MonkeyPatch, lost: str

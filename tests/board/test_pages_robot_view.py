@@ -213,8 +213,10 @@ def test_markup_in_cards_is_shown_as_text(world: World) -> None:
     card = {"model": nasty, "state": nasty, "ops": [nasty], "limits": {nasty: nasty}, nasty: [nasty], "board": nasty}
     robot.put("/robots/quadruped", json={"card": card}).raise_for_status()
     surfer = world.browser("bob")
-    status = {"robot": nasty, "state": nasty[:32], "doing": nasty, "trace_id": nasty}
+    status = {"robot": "quadruped", "state": nasty[:32], "doing": nasty, "trace_id": nasty}
     topic = robot.post("/topics", json={"board": "robots", "title": nasty, "body": "x"}).json()["topic"]["id"]
+    other = {"body": nasty, "card": status | {"robot": nasty}}
+    assert robot.post(f"/topics/{topic}/posts", json=other).status_code == 403, "no other name, least of all this"
     robot.post(f"/topics/{topic}/posts", json={"body": nasty, "card": status}).raise_for_status()
     for path in ("/", "/b/robots", f"/t/{topic}", "/robots", "/robots/quadruped", "/robots/quadruped/fragment"):
         page = surfer.get(path)

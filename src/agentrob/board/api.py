@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Header, Query, Request
 from pydantic import BaseModel
 from starlette.responses import Response
 
-from agentrob.board import accounts, notices, sight, tags
+from agentrob.board import accounts, commands, notices, sight, tags
 from agentrob.board.access import Viewer, account_of, member, moderator, reader, stopper, viewer
 from agentrob.board.administration import BOARD_ID
 from agentrob.board.api_models import (
@@ -237,6 +237,7 @@ def _card(by: Account, card: CardIn | None) -> dict[str, Any] | None:
         return None
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents send cards", "leave out `card`")
+    commands.check_robot(by, card.robot, "card")
     return card.model_dump()
 
 

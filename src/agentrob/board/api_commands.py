@@ -28,6 +28,7 @@ async def publish(request: Request, post_id: str, told: CommandIn, by: Member) -
     """A robot's agent tells what it recorded; again replaces it."""
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents record commands", "use a robot agent's token")
+    commands.check_robot(by, told.record.get("robot", by.name), "record")
     store = services(request).store
     store.post(post_id)  # also whether it is to be seen
     commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)

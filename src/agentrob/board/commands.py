@@ -64,6 +64,13 @@ def of(reader: Reader, post_id: str) -> tuple[Post, tuple[Told, ...]]:
     return post, tuple(Told(r.name, from_us(r.at_us), replies.get(r.reply_id), r.record) for r in rows)
 
 
+def check_robot(by: Account, named: object, what: str) -> None:
+    """403 for what a robot's agent says in the name of another robot: a card has that robot's stop button."""
+    if named != by.name:
+        said = f"this {what} names {str(named)[:64]!r}, but the account is {by.name!r}"
+        raise BoardError(403, "not_this_robot", said, f"robot: {by.name!r}, or that robot's own token")
+
+
 def check(value: dict[str, Any], what: str, most_bytes: int, depth: int) -> None:
     """413 for JSON that is too large, 422 for what is none or cannot be shown."""
     try:

@@ -156,7 +156,7 @@ def edit(
     if card != "keep":
         values["card"] = card
     t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
-    _attach(t.connection, int(post.id), editor, images, first=len(post.images))
+    _attach(t.connection, int(post.id), editor, images)
     words.change(t.connection, int(post.id), text.words, text.chars, reader.title_begun_by(post))
     add_event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
     return reader.post(post.id)
@@ -252,18 +252,22 @@ def _same_topic(reader: Reader, post_id: str, topic_id: int) -> int:
     return int(post.id)
 
 
-def _attach(connection: Connection, post_id: int, by: Account, images: Sequence[str], first: int = 0) -> None:
-    if first + len(images) > MAX_IMAGES:
-        raise BoardError(422, "too_many_images", f"a post shows at most {MAX_IMAGES} images", "fewer images")
+def _attach(connection: Connection, post_id: int, by: Account, images: Sequence[str]) -> None:
+    """Show pictures at the end of a post's own. Those that have expired count no more, but keep their places."""
     if not images:
         return
+    columns, at = db.images.c, db.post_images.c
+    there = select(at.position, columns.gone_us).join(db.images, columns.id == at.image_id).where(at.post_id == post_id)
+    before = connection.execute(there).all()
+    if sum(row.gone_us is None for row in before) + len(images) > MAX_IMAGES:
+        raise BoardError(422, "too_many_images", f"a post shows at most {MAX_IMAGES} images", "fewer images")
     wanted = [row_id(image, "image") for image in images]
-    columns = db.images.c
-    mine = select(columns.id).where(columns.id.in_(wanted), columns.account_id == int(by.id))
-    missing = set(wanted) - set(connection.execute(mine).scalars())
+    mine = columns.id.in_(wanted), columns.account_id == int(by.id), columns.gone_us.is_(None)
+    missing = set(wanted) - set(connection.execute(select(columns.id).where(*mine)).scalars())
     if missing:
         which = ", ".join(map(str, sorted(missing)))
         raise BoardError(404, "no_such_image", f"you uploaded no image {which}", "ids from your own POST /images")
+    first = max((row.position for row in before), default=-1) + 1
     rows = [{"post_id": post_id, "position": first + n, "image_id": i} for n, i in enumerate(wanted)]
     connection.execute(insert(db.post_images), rows)
 
