@@ -202,7 +202,7 @@ class SlowMind(RulesMind):
         return await super().understand(text, listener, history)
 
 
-@pytest.mark.parametrize("what", ["edit", "remove", "give", "hand over", "suspend", "demote", "stop", "expire"])
+@pytest.mark.parametrize("what", ["edit", "remove", "give", "hand over", "move", "suspend", "demote", "stop", "expire"])
 async def test_law_4_what_changed_since_it_was_posted_moves_nothing(driver: Driver, tmp_path: Path, what: str) -> None:
     expiry_s = 0.3 if what == "expire" else 600.0
     scene = make_scene(driver, tmp_path, queue_expiry_s=expiry_s)
@@ -222,6 +222,8 @@ async def test_law_4_what_changed_since_it_was_posted_moves_nothing(driver: Driv
             case "hand over":  # also to somebody who may command, who did not write it
                 scene.person("carol")
                 scene.world.give(post.id, "carol")
+            case "move":  # a moderator moves the topic to a board that is none of the robot's
+                scene.world.move(post.topic_id, "talk")
             case "suspend":
                 scene.world.suspend("alice")
             case "demote":
@@ -238,6 +240,7 @@ async def test_law_4_what_changed_since_it_was_posted_moves_nothing(driver: Driv
     wanted = {"demote": "refused", "expire": "expired"}
     assert reply.card.state == wanted.get(what, "cancelled")
     assert ("another account's" in reply.raw) == (what in ("give", "hand over"))
+    assert ("moved to a board" in reply.raw) == (what == "move")
 
 
 async def test_commands_are_done_one_by_one_in_the_order_of_their_acceptance(scene: Scene) -> None:

@@ -6,15 +6,18 @@ import asyncio
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene
 
+from agentrob.board.render import render
 from agentrob.minds import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
-from agentrob.model import AccountKind, Post, Role
+from agentrob.minds.mind import Listener
+from agentrob.minds.rules import RulesMind
+from agentrob.model import AccountKind, Intent, Plan, Post, Role, Understanding
 
 sys.path.append(str(Path(__file__).parents[1] / "minds"))
 from brain import FINE, Brain, move, running_brain
@@ -394,3 +397,28 @@ async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(scene: Sc
             while not seen:  # noqa: ASYNC110
                 await asyncio.sleep(0.01)
     assert seen == ["prepared", "closed"]
+
+
+#: What a mind of somebody else says, and what a forum must not act on.
+_HOSTILE_WORDS = (
+    "# Loud\n\n@everyone ＠admin @\u200beveryone <b>bold</b> <img src=x> ![x](http://evil.example/x.png) "
+    "[click](https://evil.example) [ref]: http://evil.example www.evil.example &#64;all\n```\ncode\n```\n> quoted\n"
+    "[quote]x[/quote] \u202e93\u202c " + "x" * 5_000
+)
+
+
+@pytest.mark.parametrize("intent", [Intent.QUESTION, Intent.ASK_BACK])
+async def test_law_3_what_a_mind_of_somebody_else_says_is_disarmed_in_the_reply(scene: Scene, intent: Intent) -> None:
+    class Foreign(RulesMind):
+        async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+            return Understanding(intent, "en", question=_HOSTILE_WORDS)
+
+    async with scene.agent(mind=Foreign()):
+        told = (await scene.final(await scene.post("alice", "@quadruped who are you?"))).raw
+    said = told.partition("trace ")[0]
+    for live in ("@everyone", "＠admin", "@admin", "<b>", "![", "](", "]: ", "://", "www.e", "&#", "```", "[quote]"):
+        assert live not in said, live
+    assert not set(said) & set("\u200b\u202e\u202c")
+    assert len(said) < 1_000
+    page = render(said, lambda _: True)
+    assert not any(tag in page for tag in ("<a ", "<img", "<h3", "<b>", "<blockquote", "<pre", "mention"))

@@ -429,3 +429,13 @@ async def _elsewhere() -> tuple[str, list[str]]:
 
     server = await asyncio.start_server(serve, "127.0.0.1", 0)
     return f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/file.png", heads
+
+
+async def test_law_4_a_post_whose_topic_was_moved_is_read_where_it_is_now(
+    robot: DiscourseForum, double: Double, topic: int
+) -> None:
+    post_id = next(str(p.id) for p in double.site.posts.values() if p.topic == topic)
+    before = (await robot.post(post_id)).board_id
+    other = next(number for number in double.site.categories if number != double.site.topics[topic].category)
+    double.site.topics[topic].category = other
+    assert (await robot.post(post_id)).board_id != before

@@ -103,7 +103,7 @@ class Course:
         names = tuple(self.thinking.names)
         return Terms(
             self.settings.allow_flip, self.channel.step_s, robot=self.name, scene=self.surroundings.scene, names=names,
-            rights=own_rights(self.settings),
+            boards=tuple(self.settings.boards), rights=own_rights(self.settings),
         )  # fmt: skip
 
     async def run(self, job: Job) -> None:
@@ -265,7 +265,9 @@ class Course:
                 key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
                 return self._report(job, "answered", message=phrase(key, language, count=job.took_back))
             case Intent.QUESTION:
-                return self._report(job, "answered", message=understood.question or phrase("talk.question", language))
+                return self._report(
+                    job, "answered", message=words.disarmed(understood.question) or phrase("talk.question", language)
+                )
             case Intent.ASK_BACK if thought.verdict is not None:
                 return self._report(job, "refused", verdict=thought.verdict)
             case Intent.ASK_BACK:

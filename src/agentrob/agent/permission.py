@@ -42,8 +42,9 @@ class Terms:
 
     `robot` is the robot's account, by which a forum may keep who may command it. `scene` is what is known to be around
     the robot, in English; `names` are the mentions that call it. `known`: what it is asked is understood to the last
-    word, as a goal of a closed vocabulary. `rights` are the owner's own, where the forum keeps none; the classes of
-    action that need an approval by them need it everywhere. `approval`: somebody approved this command.
+    word, as a goal of a closed vocabulary. `boards` are where the robot may be commanded; empty: anywhere. `rights` are
+    the owner's own, where the forum keeps none; the classes of action that need an approval by them need it everywhere.
+    `approval`: somebody approved this command.
     """
 
     allow_flip: bool = False
@@ -51,6 +52,7 @@ class Terms:
     robot: str = ""
     scene: str = ""
     names: tuple[str, ...] = ()
+    boards: tuple[str, ...] = ()
     known: bool = False
     rights: RobotRights | None = None
     approval: Decided | None = None
@@ -130,7 +132,11 @@ async def permission(
         return _denied(changed, command), None
     assert author is not None
     verdict = judge(command, plan, author, capabilities, terms, rights)
-    if terms.approval is None or verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+    if verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+        return verdict, capabilities
+    if terms.boards and post.board_id not in terms.boards:  # a moderator moved its topic
+        return _denied("command.moved", command), None
+    if terms.approval is None:
         return verdict, capabilities
     return await _approved(forum, command, author, terms.approval, rights), capabilities
 

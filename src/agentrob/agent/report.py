@@ -28,6 +28,21 @@ from agentrob.model import (
 )
 
 SENTENCE_CHARS = 600
+_UNSEEN = re.compile("[\u00ad\u034f\u061c\u180e\u200b-\u200f\u202a-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
+#: What forums act on, each as it is shown instead.
+_DISARMING = (
+    (re.compile(r"[@＠](?=\S)"), "@ "),
+    (re.compile(r"<"), "‹"),
+    (re.compile(r">"), "›"),
+    (re.compile(r"&(?=#|\w+;)"), "& "),
+    (re.compile(r"`{2,}|~{2,}"), "'"),
+    (re.compile(r"!\["), "! ["),
+    (re.compile(r"\](?=[(\[:])"), "] "),
+    (re.compile(r"\[(?=/?[A-Za-z_]+[\]=])"), "("),
+    (re.compile(r":(?=//)|\b(?<=mailto):", re.IGNORECASE), ": "),
+    (re.compile(r"\bwww\.", re.IGNORECASE), "www. "),
+    (re.compile(r"^(?:#+|[-+*=_|]+|\d{1,9}[.)])(?=\s|$)"), ""),
+)
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
 #: Why we ended a step ourselves: the driver's own sentence knows nothing of it.
@@ -36,9 +51,12 @@ _NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable", "intern
 
 # -------------------------------------------------------------------- words that are not ours
 def disarmed(text: str) -> str:
-    """A sentence made elsewhere, perhaps of somebody's words: no mention, picture, link or HTML, and not endless."""
-    plain = re.sub(r"@(?=\S)", "@ ", text).replace("<", "‹").replace(">", "›").replace("![", "! [")
-    plain = re.sub(r"\]\(", "] (", plain)
+    """A sentence made elsewhere, perhaps of somebody's words: on one line and not endless, without mention, picture,
+    link, address that a forum would link, HTML, entity, heading, quote, list, table, code fence or `[tag]`, and without
+    characters that nobody sees or that turn the order of what is read around."""
+    plain = " ".join(_UNSEEN.sub("", text).split())
+    for pattern, instead in _DISARMING:
+        plain = pattern.sub(instead, plain)
     return plain if len(plain) <= SENTENCE_CHARS else plain[: SENTENCE_CHARS - 1] + "…"
 
 

@@ -142,6 +142,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "帖子已转到另一个账号名下，而命令只属于它原来的作者。请重新发帖。",
     ),
     "because.removed": ("The post is no longer there.", "帖子已被删除或隐藏。"),
+    "because.moved": (
+        "Its topic was moved to a board on which I may not be commanded.",
+        "主题被移到了不允许指挥我的版块。",
+    ),
     "because.taken_back": ("Its author took it back.", "作者撤回了这个命令。"),
     "because.suspended": ("Its author may not command me now.", "作者现在不能指挥我。"),
     "because.unverified": (

@@ -311,7 +311,7 @@ class DiscourseForum:
             return Post(
                 id=str(post_id),
                 topic_id=str(number),
-                board_id=await self._board_of(raw),
+                board_id=await self._board_of(raw, fresh),
                 author=author,
                 raw="" if gone else marked.text,
                 created_at=created_at,
@@ -342,8 +342,11 @@ class DiscourseForum:
         remembered = self._remembered.get(name)
         return remembered[1] if remembered else Account(str(number), name)
 
-    async def _board_of(self, raw: _JSON) -> str:
+    async def _board_of(self, raw: _JSON, fresh: bool = False) -> str:
+        """Where its topic is; `fresh`: now, since a moderator may have moved it."""
         number = int(raw["topic_id"])
+        if fresh:
+            self._topic_boards.pop(number, None)
         if "category_id" in raw:
             self._topic_boards[number] = int(raw["category_id"])
         if number not in self._topic_boards:

@@ -62,6 +62,12 @@ class MemoryRecords:
         self.posts[post_id] = post
         self.emit(EventKind.POST_REMOVED, post=post)
 
+    def move(self, topic_id: str, board_id: str) -> None:
+        """What a moderator does with a topic in the wrong place; no event tells of it."""
+        self.topics[topic_id] = replace(self.topics[topic_id], board_id=board_id)
+        for post in [p for p in self.posts.values() if p.topic_id == topic_id]:
+            self.posts[post.id] = replace(post, board_id=board_id)
+
     def give(self, post_id: str, name: str) -> None:
         """Make a post another account's, as moderators of some forums can; nothing tells of it."""
         self.posts[post_id] = replace(self.posts[post_id], author=self.accounts[name])
