@@ -50,6 +50,29 @@ def test_what_is_done_again_is_told() -> None:
     assert note == "`the same but slower`: walk forward 2 m at 0.2 m/s, then turn left 90 degrees, then take a photo."
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "just the turn again sweetie",
+        "again but 2 m this time, dear",
+        "do that once more my friend",
+        "again but not the turn",
+        "do it again, but don't turn",
+        "再来一次，但是不要转",
+        "再转一次",
+        "再走一次",
+    ],
+)
+def test_law_18_a_part_of_what_was_done_is_not_done_again_for_it(text: str) -> None:
+    assert read(text, THREAD).intent is Intent.ASK_BACK
+
+
+def test_one_more_turn_repeats_a_plan_that_was_nothing_else() -> None:
+    turned = Background(history=(Plan((turn(Direction.LEFT, 90.0),)),))
+    assert short(read("再转一次", turned).plan) == "l90"
+    assert read("再走一次", turned).intent is Intent.ASK_BACK
+
+
 def test_of_many_steps_only_the_first_are_told() -> None:
     (note,) = read("walk 1 m and wave, do this twenty times").plan.notes
     assert note.count("walk") == 5

@@ -114,7 +114,7 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     assert tried.returncode == 0, tried.stderr
     begin = "command: walk forward 2 m\n  read by good\n  the rules have nothing against it; good neither\n  good (m): "
     assert tried.stdout.startswith(begin)
-    against = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m, the cards wobble")
+    against = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m where the cards wobble")
     refused = (
         "\n  refuse: A model that looks at commands is against it, for the words `the cards`: somebody may be hurt"
     )

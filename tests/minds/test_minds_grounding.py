@@ -79,6 +79,11 @@ PHOTO = Primitive(Op.GET_FRONT_IMAGE)
             [walk(B, 0.5), rotate(L, 45)],
         ),
         ("往前走一米五", [move(1.5, "m", "往前走一米五", "forward")], [walk(F, 1.5)]),
+        ("wave three times", [step("hello", "wave", times=3)], [Primitive(Op.HELLO)] * 3),
+        ("拍三张照片", [step("get_front_image", "拍三张照片", times=3)], [PHOTO] * 3),
+        ("挥手三下", [step("hello", "挥手", times=3)], [Primitive(Op.HELLO)] * 3),
+        ("hey Bob, amble 50 cm, thank you", [move(50, "cm", "amble 50 cm", "forward")], [walk(F, 0.5)]),
+        ("I'm bored. Amble 50 cm, dear", [move(50, "cm", "Amble 50 cm", "forward")], [walk(F, 0.5)]),
         ("snap three pictures", [step("get_front_image", "snap three pictures", times=3)], [PHOTO] * 3),
         (
             "2 m forward, then 1 m back",
@@ -124,6 +129,32 @@ def test_what_the_post_says_is_taken_in_its_own_numbers(
         ("do not walk 2 m", [move(2, "m", "walk 2 m")], "denial"),
         ("别走两米", [move(2, "m", "走两米")], "denial"),
         ("walk 2 m if the light is green", [move(2, "m", "walk 2 m")], "condition"),
+        (
+            "meander forward 0.5 m for my 4 kids",
+            [move(0.5, "m", "meander forward 0.5 m", "forward", times=4)],
+            "count",
+        ),
+        ("walk forward 0.5 m for my 4 kids", [move(0.5, "m", "walk forward 0.5 m", "forward", times=4)], "count"),
+        ("turn thirty grees to the left", [step("turn", "turn thirty grees", direction="left", times=4)], "count"),
+        ("turn thirty grees to the left", [turn(None, "turn thirty grees", "left")], "amount"),
+        ("wave for 3 people", [step("hello", "wave", times=3)], "count"),
+        ("给3个人挥手", [step("hello", "挥手", times=3)], "count"),
+        ("wave three times", [step("hello", "wave")], "count"),
+        ("pull forward one meter and then turn right 45", [turn(45, "turn right 45", "right")], "left_out"),
+        ("saunter 2 m, wave", [step("hello", "wave")], "left_out"),
+        ("amble 50 cm and take a photo", [move(50, "cm", "amble 50 cm", "forward")], "left_out"),
+        ("amble 50 cm and wave", [move(50, "cm", "amble 50 cm", "forward")], "left_out"),
+        ("amble 50 cm and moonwalk", [move(50, "cm", "amble 50 cm", "forward")], "left_out"),
+        ("amble 50 cm and tell me the time", [move(50, "cm", "amble 50 cm", "forward")], "left_out"),
+        ("amble 50 cm, three times", [move(50, "cm", "amble 50 cm", "forward")], "left_out"),
+        ("three times: amble 50 cm, wave", [step("hello", "wave", times=3)], "count"),
+        ("three times: amble 50 cm, wave", [move(50, "cm", "amble 50 cm"), step("hello", "wave")], "left_out"),
+        ("wave 2 m", [step("hello", "wave")], "left_out"),
+        ("turn left 2 m", [turn(None, "turn left", "left")], "left_out"),
+        ("小明，你过来这边坐下", [step("sit", "坐下")], "left_out"),
+        ("整一段机械舞，嗨起来！", [step("stand", "嗨起来")], "action"),
+        ("整一段机械舞，坐下！", [step("sit", "坐下")], "left_out"),
+        ("往前走一米，给他来个花式", [move(1, "m", "往前走一米", "forward")], "left_out"),
         ("walk forward 2 m and turn left 90 degrees", [move(2, "m", "walk forward 2 m", "forward")], "left_out"),
         ("walk 1 m at 0.3 m/s", [move(1, "m", "walk 1 m", speed=1.5, speed_unit="m/s")], "speed"),
         ("walk 1 m", [move(1, "m", "walk 1 m", speed=1.5, speed_unit="m/s")], "speed"),
@@ -148,8 +179,37 @@ HISTORY = [Plan((walk(F, 1.5), rotate(L, 90)))]
             [move(1.5, "m", "again", "forward"), turn(90, "again", "left")],
             [walk(F, 1.5), rotate(L, 90)],
         ),
-        ("once more, but slower", [move(1.5, "m", "once more", "forward", slow=True)], [walk(F, 1.5, 0.2)]),
-        ("and now back", [move(1.5, "m", "and now back", "backward")], [walk(B, 1.5)]),
+        (
+            "once more, but slower",
+            [move(1.5, "m", "once more", "forward", slow=True), turn(90, "once more", "left")],
+            [walk(F, 1.5, 0.2), rotate(L, 90)],
+        ),
+        ("once more, but slower", [move(1.5, "m", "once more", "forward", slow=True)], None),
+        (
+            "and now back",
+            [turn(90, "and now back", "right"), move(1.5, "m", "and now back", "backward")],
+            [rotate(R, 90), walk(B, 1.5)],
+        ),
+        ("and now back", [move(1.5, "m", "and now back", "backward")], None),
+        ("again", [turn(90, "again", "left"), move(1.5, "m", "again", "forward")], None),
+        ("again", [move(1.5, "m", "again", "forward")], None),
+        ("just the turn again sweetie", [move(1.5, "m", "again", "forward")], None),
+        ("just the turn again sweetie", [turn(90, "just the turn again", "left")], None),
+        ("just the turn again", [turn(90, "just the turn again", "left")], [rotate(L, 90)]),
+        ("again but 2 m this time, dear", [move(1.5, "m", "again", "forward"), turn(90, "again", "left")], None),
+        ("again but 2 m this time, dear", [move(2, "m", "again but 2 m", "forward")], None),
+        ("do that once more my friend", [move(1.5, "m", "do that once more", "forward")], None),
+        (
+            "do that once more my friend",
+            [move(1.5, "m", "do that once more", "forward"), turn(90, "do that once more", "left")],
+            [walk(F, 1.5), rotate(L, 90)],
+        ),
+        (
+            "do that once more for the aardvark",
+            [move(1.5, "m", "do that once more", "forward"), turn(90, "do that once more", "left")],
+            None,
+        ),
+        ("again twice", [move(1.5, "m", "again", "forward"), turn(90, "again", "left")], None),
         ("repeat the walk but 2 m", [move(2, "m", "repeat the walk", "forward")], [walk(F, 2)]),
         ("the same walk 2 m", [move(2, "m", "the same walk 2 m", "forward")], [walk(F, 2)]),
         ("again", [move(3, "m", "again", "forward")], None),
@@ -174,6 +234,58 @@ def test_a_bare_turn_is_an_assumption_that_is_told() -> None:
     assert ground([turn(None, "swivel left", "left")], "swivel left") == Grounded(
         Plan((rotate(L, 90),)), assumed_turn=True
     )
+
+
+# ---------------------------------------------------------------------- half a wish
+#: A deed as a post says it, and the step that a model rightly makes of it; None where there is none.
+DEEDS: dict[str, list[tuple[str, ExtractedStep | None]]] = {
+    "en": [
+        ("amble forward 50 cm", move(50, "cm", "amble forward 50 cm", "forward")),
+        ("go back one metre", move(1, "m", "go back one metre", "backward")),
+        ("pivot left by 90 degrees", turn(90, "pivot left by 90 degrees", "left")),
+        ("swivel right", turn(None, "swivel right", "right")),
+        ("wave at everyone", step("hello", "wave at everyone")),
+        ("clap three times", step("clap", "clap three times", times=3)),
+        ("snap a picture", step("get_front_image", "snap a picture")),
+        ("have a seat", step("sit", "have a seat")),
+        ("pull forward one meter", None),
+        ("moonwalk", None),
+        ("sing a song", None),
+        ("tell me the time", None),
+    ],
+    "zh": [
+        ("往前走一米", move(1, "m", "往前走一米", "forward")),
+        ("左转45度", turn(45, "左转45度", "left")),
+        ("挥手", step("hello", "挥手")),
+        ("拍三张照片", step("get_front_image", "拍三张照片", times=3)),
+        ("坐下", step("sit", "坐下")),
+        ("整一段机械舞", None),
+        ("给他来个花式", None),
+        ("唱首歌", None),
+    ],
+}
+JOINS = {"en": [", ", " and ", ", then ", ". ", "; ", " and then "], "zh": ["，", "然后", "。", "，接着", "；"]}
+AROUND = {
+    "en": ["{}", "{}, dear", "hey Bob, {}", "I'm bored. {}", "{}, thank you", "please {}"],
+    "zh": ["{}", "请{}", "{}，谢谢"],
+}
+
+
+@settings(max_examples=500, deadline=None)
+@given(st.data(), st.sampled_from(["en", "zh"]))
+def test_law_18_a_model_does_all_of_a_post_or_nothing(data: st.DataObject, language: str) -> None:
+    said = data.draw(st.lists(st.sampled_from(DEEDS[language]), min_size=1, max_size=3, unique_by=lambda d: d[0]))
+    text = data.draw(st.sampled_from(AROUND[language])).format(
+        data.draw(st.sampled_from(JOINS[language])).join(d for d, _ in said)
+    )
+    steps = [made for _, made in said if made is not None]
+    kept = [made for made in steps if data.draw(st.booleans())]
+    found = ground(kept, text)
+    if len(kept) < len(said):
+        assert isinstance(found, Ungrounded), text
+    else:
+        assert isinstance(found, Grounded), (text, found)
+        assert [p.op for p in found.plan.steps] == [made.action for made in kept for _ in range(made.times)]
 
 
 # ---------------------------------------------------------------------- any text, any answer

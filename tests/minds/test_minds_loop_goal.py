@@ -64,6 +64,8 @@ def test_a_goal(text: str, tasks: list[Task]) -> None:
         "@quadruped walk to the red ball, " + "wave, " * 9,
         "@humanoid walk to the red ball @quadruped wave",
         "not for me: walk to the red ball, @quadruped",
+        "@humanoid wave, then @quadruped walk to the red ball",
+        "when @humanoid is done, @quadruped walk to the red ball",
     ],
 )
 def test_no_goal(text: str) -> None:

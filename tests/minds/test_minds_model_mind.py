@@ -101,6 +101,62 @@ async def test_law_15_a_stop_asks_no_model(text: str) -> None:
     assert model.told == []
 
 
+@pytest.mark.parametrize(
+    ("text", "step", "says"),
+    [
+        (
+            "@quadruped please meander forward 0.5 m for my 4 kids",
+            {
+                "action": "move",
+                "direction": "forward",
+                "amount": 0.5,
+                "unit": "m",
+                "times": 4,
+                "words": "meander forward",
+            },
+            "But I do not find there how often to do it.",
+        ),
+        (
+            "@quadruped turn thirty grees to the left",
+            {
+                "action": "turn",
+                "direction": "left",
+                "amount": 30,
+                "unit": "deg",
+                "times": 4,
+                "words": "turn thirty grees",
+            },
+            "But I do not find there how often to do it.",
+        ),
+        (
+            "@quadruped pull forward one meter and then turn right 45",
+            {"action": "turn", "direction": "right", "amount": 45, "unit": "deg", "words": "turn right 45"},
+            "But you seem to want more than this.",
+        ),
+        (
+            "@quadruped meander forward 1 m and moonwalk",
+            {"action": "move", "direction": "forward", "amount": 1, "unit": "m", "words": "meander forward 1 m"},
+            "But you seem to want more than this.",
+        ),
+        ("@quadruped 小明，你过来这边坐下", {"action": "sit", "words": "坐下"}, "但您似乎还想要别的动作。"),
+        ("@quadruped 整一段机械舞，嗨起来！", {"action": "stand", "words": "嗨起来"}, "但您的话里没有要我做这个动作。"),
+        (
+            "@humanoid saunter 1 m, then @quadruped meander forward 1 m",
+            {"action": "move", "direction": "forward", "amount": 1, "unit": "m", "words": "meander forward 1 m"},
+            "I begin at once and do not know when another robot has ended",
+        ),
+    ],
+)
+async def test_law_18_half_of_a_wish_and_more_than_it_are_asked_back(
+    text: str, step: dict[str, Any], says: str
+) -> None:
+    wants = Wants(intent="command", steps=(ExtractedStep.model_validate(step),))
+    reading = await ModelMind(Scripted(wants)).read(text, LISTENER)
+    assert reading.understanding.intent is Intent.ASK_BACK
+    assert says in reading.understanding.question
+    assert not reading.understanding.plan.steps
+
+
 async def test_the_model_understands_what_the_rules_do_not() -> None:
     text = "@quadruped be a darling and meander forward 2 m"
     assert (await RulesMind().understand(text, LISTENER)).intent is Intent.ASK_BACK

@@ -53,6 +53,8 @@ def once_more(
     base = list(before) or (list(history[-1].steps) if history else [])
     if not base:
         raise Unclear(say("ask.again", language, words=quote(said)))
+    if draft.only is not None and any(step.op is not draft.only for step in base):
+        raise Unclear(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
     if draft.back:
         steps = way_back(base)
         if not steps or draft.counted or draft.amount is not None:

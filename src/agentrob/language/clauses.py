@@ -166,6 +166,7 @@ class _Reader(Marks):
             return  # "hello again"
         draft = self._new(token, Kind.AGAIN)
         draft.back, draft.more = token.value == "back", token.value == "more"
+        draft.only = Op(token.value) if token.value in ("move", "turn") else None
         # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
         draft.vague = token.value == "this" or (self._next() is Kind.COMMA and self._next(2) in _DEEDS)
 

@@ -32,6 +32,7 @@ class Draft:
     times: int = 1
     counted: bool = False
     more: bool = False  # so many times besides the first
+    only: Op | None = None  # 再转一次: what is done again was nothing but this
     ahead: bool = False  # "three times: …"
     each: Kind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False

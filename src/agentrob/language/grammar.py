@@ -16,7 +16,7 @@ from agentrob.language.addressing import part_for
 from agentrob.language.again import Background
 from agentrob.language.amounts import with_amounts, with_pictures
 from agentrob.language.clauses import sentences_of
-from agentrob.language.drafts import Sentence
+from agentrob.language.drafts import Besides, Sentence
 from agentrob.language.help import examples as help_examples
 from agentrob.language.help import within
 from agentrob.language.languages import language_of, tongue
@@ -66,6 +66,18 @@ def parse(
         spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
         return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
     return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def commands_nothing(words: str, language: Language) -> bool:
+    """Whether words are only manners or a remark, which may be left out beside a command (law 18). Unknown words may be
+    wanted, and so may questions and things to be told."""
+    if not words.strip():
+        return True
+    sentences, _ = _sentences(words, (), language)
+    marked = (s.wants_status or s.help or s.cancelled or s.condition or s.denied or s.fix_unclear for s in sentences)
+    remarks = [r for s in sentences for r in s.remarks]
+    plain = all(r.kind is Besides.REMARK and not (r.deeds or r.beyond) for r in remarks)
+    return plain and not any(marked) and not any(s.drafts or s.asked for s in sentences)
 
 
 def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk | None:

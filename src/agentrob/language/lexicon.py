@@ -26,7 +26,7 @@ class Kind(StrEnum):
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
     OP = "op"  # a whole gesture or picture: "wave"; value "shake/hello": this, or for who lacks it that
     BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
-    AGAIN = "again"  # what was done before, once more; values: "back", the way back; "more", besides what was said
+    AGAIN = "again"  # what was done before, once more; values: "back", the way back; "more"; "move", "turn": one
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back
     NUMBER = "number"
     LENGTH_UNIT = "length_unit"  # value: metres

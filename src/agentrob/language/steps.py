@@ -154,7 +154,9 @@ class _Maker:
             beside = sentence.remarks
         for remark in beside:
             words = self.text[remark.start : remark.end].rstrip("?？ ")
-            if remark.kind is Besides.DENIED:
+            if remark.kind is Besides.DENIED and any(d.verb is Kind.AGAIN for d in sentence.drafts):
+                self.reading.object_to(self._say("ask.denial", words))  # "again, but not the turn"
+            elif remark.kind is Besides.DENIED:
                 self.reading.note(self._say("note.not_done", words))
                 continue
             half = remark.deeds or (remark.beyond and sentence.drafts != [])

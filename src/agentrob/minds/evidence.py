@@ -199,6 +199,8 @@ def _pattern(phrases: dict[str, object]) -> re.Pattern[str]:
     return re.compile("|".join(parts))
 
 
+#: What 起来 may follow so that it means to get up.
+_RISES_AFTER = "站坐爬立你您请快就再并后吧先"
 _ALL: dict[str, object] = {**dict.fromkeys((*ACTIONS, *DIRECTIONS, *FIXED_ANGLES, *MARKS))}
 _WORDS = _pattern(_ALL)
 
@@ -209,6 +211,8 @@ def _words(low: str, taken: list[bool]) -> Iterator[Mention]:
         start, end, phrase = match.start(), match.end(), match[0]
         if any(taken[start:end]) or (phrase == "." and low[end : end + 1].isdigit()):
             continue
+        if phrase == "起来" and re.search(rf"[{_HAN}]$", low[:start]) and low[start - 1] not in _RISES_AFTER:
+            continue  # 嗨起来
         for op in ACTIONS.get(phrase, ()):
             yield Mention(Kind.ACTION, start, end, op=op)
         if direction := DIRECTIONS.get(phrase):

@@ -129,5 +129,5 @@ UNITS: dict[str, tuple[str, float]] = {
     **{p: ("length", f) for p, f in _table(_LENGTHS).items()},
     **{p: ("angle", f) for p, f in _table(_ANGLES).items()},
     **{p: ("speed", f) for p, f in _table(_SPEEDS).items()},
-    **dict.fromkeys(("times", "次", "遍", "回", "张"), ("times", 1.0)),
+    **dict.fromkeys(("times", "次", "遍", "回", "下", "张"), ("times", 1.0)),
 }

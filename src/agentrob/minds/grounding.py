@@ -1,6 +1,7 @@
 """The check against invention: every action, number and direction a model extracted must stand in the post. Pure.
 
-A step must quote words of the post. The clause around these words, not the quote alone, must name the action, the
+A step must quote words of the post, and no clause of the post may be left over that is more than manners or a remark
+(law 18). The clause around these words, not the quote alone, must name the action, the
 direction and the amount; what it leaves open may come from a clause that nothing else uses ("turn right, 90 degrees"),
 or, where it refers to what was done before ("again", "and now back"), from the plan before. Numbers of the plan are
 the post's own, converted by us, never the model's. One doubtful word, "not" or "if", in the same sentence: no.
@@ -9,15 +10,18 @@ the post's own, converted by us, never the model's. One doubtful word, "not" or 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
+from agentrob.language.grammar import commands_nothing
+from agentrob.language.languages import language_of
 from agentrob.minds.evidence import Kind, Mention, mentions_in
 from agentrob.minds.extraction import ExtractedStep
 from agentrob.minds.units import MPS, degrees, metres, same
 from agentrob.model import Direction, Op, Plan, Primitive
 
+T = TypeVar("T")
 Lack = Literal["words", "action", "direction", "amount", "speed", "count", "denial", "condition", "left_out", "bounds"]
 #: Bounds of what is taken for a distance or an angle at all; the robot's own limits are the screen's.
 MAX_DISTANCE_M, MAX_DEGREES, MAX_STEPS = 100.0, 3600.0, 50
@@ -33,6 +37,7 @@ _OPPOSITE = {
     Direction.RIGHT: Direction.LEFT,
 }
 _MOTIONS = (Op.MOVE, Op.TURN)
+_MARKS = " \t\r\n.,;:!?\"'`~*_#-–—…。，！？；：、()（）[]【】“”‘’"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +66,7 @@ class _Clause:
     mentions: list[Mention] = field(default_factory=list)
     claims: int = 0
     bare: bool = False  # says nothing besides: an afterthought such as "90 degrees"
+    used: bool = False  # … which completed a step
 
     def of(self, kind: Kind) -> list[Mention]:
         return [m for m in self.mentions if m.kind is kind]
@@ -107,11 +113,12 @@ class _Check:
 
     def __init__(self, text: str, before: Sequence[Primitive]) -> None:
         self._text = text
+        self._language = language_of(text)
         self._before = before
         self._mentions = mentions_in(text)
         self._clauses = _clauses_of(text, self._mentions)
         self._assumed_turn = False
-        self._repeats: dict[int, int] = {}
+        self._repeated: dict[int, list[Primitive]] = {}  # by the place of the clause that refers to what was before
 
     def run(self, steps: Sequence[ExtractedStep]) -> Grounded | Ungrounded:
         found: list[Primitive] = []
@@ -125,7 +132,10 @@ class _Check:
                 return Ungrounded(e.lack, number)
         for number, (step, clause) in enumerate(zip(steps, places, strict=True)):
             try:
-                found += [self._primitive(step, clause, places)] * step.times
+                done = [self._primitive(step, clause, places)] * step.times
+                found += done
+                if clause.refers:
+                    self._repeated.setdefault(clause.start, []).extend(done)
             except _Lacking as e:
                 return Ungrounded(e.lack, number)
         if not 1 <= len(found) <= MAX_STEPS:
@@ -152,7 +162,7 @@ class _Check:
     def _names(self, step: ExtractedStep, clause: _Clause) -> bool:
         if step.action in clause.ops:
             return True
-        if clause.refers and any(p.op is step.action for p in self._before):
+        if clause.refers and not clause.ops and any(p.op is step.action for p in self._before):
             return True
         if step.action is Op.TURN:  # "thirty degrees left", "move thirty degrees left"
             return bool(clause.of(Kind.ANGLE)) and not clause.of(Kind.LENGTH)
@@ -160,16 +170,30 @@ class _Check:
 
     def _most(self, clause: _Clause) -> int:
         """How many steps a clause can be: one, as many as it counts, or what it refers to."""
-        counts = [
-            int(m.value) for m in clause.mentions if m.kind in (Kind.TIMES, Kind.NUMBER) and m.value == int(m.value)
-        ]
-        most = max([1, *(c for c in counts if c <= MAX_STEPS)])
+        most = self._counted(clause)
         return most * max(1, len(self._before)) if clause.refers else most
+
+    def _counted(self, clause: _Clause) -> int:
+        """How often a clause says, 1 where it does not. A number counts where a word of counting stands beside it
+        ("three times", 三次), or what is counted right after it ("three photos", "two waves")."""
+        counts = {m.value for m in clause.of(Kind.TIMES)}
+        for number in clause.of(Kind.NUMBER):
+            after = next((m for m in self._mentions if m.start >= number.end), None)
+            counted = after is not None and after.op is not None and after.op not in _MOTIONS
+            if after is not None and counted and not self._text[number.end : after.start].strip():
+                counts.add(number.value)
+        if len(counts) > 1 or any(c != int(c) or not 1 <= c <= MAX_STEPS for c in counts):
+            raise _Lacking("count")
+        return int(counts.pop()) if counts else 1
 
     # ------------------------------------------------------------ what a step is
     def _primitive(self, step: ExtractedStep, clause: _Clause, places: Sequence[_Clause]) -> Primitive:
         if step.action not in _MOTIONS:
+            if clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE):  # "wave 2 m"
+                raise _Lacking("left_out")
             return Primitive(step.action)
+        if clause.of(Kind.LENGTH if step.action is Op.TURN else Kind.ANGLE):  # "turn left 2 m"
+            raise _Lacking("left_out")
         if clause.refers and (again := self._from_before(step, clause)):
             return self._with_speed(step, clause, again)
         free = [c for c in self._clauses if not any(c is p for p in places)]
@@ -216,7 +240,7 @@ class _Check:
         back = bool(clause.of(Kind.BACK))
         kind = Kind.LENGTH if step.action is Op.MOVE else Kind.ANGLE
         said = {m.value for m in clause.of(kind)}
-        for index, before in enumerate(self._before):
+        for before in self._before:
             if before.op is not step.action or before.direction is None:
                 continue
             turned = _OPPOSITE[before.direction] if back else before.direction
@@ -229,26 +253,54 @@ class _Check:
                 continue
             if len(directions) != 1 or (step.direction is not None and step.direction not in directions):
                 continue
-            if self._repeats.get(index, 0) >= max(1, self._most(clause) // max(1, len(self._before))):
-                continue
-            self._repeats[index] = self._repeats.get(index, 0) + 1
             field_name = "distance_m" if step.action is Op.MOVE else "degrees"
             return replace(before, direction=next(iter(directions)), **{field_name: next(iter(amounts))})  # type: ignore[arg-type]
         return None
 
     # ------------------------------------------------------------ the whole
     def _of_the_whole(self, places: Sequence[_Clause]) -> Lack | None:
-        """Denials and conditions in a sentence that is used, and motions that the model left out."""
+        """Denials and conditions in a sentence that is used, and clauses that the model left out, wholly or in part."""
         used = {c.sentence for c in places}
         for clause in self._clauses:
+            placed = any(clause is p for p in places)
             if clause.sentence in used and clause.of(Kind.NOT):
                 return "denial"
             if clause.sentence in used and clause.of(Kind.IF):
                 return "condition"
-            amounts = clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE)
-            if not any(clause is p for p in places) and amounts and clause.ops & set(_MOTIONS):
+            if placed and clause.refers:
+                if not self._repeats_all(clause):
+                    return "left_out"
+            elif placed and clause.claims != self._counted(clause):
+                return "count"
+            elif not placed and not clause.used and not self._is_remark(clause):
                 return "left_out"
         return None
+
+    def _is_remark(self, clause: _Clause) -> bool:
+        """Whether a clause that no step was made of is manners, a remark, or how fast to walk."""
+        words = _without(self._text, clause, (Kind.SLOW, Kind.SPEED))
+        return commands_nothing(_MANNERS.sub("", words), self._language)
+
+    def _repeats_all(self, clause: _Clause) -> bool:
+        """Whether what a clause refers to is done wholly, in its order, and nothing of the clause is left over.
+
+        Where it names a kind of step ("the same walk"), that is the only one of its kind.
+        """
+        before = [step for step in self._before if not clause.ops or step.op in clause.ops]
+        done = self._repeated.get(clause.start, [])
+        if not before:  # "go another 2 m" where nothing was before: wholly said by itself
+            return len(done) == self._counted(clause)
+        if clause.ops and len(before) != 1:
+            return len(done) == 1 and bool(clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))
+        if clause.of(Kind.BACK):
+            before = [step for step in reversed(before) if step.op in _MOTIONS]
+        own = bool(clause.ops) or len(before) == 1
+        changed = clause.directions - ({Direction.BACKWARD} if clause.of(Kind.BACK) else set())
+        if not own and (changed or clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE)):
+            return False
+        left = _MANNERS.sub("", _without(self._text, clause, tuple(Kind)))
+        whole = [step.op for step in done] == [step.op for step in before] * self._counted(clause)
+        return whole and all(word.lower() in _WHOLE or commands_nothing(word, self._language) for word in left.split())
 
 
 # ---------------------------------------------------------------------- parts of a step
@@ -261,7 +313,7 @@ def _asked(step: ExtractedStep) -> float | None:
 
 def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind: Kind) -> float:
     """The amount that the post says, when the model says the same."""
-    values = {m.value for m in clause.of(kind)} or {m.value for c in free if c.bare for m in c.of(kind)}
+    values = {m.value for m in clause.of(kind)} or _completed_by(free, lambda c: {m.value for m in c.of(kind)})
     if not values and kind is Kind.ANGLE:  # "turn one eighty to the right"
         values = {m.value for m in clause.of(Kind.NUMBER) if m.value >= LEAST_BARE_DEG}
     asked = _asked(step)
@@ -270,9 +322,19 @@ def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind:
     return next(iter(values))
 
 
+def _completed_by(free: Sequence[_Clause], said: Callable[[_Clause], set[T]]) -> set[T]:
+    """What afterthoughts say ("turn right and take a photo, 90 degrees"), which then are used."""
+    found: set[T] = set()
+    for clause in free:
+        if clause.bare and (values := said(clause)):
+            clause.used = True
+            found |= values
+    return found
+
+
 def _direction(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause]) -> Direction | None:
     """The direction that the post says, when the model says the same; None when neither says one."""
-    said = clause.directions or {d for c in free if c.bare for d in c.directions}
+    said = clause.directions or _completed_by(free, lambda c: c.directions)
     elsewhere = {d for c in free for d in c.directions}
     if step.action is Op.TURN:
         said &= {Direction.LEFT, Direction.RIGHT}
@@ -310,9 +372,17 @@ def _clauses_of(text: str, mentions: Sequence[Mention]) -> list[_Clause]:
     found.append(current)
     for clause in found:
         clause.bare = _is_bare(text, clause)
-    return [c for c in found if c.mentions]
+    return [c for c in found if text[c.start : c.end].strip(_MARKS)]
 
 
+#: Manners that the grammar does not read: somebody who is greeted by name, "be a dear", "this time".
+_MANNERS = re.compile(
+    r"^\W*(?:hey|hi|hello|thanks|thank you|嗨|你好|谢谢)\s+\w+\W*$|\b(?:just |only )?(?:this time|this once)\b"
+    r"|\bbe (?:an?|my) (?:good \w+|dear|darling|angel|love|star|pal|sweetheart|sport|champ|hero|treasure|legend)\b",
+    re.IGNORECASE,
+)
+#: Words beside "again" that mean the whole of it.
+_WHOLE = frozenset(["very", "exact", "thing", "things", "whole", "sequence", "before"])
 #: Words that may stand beside an amount or a side without changing it.
 _SOFT = frozenset(
     """about around roughly exactly only just to the a an of by at please for over that is
@@ -321,10 +391,17 @@ _SOFT = frozenset(
 
 
 def _is_bare(text: str, clause: _Clause) -> bool:
+    rest = _without(text, clause, tuple(Kind))
+    return all(word.strip(".,;:!?~'\"").lower() in _SOFT | {""} for word in rest.split())
+
+
+def _without(text: str, clause: _Clause, kinds: Sequence[Kind]) -> str:
+    """The words of a clause but for such mentions, which are blanked."""
     rest = list(text[clause.start : clause.end])
     for mention in clause.mentions:
-        rest[mention.start - clause.start : mention.end - clause.start] = " " * (mention.end - mention.start)
-    return all(word.strip(".,;:!?~'\"").lower() in _SOFT | {""} for word in "".join(rest).split())
+        if mention.kind in kinds:
+            rest[mention.start - clause.start : mention.end - clause.start] = " " * (mention.end - mention.start)
+    return "".join(rest)
 
 
 def _full(clause: _Clause, verb: Mention) -> bool:
@@ -332,15 +409,15 @@ def _full(clause: _Clause, verb: Mention) -> bool:
     if not any(m.kind is Kind.ACTION and m.end <= verb.start for m in clause.mentions):
         return False
     if verb.op in clause.ops:
-        return bool(clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE)) or verb.op not in _MOTIONS
+        return bool(clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))  # "snap three pictures" is one deed
     return bool(clause.ops - set(_MOTIONS) or clause.directions or clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))
 
 
 def _find(text: str, words: str, at: int) -> tuple[int, int] | None:
-    """Where words stand in a text, but for case, spaces and marks at their ends; at or after `at`, else anywhere."""
+    """Where words stand in a text, but for case, spaces and marks at their ends; at or after `at`, or around it."""
     parts = words.strip(" \t\n.,;:!?\"'`。，！？；：").split()
     if not parts:
         return None
     pattern = re.compile(r"\s+".join(map(re.escape, parts)), re.IGNORECASE)
-    match = pattern.search(text, at)
+    match = pattern.search(text, at) or next((m for m in pattern.finditer(text) if m.end() > at), None)
     return match.span() if match else None

@@ -304,7 +304,8 @@ TABLE = {
         |or thereabouts|would ya|will ya|would you please|little|well|so|like|okay|ok|kay|mkay|k|alright|all right
         |right now|now|yes|yeah|yep|yup|sure|please please|great|good|nice|perfect|excellent|cool|awesome|good dog
         |good robot|got it|fantastic|wonderful|beautiful|sounds good|no rush|take your time|all set|copy|copy that
-        |roger|ten four|very good|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time
+        |roger|ten four|very good|lovely|brilliant|splendid|very nice
+        |very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time
         |on the ground|one time|on the floor|in the room|here|in total|total|in all|overall|as well|too
         |again please|for me please|both of you|you both|you two|all of you|both robots|for us|if it is safe
         |if it's safe|when safe|safely|from this angle|from this position|from that angle|from that position
