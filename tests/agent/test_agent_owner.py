@@ -12,6 +12,7 @@ from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 from agentrob.agent.turn import RobotAgent
 from agentrob.forums.forum import EventKind
+from agentrob.forums.memory import MemoryForum
 from agentrob.minds.mind import Listener
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Plan, RobotState, Role, Understanding
@@ -294,3 +295,34 @@ async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_but
             assert reply.card.state == "done", "a press on home does not disturb what moves"
     finally:
         homeless.end()
+
+
+class Plain:
+    """A forum as NodeBB and Discourse are: without a page of the robot."""
+
+    def __init__(self, forum: MemoryForum) -> None:
+        self._forum = forum
+
+    def __getattr__(self, name: str) -> Any:
+        if name in ("robot_page", "publish_robot", "publish_frame"):
+            raise AttributeError(name)
+        return getattr(self._forum, name)
+
+
+@pytest.mark.parametrize(
+    ("text", "how"),
+    [
+        ("@quadruped emergency stop", "My owner releases me with `agentrob release quadruped` on my machine."),
+        ("@quadruped 急停", "我的主人可在我的主机上运行 `agentrob release quadruped` 来解除。"),
+    ],
+    ids=["en", "zh"],
+)
+async def test_law_17_where_the_forum_has_no_buttons_the_reply_names_the_command(
+    owned: Scene, text: str, how: str
+) -> None:
+    forum = Plain(owned.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT))
+    async with owned.agent(forum=forum):
+        stop = await owned.post("bob", text)
+        (reply,) = await owned.until(lambda: owned.replies(stop))
+        assert how in reply.raw
+        assert "Release" not in reply.raw
