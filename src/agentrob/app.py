@@ -106,7 +106,7 @@ def board_account(config: Config, name: str, kind: AccountKind, role: Role) -> A
     from agentrob.board import admin
 
     settings = board_settings(config)
-    admin.bootstrap(settings)
+    admin.make(settings)
     try:
         found = admin.find_account(settings, name)
     except BoardError as e:

@@ -24,13 +24,23 @@ ConfigFile = Annotated[Path | None, typer.Option("--config", "-c", help="Configu
 
 
 def settings_of(config: Path | None) -> BoardSettings:
-    """The board's settings, its database made or migrated."""
+    """The board's settings, its database made when there is none. One of another version is never changed here, since
+    a server of that version may be running."""
     from agentrob.board import admin
-    from agentrob.board.settings import BoardSettings
 
-    loaded = configuration.load(config)
-    settings = BoardSettings.from_config(loaded.board, loaded.data_dir)
-    admin.bootstrap(settings)
+    settings = _settings(configuration.load(config))
+    admin.make(settings)
+    return settings
+
+
+def _settings_to_read(config: Path | None) -> BoardSettings:
+    """The settings of a board whose database is there, of this version, and is not changed."""
+    from agentrob.board.database import check_version
+
+    settings = _settings(configuration.load(config))
+    if not check_version(settings):
+        what = f"there is no forum in {settings.database_shown}"
+        raise ConfigError(f"{what}; name its configuration with --config, or begin one: agentrob init")
     return settings
 
 
@@ -75,7 +85,7 @@ def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: 
     """Write the whole forum into one file, while it runs or not."""
     from agentrob.board.backup import backup as write
 
-    typer.echo(_counted(write(settings_of(config), file)))
+    typer.echo(_counted(write(_settings_to_read(config), file)))
 
 
 def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
@@ -97,7 +107,7 @@ def export(
     """Write what people wrote, without secrets, as JSON files and pictures in a tar."""
     from agentrob.board.backup import export as write
 
-    typer.echo(f"{write(settings_of(config), file, account)} posts")
+    typer.echo(f"{write(_settings_to_read(config), file, account)} posts")
 
 
 def migrate(
@@ -132,7 +142,7 @@ def audit(
     from agentrob.board import audit as log
 
     statement = log.statement(None, limit, target)
-    for row in in_transaction(settings_of(config), lambda t: t.connection.execute(statement).all()):
+    for row in in_transaction(_settings_to_read(config), lambda t: t.connection.execute(statement).all()):
         e = log.entry(row)
         details = " ".join(f"{k}={v}" for k, v in e.detail.items())
         typer.echo(f"{e.at:%Y-%m-%d %H:%M:%S} {e.actor} {e.action} {e.target} {details}".rstrip())
@@ -161,7 +171,7 @@ def looked_up(config: Path | None, read: Callable[[Reader], T]) -> T:
     """What is in the forum's database now."""
     from agentrob.board.reader import Reader
 
-    return in_transaction(settings_of(config), lambda t: read(Reader(t.connection)))
+    return in_transaction(_settings_to_read(config), lambda t: read(Reader(t.connection)))
 
 
 def add_to(cli: typer.Typer, board: typer.Typer) -> None:

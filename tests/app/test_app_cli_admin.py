@@ -11,12 +11,13 @@ import typer
 from typer.testing import CliRunner
 
 from agentrob.board import admin, moderation, writes
+from agentrob.board.database import migrate, serving_lock
 from agentrob.board.records import EventKind
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Transaction
 from agentrob.cli import cli
 from agentrob.config import load
-from agentrob.errors import AgentRobError, BoardError
+from agentrob.errors import AgentRobError, BoardError, ConfigError
 from agentrob.model import AccountKind, Role
 
 
@@ -182,3 +183,31 @@ def test_erasing_is_said_before_it_is_done(shell: Shell) -> None:
     with admin.writing(shell.settings) as connection, pytest.raises(BoardError, match="erased"):
         moderation.show(Transaction(connection), chief, made.post.id)
     assert shell.board("expire") == "0 pictures expired, 0 files deleted\n"
+
+
+@pytest.mark.parametrize(
+    "words", ["account list", "boards list", "invite list", "audit", "backup {}/x.tar", "account add late"]
+)
+def test_no_word_but_migrate_changes_the_tables_of_another_version(tmp_path: Path, words: str) -> None:
+    """An older server may be running on them."""
+    shell = Shell(tmp_path)
+    shell.config.write_text(f'data = "{tmp_path / "data"}"\n[board]\nlisten = "127.0.0.1:0"\n')
+    asked, path = words.format(tmp_path).split(), shell.settings.database_path
+    assert path is not None
+    if "late" not in asked:
+        with pytest.raises(ConfigError, match=r"there is no forum in .* agentrob init"):
+            shell.board(*asked)
+        assert not path.exists(), "looking makes no database"
+    admin.bootstrap(shell.settings)
+    migrate(shell.settings, "0005_processes")
+    with serving_lock(shell.settings):  # as an older server holds it
+        for _ in range(2):
+            with pytest.raises(BoardError, match="are at 0005_processes, and this version of AgentRob needs") as caught:
+                shell.board(*asked)
+            assert caught.value.hint == "end the forum, then run: agentrob board migrate"
+        with pytest.raises(BoardError, match="another process serves the forum"):
+            migrate(shell.settings)
+    with pytest.raises(BoardError, match="are at 0005_processes"):
+        shell.board(*asked)
+    shell.board("migrate")
+    shell.board(*asked)

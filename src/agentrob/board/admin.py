@@ -11,7 +11,7 @@ from sqlalchemy.exc import DBAPIError
 from agentrob.board import accounts, administration, audit, rights
 from agentrob.board import schema as db
 from agentrob.board.audit import SHELL
-from agentrob.board.database import migrate, open_engine, unavailable
+from agentrob.board.database import check_version, migrate, open_engine, unavailable
 from agentrob.board.reader import Reader, not_found
 from agentrob.board.settings import BoardSettings
 from agentrob.model import Account, AccountKind, Role
@@ -23,13 +23,22 @@ FIRST_BOARDS = (
 )
 
 
-def bootstrap(settings: BoardSettings) -> None:
-    """Make or migrate the database; the first boards when there are none. Doing it again does nothing."""
-    migrate(settings)
+def bootstrap(settings: BoardSettings, *, alone: bool = False) -> None:
+    """Make or migrate the database; the first boards when there are none. Doing it again does nothing.
+
+    409 when a process serves a database of another version; `alone`: the caller knows that none does.
+    """
+    migrate(settings, alone=alone)
     with writing(settings) as connection:
         if connection.execute(select(db.boards.c.id).limit(1)).first() is None:
             rows = [dict(zip(("id", "name", "description"), b, strict=True)) for b in FIRST_BOARDS]
             connection.execute(insert(db.boards), [row | {"position": n} for n, row in enumerate(rows)])
+
+
+def make(settings: BoardSettings) -> None:
+    """Make the database when there is none. One of another version is left as it is: 409 says how to migrate it."""
+    if not check_version(settings):
+        bootstrap(settings)
 
 
 def create_account(

@@ -6,7 +6,6 @@ or changes the tables under them.
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,10 +14,9 @@ from sqlalchemy import Connection, create_engine, extract, func, select
 from sqlalchemy.exc import DBAPIError
 
 from agentrob.board import admin
-from agentrob.board.database import SERVING_LOCK, connect_args, unavailable
+from agentrob.board.database import SERVING_LOCK, connect_args, serving_lock, unavailable
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError, RobotBusy
-from agentrob.hostlock import HostLock
 
 #: What a post's age is judged by (law 5) comes from the clock of the process that took it: all must be about the same.
 MAX_SKEW_S = 2.0
@@ -34,7 +32,7 @@ def to_serve(settings: BoardSettings) -> Iterator[None]:
         yield
         return
     with _on_this_host(settings):
-        admin.bootstrap(settings)
+        admin.bootstrap(settings, alone=True)
         yield
 
 
@@ -61,11 +59,10 @@ def being_changed(settings: BoardSettings) -> BoardError:
 
 @contextmanager
 def _on_this_host(settings: BoardSettings) -> Iterator[None]:
-    path = settings.database_path
-    key = str(path.resolve()) if path else settings.database_shown
     try:
-        lock = HostLock("board/" + hashlib.sha256(key.encode()).hexdigest()[:16], f"the database {key}")
+        lock = serving_lock(settings)
     except RobotBusy:
+        key = settings.database_path or settings.database_shown
         what = f"another process serves {key} already; several can serve one forum on PostgreSQL only (docs/deploy.md)"
         raise BoardError(503, "already_served", what, "end it first") from None
     with lock:

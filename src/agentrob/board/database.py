@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import sqlite3
 import time
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -14,7 +16,8 @@ from sqlalchemy import Connection, Engine, create_engine, event, func, make_url,
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from agentrob.board.settings import BoardSettings
-from agentrob.errors import BoardError
+from agentrob.errors import BoardError, RobotBusy
+from agentrob.hostlock import HostLock
 
 #: How long is waited for somebody who makes the same database.
 LOCKED_S = 5.0
@@ -139,24 +142,23 @@ def migrate(settings: BoardSettings, to: str = "head", *, alone: bool = False) -
     `alone`, tables that a process of another version serves now are left as they are: 409.
     """
     from alembic import command
-    from alembic.config import Config
-    from alembic.script import ScriptDirectory
     from alembic.util import CommandError
 
     patience_s = MIGRATING_S if settings.shared else settings.busy_timeout_s
     engine = open_engine(replace(settings, busy_timeout_s=patience_s), writes=True)
-    config = Config()
-    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    config, known = _revisions()
     try:
-        with engine.begin() as connection:
+        with ExitStack() as until_done, engine.begin() as connection:
             config.attributes["connection"] = connection
-            known = [r.revision for r in ScriptDirectory.from_config(config).walk_revisions()]
             current = MigrationContext.configure(connection).get_current_revision()
             to = known[0] if to == "head" else to
             if to not in known:
                 raise BoardError(404, "no_such_revision", f"there is no revision {to!r}", ", ".join(known))
-            if settings.shared and not alone and current not in (None, to):
-                _nobody_serves(connection)
+            if not alone and current not in (None, to):
+                if settings.shared:
+                    _nobody_serves(connection)
+                else:
+                    until_done.enter_context(_nobody_serves_here(settings))
             down = current in known and known.index(to) > known.index(str(current))
             (command.downgrade if down else command.upgrade)(config, to)
     except CommandError as e:
@@ -167,11 +169,58 @@ def migrate(settings: BoardSettings, to: str = "head", *, alone: bool = False) -
         engine.dispose()
 
 
+def check_version(settings: BoardSettings) -> bool:
+    """Whether there are tables; changes nothing. 409 when they are of another version than this one."""
+    if settings.database_path is not None and not settings.database_path.exists():
+        return False  # connecting would make an empty file
+    engine = open_engine(settings, writes=False)
+    try:
+        with engine.connect() as connection:
+            current = MigrationContext.configure(connection).get_current_revision()
+    except DBAPIError as e:
+        raise unavailable(e) from e
+    finally:
+        engine.dispose()
+    newest = _revisions()[1][0]
+    if current not in (None, newest):
+        what = f"the tables of {settings.database_shown} are at {current}, and this version of AgentRob needs {newest}"
+        raise BoardError(409, "other_version", what, "end the forum, then run: agentrob board migrate")
+    return current is not None
+
+
+def _revisions() -> tuple[Any, list[str]]:
+    """How alembic is set up, and all revisions, the newest first."""
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    return config, [r.revision for r in ScriptDirectory.from_config(config).walk_revisions()]
+
+
+def serving_lock(settings: BoardSettings) -> HostLock:
+    """Held by the one process that serves a database on this host. `RobotBusy` when another one does."""
+    path = settings.database_path
+    key = str(path.resolve()) if path else settings.database_shown
+    return HostLock("board/" + hashlib.sha256(key.encode()).hexdigest()[:16], f"the database {key}")
+
+
 def _nobody_serves(connection: Connection) -> None:
     """Until the end of the transaction; 409 when somebody does."""
     if not connection.execute(select(func.pg_try_advisory_xact_lock(SERVING_LOCK))).scalar_one():
-        what = "the tables must change for this version, but another process serves the forum: end all of them first"
-        raise BoardError(409, "older_version_serves", what)
+        raise _older_version_serves()
+
+
+def _nobody_serves_here(settings: BoardSettings) -> HostLock:
+    try:
+        return serving_lock(settings)
+    except RobotBusy:
+        raise _older_version_serves() from None
+
+
+def _older_version_serves() -> BoardError:
+    what = "the tables must change for this version, but another process serves the forum: end all of them first"
+    return BoardError(409, "older_version_serves", what)
 
 
 def unavailable(error: DBAPIError) -> BoardError:
