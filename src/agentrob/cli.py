@@ -153,6 +153,18 @@ def eval_danger(
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
 
 
+@eval_cli.command("stop")
+def eval_stop(
+    file: Annotated[Path, typer.Argument(help="Rows of text and stop (true or false), one JSON object a line.")],
+    as_json: AsJson = False,
+) -> None:
+    """How many posts stop a robot that moves, and how many stop it falsely."""
+    from agentrob import evaluate_stop as measure
+
+    found = measure.stopping(file)
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
+
+
 @eval_cli.command("injection")
 def eval_injection(
     file: EvalFile,

@@ -120,3 +120,39 @@ def test_any_text_is_something_and_without_my_name_never_a_command(text: str, ed
 )
 def test_the_language_of_a_post(text: str, language: str) -> None:
     assert language_of(text) == language
+
+
+BUSY = replace(EARS, commands={"9"}, people={"bob"})
+
+
+@pytest.mark.parametrize(
+    ("text", "topic", "call"),
+    [
+        ("stop right there", "running", Call.STOP),
+        ("@bob careful!", "running", Call.STOP),
+        ("@humanoid wait", "running", Call.NOTHING),
+        ("why did it stop?", "running", Call.NOTHING),
+        ("stop right there", "elsewhere", Call.NOTHING),
+        ("@quadruped that's enough", "elsewhere", Call.STOP),
+        ("@quadruped wait for me at the door", "elsewhere", Call.STOP),
+        ("@quadruped walk 1 m and stop", "elsewhere", Call.READ),
+        ("@quadruped approve", "running", Call.APPROVE),
+    ],
+)
+def test_law_13_while_a_command_moves_in_doubt_it_stops(text: str, topic: str, call: Call) -> None:
+    heard = perceive(post(text, topic=topic), BUSY)
+    assert heard.call is call
+    assert heard.taken_as_stop == (call is Call.STOP)
+
+
+@pytest.mark.parametrize(
+    "text", ["@quadruped wait for me at the door", "@quadruped why did it stop?", "@quadruped careful"]
+)
+def test_law_13_at_rest_only_the_narrow_rule_holds(text: str) -> None:
+    assert perceive(post(text), replace(EARS, running_topics=())).call is Call.READ
+
+
+def test_law_13_a_command_under_way_does_not_stop_itself_but_an_edit_of_it_may() -> None:
+    command = replace(post("@quadruped wait for the door, then walk", topic="running"), id="9")
+    assert perceive(command, BUSY).call is Call.READ
+    assert perceive(command, BUSY, edited=True).call is Call.STOP

@@ -202,3 +202,39 @@ async def test_laws_13_and_14_a_stop_ends_a_command_in_any_state(
         assert ended == TABLE[state][way in AT_THE_MACHINE]
         assert later == ("refused" if halts else "done")
         assert play.moved[moved:] == []
+
+
+#: Posted in the thread of a walk, all of these were ignored once.
+PLAIN_WORDS = {
+    "stop right there": "I took this as a stop",
+    "omg stop it's going to fall": "I took this as a stop",
+    "wait": "I took this as a stop",
+    "stop what you are doing": "I took this as a stop",
+    "brake!": "I took this as a stop",
+    "刹车": "当作停止命令",
+    "要撞了快停": "当作停止命令",
+}
+
+
+@pytest.mark.parametrize("text", PLAIN_WORDS)
+async def test_law_13_plain_words_in_the_thread_stop_what_moves(stand: Stand, tmp_path: Path, text: str) -> None:
+    play = Play(stand, tmp_path)
+    async with play.agent():
+        command = await play.bring("moving")
+        stop = await play.post("bob", text, topic=command.topic_id)
+        assert await play.shows(command, FINAL) == "stopped"
+        reply = await play.until(lambda: next((p for p in play.world.posts.values() if p.reply_to == stop.id), None))
+        assert PLAIN_WORDS[text] in reply.raw
+        assert "ms after the stop" in reply.raw or "毫秒后速度归零" in reply.raw
+        play.gates.open()
+        later = await play.post("alice", f"@{ROBOT} wave")
+        assert await play.shows(later, FINAL) == "done"
+
+
+async def test_law_13_an_edit_into_plain_words_stops_what_moves(stand: Stand, tmp_path: Path) -> None:
+    play = Play(stand, tmp_path)
+    async with play.agent():
+        command = await play.bring("moving")
+        talk = await play.post("bob", "nice!", topic=command.topic_id)
+        await play.world.sign_in("bob").edit(talk.id, "nice! oh no, careful, the cat")
+        assert await play.shows(command, FINAL) == "stopped"

@@ -54,15 +54,16 @@ class Brake:
             self._saving = self._spawn(self._save(journal))
         self.stopped_at = max(self.stopped_at, kept)
 
-    def heard(self, event: Event, author: Account, language: Language, halt: bool) -> None:
-        """A stop of the forum: end and cancel all that was posted earlier, and stop the robot, with nothing between."""
+    def heard(self, event: Event, author: Account, language: Language, halt: bool, taken: bool = False) -> None:
+        """A stop of the forum: end and cancel all that was posted earlier, and stop the robot, with nothing between.
+        `taken`: the post was taken as a stop since the robot moves or a command waits; its reply says so."""
         post = event.post
         edited = event.kind is EventKind.POST_EDITED
         at = post.created_at if post is not None and not edited else event.at
         ended, stopping = self._end_all(author.name, at, halt)
         if post is not None:
             count = len(ended) + sum(coming.created_at <= at for coming in self._inbox.coming.values())
-            self._spawn(self._stops.answer(post, language, stopping, count, halt))
+            self._spawn(self._stops.answer(post, language, stopping, count, halt, taken))
         self._ring(event.at, post.topic_id if post is not None else None, ended, language)
 
     def pulled(self, by: str, posted_at: datetime | None) -> tuple[int, asyncio.Task[StopResult | None]]:

@@ -10,6 +10,7 @@ from enum import StrEnum
 from agentrob.language import languages
 from agentrob.language.approval import Said, approval_in
 from agentrob.language.stop import stop_intent
+from agentrob.language.stop_moving import stop_while_moving
 from agentrob.language.visible import mentions, visible_text
 from agentrob.model import Account, AccountKind, Intent, Language, Post
 
@@ -34,7 +35,8 @@ class Ears:
     """Who listens, and what it knows of the world when a post arrives.
 
     `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
-    `running_topics` are threads in which a command of this robot runs or waits. `watermark_at` is when its agent first
+    `running_topics` are threads in which a command of this robot runs or waits, `commands` the posts of these commands,
+    and `people` some names that are no robot's. `watermark_at` is when its agent first
     started, `now_at` the forum's clock.
     """
 
@@ -45,17 +47,20 @@ class Ears:
     now_at: datetime
     max_age_s: float
     running_topics: Collection[str] = ()
+    commands: Collection[str] = ()
+    people: Collection[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Heard:
     """What was made of a post. `text` is its visible text, `others` are those it mentions besides. An approval that is
-    not `fresh` is too old to count."""
+    not `fresh` is too old to count. `taken_as_stop`: it stops since something moves or waits, and else would not."""
 
     call: Call
     text: str = ""
     others: tuple[str, ...] = ()
     fresh: bool = True
+    taken_as_stop: bool = False
 
     @property
     def language(self) -> Language:
@@ -70,9 +75,15 @@ def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
     named = mentions(text)
     mine = any(name in ears.names for name in named)
     others = tuple(name for name in named if name not in ears.names)
-    # In the thread of a command that runs, "stop" alone is plain enough; "@somebody stop" is for somebody.
-    if (mine or (not named and post.topic_id in ears.running_topics)) and (stop := stop_intent(text)):
+    # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot.
+    robots = tuple(name for name in others if name not in ears.people)
+    here = mine or (not robots and post.topic_id in ears.running_topics)
+    if here and (stop := stop_intent(text)):
         return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others)
+    # While anything moves or waits, in doubt it stops; a command under way does not stop itself.
+    doubted = here and ears.running_topics and (edited or post.id not in ears.commands) and approval_in(text) is None
+    if doubted and (stop := stop_while_moving(text, tuple(ears.names), robots)):
+        return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others, taken_as_stop=True)
     if edited or not mine or post.board_id not in ears.boards:
         return Heard(Call.NOTHING, text, others)
     fresh = _fresh(post, ears)

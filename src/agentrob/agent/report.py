@@ -294,11 +294,19 @@ def stop_figures(stop: StopResult, language: Language) -> str:
 
 
 def stop_reply(
-    stop: StopResult | None, language: Language, ended: int, halted: bool | None, folded: int = 0, how: str = ""
+    stop: StopResult | None,
+    language: Language,
+    ended: int,
+    halted: bool | None,
+    folded: int = 0,
+    how: str = "",
+    taken: bool = False,
 ) -> str:
     """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands.
-    `halted` None: a halt was asked for, but the robot could only be stopped. `how` says how a halt is released."""
+    `halted` None: a halt was asked for, but the robot could only be stopped. `how` says how a halt is released.
+    `taken`: the post was taken as a stop, though it is not plainly one."""
     said = [say("stopped", language)] if stop is not None and stop.confirmed else []
+    said += [say("stop.taken", language)] if taken else []
     said.append(stop_figures(stop, language) if stop else say("stop.unreachable", language))
     if halted is not False and stop:
         said.append(say("stop.halted" if halted else "stop.not_halted", language))

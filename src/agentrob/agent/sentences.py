@@ -316,6 +316,10 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "usage.time": ("{seconds:.2f} s", "{seconds:.2f} 秒"),
     "usage.failed": ("no answer after {seconds:.2f} s", "{seconds:.2f} 秒后没有回答"),
     # ------------------------------------------------------------ stop
+    "stop.taken": (
+        "I took this as a stop: while I move or a command waits, I stop when in doubt.",
+        "我把这句话当作停止命令：移动中或有命令等待时，拿不准我就停下。",
+    ),
     "stop.moving": (
         "Zero velocity was commanded {latency_ms:.0f} ms after the stop",
         "收到停止 {latency_ms:.0f} 毫秒后速度归零",

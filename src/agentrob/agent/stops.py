@@ -28,9 +28,9 @@ TRIES = 9
 _log = structlog.get_logger()
 #: What the second channel's answer to a halt says: it can only stop.
 ONLY_STOPPED = "only stopped"
-#: (what the stop did, language, commands ended, halted, stops folded into it) to Markdown; halted is None when that
-#: was asked for and could not be done.
-Render = Callable[[StopResult | None, Language, int, bool | None, int], str]
+#: (what the stop did, language, commands ended, halted, stops folded into it, taken as a stop) to Markdown; halted is
+#: None when that was asked for and could not be done.
+Render = Callable[[StopResult | None, Language, int, bool | None, int, bool], str]
 
 
 @dataclass
@@ -42,6 +42,7 @@ class _Reply:
     result: StopResult | None
     ended: int
     halted: bool | None
+    taken: bool = False
     folded: int = 0
     edits: int = 0
     updating: asyncio.Task[None] | None = None
@@ -123,11 +124,17 @@ class Stops:
         self._replies.clear()
 
     async def answer(
-        self, post: Post, language: Language, stopping: asyncio.Task[StopResult | None], ended: int, halted: bool
+        self,
+        post: Post,
+        language: Language,
+        stopping: asyncio.Task[StopResult | None],
+        ended: int,
+        halted: bool,
+        taken: bool = False,
     ) -> None:
-        """Reply to a stop post, or fold it into the reply that its thread already has."""
+        """Reply to a stop post, or fold it into the reply that its thread already has. `taken`: it is no plain stop."""
         if (first := self._replies.get(post.topic_id)) is None:
-            replying = asyncio.create_task(self._reply(post, language, stopping, ended, halted))
+            replying = asyncio.create_task(self._reply(post, language, stopping, ended, halted, taken))
             self._replies[post.topic_id] = replying
             await asyncio.shield(replying)
         elif (reply := await asyncio.shield(first)) is not None:
@@ -136,11 +143,17 @@ class Stops:
                 reply.updating = asyncio.create_task(self._update(reply))
 
     async def _reply(
-        self, post: Post, language: Language, stopping: asyncio.Task[StopResult | None], ended: int, halted: bool
+        self,
+        post: Post,
+        language: Language,
+        stopping: asyncio.Task[StopResult | None],
+        ended: int,
+        halted: bool,
+        taken: bool,
     ) -> _Reply | None:
         result = await asyncio.shield(stopping)
         done = None if halted and result is not None and result.message == ONLY_STOPPED else halted
-        text = self._render(result, language, ended, done, 0)
+        text = self._render(result, language, ended, done, 0, taken)
 
         async def reply() -> Written:
             return await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
@@ -150,14 +163,14 @@ class Stops:
         except ForumError as e:
             _log.warning("stop not answered", post=post.id, error=str(e))
             return None
-        return _Reply(written.post.id, language, result, ended, done)
+        return _Reply(written.post.id, language, result, ended, done, taken)
 
     async def _update(self, reply: _Reply) -> None:
         await asyncio.sleep(FOLD_S)
         if self._forum.max_edits is not None and reply.edits >= self._forum.max_edits:
             return
         reply.edits += 1
-        text = self._render(reply.result, reply.language, reply.ended, reply.halted, reply.folded)
+        text = self._render(reply.result, reply.language, reply.ended, reply.halted, reply.folded, reply.taken)
         try:
             await self._forum.edit(reply.post_id, text)
         except ForumError as e:

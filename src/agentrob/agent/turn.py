@@ -46,7 +46,7 @@ from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
 from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
-from agentrob.model import Account, Command, Decision, Language, Post, Report, StopResult
+from agentrob.model import Account, AccountKind, Command, Decision, Language, Post, Report, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -54,6 +54,8 @@ LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
 LAST_WORDS_S = 2.5
 DRIVER_WAIT_S = 5.0
+#: So many names of people are remembered.
+MET = 1_000
 #: A task that only shows things begins anew so long after it failed.
 RESTART_S = 1.0
 _log = structlog.get_logger()
@@ -120,6 +122,8 @@ class RobotAgent:
         self._watermark_at = datetime.min.replace(tzinfo=UTC)
         self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
+        self._claimed_posts: frozenset[str] = frozenset()
+        self._people: dict[str, None] = {}  # who wrote and is no robot: "@alice stop it" is for the robot of the thread
         self._accepting = True
         self._ending = False
 
@@ -191,6 +195,7 @@ class RobotAgent:
         """Hear what was missed, above all stops, and only then take up the commands that were left open."""
         claims = await self.journal.open_claims()
         self._claimed_topics = frozenset(claim.command.topic_id for claim in claims)
+        self._claimed_posts = frozenset(claim.command.post_id for claim in claims)
         try:
             while events := await insist(self._missed):
                 for event in events:
@@ -207,7 +212,7 @@ class RobotAgent:
                 job.end(why)
                 await self.journal.end([claim.command.post_id], why)
             self._take_up(job)
-        self._claimed_topics = frozenset()
+        self._claimed_topics = self._claimed_posts = frozenset()
 
     async def _missed(self) -> Sequence[Event]:
         """What was posted meanwhile. An answer that makes no sense is none: without it no command is taken up."""
@@ -350,6 +355,7 @@ class RobotAgent:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
         heard = Heard(Call.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
+            self._meet(event.post.author)
             heard = self.perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
             if heard.call in (Call.STOP, Call.HALT):
                 self._stop(event, event.post.author, heard)
@@ -367,6 +373,12 @@ class RobotAgent:
         if self._accepting:
             self.inbox.put(event, heard)
 
+    def _meet(self, author: Account) -> None:
+        if author.kind is not AccountKind.ROBOT_AGENT:
+            self._people[author.name.lower()] = None
+            while len(self._people) > MET:
+                del self._people[next(iter(self._people))]
+
     def perceive(self, post: Post, edited: bool = False) -> Heard:
         """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
         try:
@@ -381,23 +393,24 @@ class RobotAgent:
         topics = self.line.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
         return Ears(
             self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
-            self.settings.max_post_age_s, topics,
+            self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self._claimed_posts},
+            self._people,
         )  # fmt: skip
 
     def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:
         assert self._me is not None
         if author is not None and obeyed(author, self._me) and may(author, "stop").decision is Decision.ALLOW:
-            self.brake.heard(event, author, heard.language, halt=heard.call is Call.HALT)
+            self.brake.heard(event, author, heard.language, halt=heard.call is Call.HALT, taken=heard.taken_as_stop)
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
         return self.brake.pulled(by, posted_at)
 
     def _stop_reply(
-        self, stop: StopResult | None, language: Language, ended: int, halted: bool | None, folded: int
+        self, stop: StopResult | None, language: Language, ended: int, halted: bool | None, folded: int, taken: bool
     ) -> str:
         how = self.owner.how_to_release(language)
-        return words.stop_reply(stop, language, ended, halted, folded, how)
+        return words.stop_reply(stop, language, ended, halted, folded, how, taken)
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None

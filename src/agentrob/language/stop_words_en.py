@@ -1,0 +1,301 @@
+"""English words of the wide rule for stops (law 13), as patterns over one clause in lower case without mentions.
+
+A line is an alternative, or a part of one that is cut at a `
+    `. `stop_moving` puts slips right first, and says when a word that is found does not count.
+"""
+
+# ruff: noqa: E501, SIM905 (tables of words)
+from __future__ import annotations
+
+import re
+
+
+def any_of(lines: str, **parts: str) -> re.Pattern[str]:
+    """One of these lines, as whole words; `<name>` stands for `parts[name]`."""
+    found = "|".join(line.strip() for line in lines.strip().splitlines())
+    for name, part in parts.items():
+        found = found.replace(f"<{name}>", f"(?:{part})")
+    return re.compile(rf"\b(?:{found})\b")
+
+
+#: What a robot does, and is told not to.
+_MOTION = (
+    "move|moving|go|going|walk|walking|run|running|come|coming|turn|turning|spin|spinning|continue|proceed|advance|step"
+    "|stepping|drive|driving|approach|touch|hit|do|take|push|bump|jump|crash|carry on|keep|follow|budge|get|cross|enter"
+    "|climb|start|execute|fall|drop|break|hurt"
+)
+#: What it must not run into, or over.
+_THING = (
+    "cat|dog|puppy|kids?|child|children|baby|toddler|foot|feet|toes?|legs?|hands?|fingers?|head|table|desk|chair|vase"
+    "|stairs?|staircase|wall|glass|cables?|cord|wires?|door|window|lamp|laptop|computer|tv|monitor|edge|ledge|cliff"
+    "|person|people|somebody|someone|lady|man|woman|guy|girl|boy|wheelchair|plant|sofa|couch|shelf|cup|coffee|water"
+    "|puddle|hole|ramp|curb|fence|car|bike|pole|pillar|box|rope|mirror|steps|obstacle|ladder|bottle|bag|drop"
+)
+_HARM = (
+    "hit|hits|hitting|crash|crashes|crashing|collide|colliding|fall|falls|falling|drop|dropping|tip|tipping|topple"
+    "|toppling|break|breaking|smash|smashing|trip|tripping|bump|bumping|run (?:into|over)|running (?:into|over)"
+    "|walk (?:into|off)|walking (?:into|off)|drive into|driving into|knock|knocking|crush|crushing|hurt|hurting|kill"
+    "|slip|slipping|burn|burning|explode|ram|ramming|step on|stepping on|step off|go over|going over|slam|destroy"
+    "|damage"
+    "|flip over|tumble|land on|kick|scrape|get (?:hurt|stuck)|squash|injure|tread on|roll over|run out of"
+)
+
+#: A stop by its word. Whether it is wished, denied, asked about or a thing is told by what is around it.
+STOP = any_of(
+    """
+    stop|stops|stopping|halt|halts|halting|freeze|freezing|brake|brakes|braking|abort|aborting|cease|ceasing|desist
+    pause|pausing|estop|e-stop|emergency-stop|standstill
+    """
+)
+#: A stop in other words.
+IDIOM = any_of(
+    """
+    (?:hold|hang) (?:on|up|it|still|your (?:horses|position|ground)|off|fire)
+    whoa|quit|quit (?:it|that|moving)|(?:cut|knock|pack) (?:it|that|this) (?:out|off|in)
+    kill (?:it|that|this|switch|power|the (?:motors?|power|engine|robot|thing))
+    (?:shut|turn|switch|power) (?:it|that|this|him|her|everything|(?:the|that|this) \\w+) (?:down|off)
+    (?:shut|power|switch) (?:down|off)|(?:shut|power)down|unplug|pull the plug|cut (?:the )?(?:power|motors?|engine)
+    cancel(?:s|led|ling)?|call (?:it|him|her) (?:off|back)|call it a day|terminate|deactivate|disengage|suspend
+    interrupt
+    (?:don't|do not|never|must not|mustn't|shouldn't|should not|cannot|please not) (?:you )?(?:dare )?(?:ever )?<motion>
+    (?:don't|do not) (?:let|make) (?:it|him|her|the \\w+) <motion>
+    no (?:more|further|farther|closer) ?(?:steps?|walking|moving|please)?
+    not (?:so fast|any (?:further|farther|closer|more))
+    not (?:another|one more) (?:step|inch|meter|metre|centimeter|cm|move)|not (?:that|this) (?:way|direction|side|far)
+    not (?:there|like that|into|onto|my|so close|too close)|not the <thing>|not on (?:the|my)|not through the
+    stay (?:where|there|here|put|still|back|away|right|in place|in position|as you|clear)|remain (?:where|there|still)
+    stand (?:still|down|by|there|where|back|fast|your ground|clear)|keep (?:still|away|back|clear|off|your distance|out)
+    (?:back|get|step|move|go) (?:off|away|back off)|get (?:back|down|out)|get (?:it|him|her) (?:off|away|out)|get off
+    (?:far|close|that's|that is|that was|it's|it is|had|ok|okay|already|quite|more than|just|say|said
+    now) (?:enough|plenty)
+    enough (?:already|now|is enough|of|please|thanks|thank you|walking|moving|turning|with)
+    that(?:'ll| will) do|time ?out|time-out|red light|let go|give up|down boy|leave (?:it|him|her|me) (?:be|alone|there)
+    (?:easy|steady) (?:there|boy|girl|now|does it|tiger|buddy|on)|slow(?:er)? down|slow it down
+    (?:take|have) a (?:break|rest)|give it a rest|let it (?:be|rest)|hit the (?:brakes?|breaks?)|slam the
+    (?:be|get it|get him|get her|want it|wants?|needs?) stopped|put (?:an end|a stop) to
+    give (?:me|us) (?:a|one) (?:sec|second|moment|minute|min)
+    too (?:far|close|fast|near|quick|dangerous|risky|rough|wild)|hands off|no no|nope nope|(?:nono)+(?:no)?|nah nah
+    wrong (?:way|direction|side|robot|room|turn)|do nothing|nobody move|stationary
+    i (?:said|meant) (?:no|enough)|come back here|that's (?:as )?far
+    """,
+    motion=_MOTION,
+    thing=_THING,
+)
+WAIT = any_of("wait")
+#: A danger that is named.
+WARNING = any_of(
+    """
+    (?:watch|look) (?:out|it|where|your|behind|ahead|in front|yourself)|watch the <thing>|heads? up|heads-up|beware
+    caution|warning|mind (?:the|your|my|that|out)|danger|dangerous|dangerously|unsafe|hazard
+    (?:not|isn't|no longer|hardly) (?:\\w+ )?safe|safety first|emergency|mayday|sos|911|accident|fire|smoke|smoking
+    sparks?|bleeding|blood|injured|screaming|ouch|ow|yikes|uh[ -]?oh|oh no|aargh|argh|aah|eek|holy (?:shit|crap|cow)
+    shit
+    (?:about|going|gonna|bound|ready|trying|tries) (?:to )?(?:\\w+ )?<harm>
+    (?:will|it'll|you'll|he'll|she'll|might|almost|nearly|keeps?|is|are|it's|you're|he's|she's|they're) (?:\\w+ )?<harm>
+    (?:it|you|robot|he|she|dog) (?:hit|hits|bumped|crashed|fell|falls|tips|broke|knocked|ran|stepped|drops|dropped)
+    (?:hit|bumped|crashed|ran|fell|stepped|knocked|smashed|broke|crushed) (?:\\w+ )?(?:me|my|into|over|someone
+    somebody|him|her)
+    falling|tipping over|tripping over|collision|toppling|crashing
+    (?:there's|there is|there are|i see|it's|is|are) (?:\\w+ ){0,3}<thing> (?:\\w+ )?<where>
+    (?:<thing>|something) (?:is |are |just )?<where>
+    in (?:the|its|your|his|her|my|our) (?:way|path)|(?:behind|in front of|right next to) (?:you|it)
+    out of control|off course|(?:gone|going|went|goes) (?:crazy|mad|wild|haywire|berserk)|malfunction\\w*|haywire
+    (?:is|got|it's|am|i'm|gets) stuck|it hurts|hurts|hurting|(?:somebody|someone|please|god) help
+    help (?:me|us|him|her|it|someone|somebody|now|please)|call (?:an ambulance|911|112|security)
+    panic|scared|afraid|scary|scares|scaring|frighten\\w*|terrif\\w+|slippery|wet floor|floor is wet|broken glass
+    let me (?:out|go|pass)|(?:floor|rug|carpet|table) (?:is|ends|gives)
+    """,
+    harm=_HARM,
+    thing=_THING,
+    where=("in front|on the|behind|ahead|under|near|next to|coming|crossing|beside|running|walking|in the way|lying"),
+)
+#: A warning, but praise of one that is.
+CAREFUL = any_of("careful|cautious")
+#: Clauses that are a stop when they are nothing else.
+_LEAD = (
+    "oh|hey|ok|okay|please|guys|yo|no|omg|and|well|hm+|uh|um|sorry|now|dude|bro|man|boy|dog|robot|buddy|god|just|so|all"
+    "|right|everyone|everybody|alright"
+)
+_TAIL = (
+    "please|now|there|here|boy|dog|robot|it|already|thanks|thank you|guys|everyone|everybody|immediately|for now"
+    "|then|no"
+    "|you|quickly|quick|a bit|a sec|man|dude|bro|buddy|right now|asap|girl|omg"
+)
+WHOLE = re.compile(
+    rf"(?:(?:{_LEAD}) )*(?:no|nope|nah|enough|stay|stand|easy|steady|slowly|slow|break|breaks|danger|back|hold"
+    rf"|hang|rest"
+    rf"|leave it|drop it|that's all|end|end it|finish|off|undo|retreat|cancelled|stopped|yield|heel|down"
+    rf"|relax|(?:just )?(?:one|a|1) (?:sec|second|moment|minute|min)"
+    r"|calm down|chill|settle down|wrong|not good|bad dog|bad robot|bad idea|no way|don't|do not|not yet|not now"
+    r"|timeout)"
+    rf"(?: (?:{_TAIL}))*"
+)
+#: A scream.
+SCREAM = re.compile(r"\b(?:a{3,}h*|a+h{3,}|a+r+g+h*|e{2,}k+|i{3,}h*)\b")
+#: The same, where somebody shouts it: "my foot!", "HELP".
+SHOUTED = re.compile(
+    rf"(?:(?:{_LEAD}) )*(?:help|(?:the|my|your|our|his|her|that|a|watch) (?:\w+ )?(?:{_THING})"
+    rf"|{_THING})(?: (?:{_TAIL}))*"
+)
+
+# ---------------------------------------------------------------------- when it does not count
+#: The word is a thing: "the bus stop", "the stop button".
+NOUN = any_of(
+    r"""
+    (?:bus|tram|train|metro|subway|truck|pit|rest|next|last|first|second|final|door|taxi) (?:stops?|halt)
+    (?:non|one|bus|tram)-stop|non ?stop
+    (?:the|a|each|every|which|any|another|my|our) (?:\w+ )?(?:stops?|halt|pause|brakes?)
+    (?:sudden|abrupt|nice|good|great|perfect|clean|smooth|lovely|short) (?:stops?|halt|pause|brakes?)
+    (?:stop|brake|pause|abort|halt|wait|cancel)[ -](?:signs?|buttons?|lights?|watch|words?|pads?|pedals?|keys?)
+    (?:stop|brake|pause|abort|halt|cancel)[ -](?:distances?|functions?|features?|commands?|times?|lines?|posts?|rules?)
+    stopping distances?
+    """
+)
+#: … but here the thing is the wish: "come to a stop", "hit the brakes".
+COME_TO = any_of(
+    r"""
+    (?:to|make|into|bring|bring it|need|want|take|have|hit|use|pull|press|push
+    apply) (?:it )?(?:to )?<a> (?:\w+ )?<stop>
+    """,
+    a="a|an|the|your",
+    stop="stop|halt|standstill|pause|brakes?|handbrake|break",
+)
+#: Right before the word, at most these beside it: it is denied.
+DENIED = re.compile(
+    r"\b(?:don't|do not|never|no need(?: for (?:you|it))? to|needn't|need not|not to|without|no reason to|(?:don't"
+    r"|doesn't"
+    r"|do not|not) (?:have|need|want (?:it|you)) to|mustn't|must not|shouldn't|should not|not|can't|cannot"
+    r"|couldn't|can not"
+    r"|didn't|hasn't|doesn't|instead of|nobody said|won't)"
+    r"(?: (?:you|it|him|her|dare|ever|even|please|yet|now|just|let|make|want|to|think|about|be|suddenly|say"
+    r"|there))*\s*$"
+)
+#: It does not stop, or cannot be stopped: a cry, no denial. With people's laughter it is neither.
+CRY = any_of(
+    r"""
+    (?:can't|cannot|couldn't|doesn't|didn't|won't|isn't|hasn't|(?:can|does|is|will|did) not) (?:\w+ )?(?:stop
+    stopping|halt|brake)
+    """
+)
+SMILE = any_of(r"(?:can't|cannot|couldn't) stop (?:myself )?\w+ing")
+#: "It stops at walls" tells what it does.
+HABIT = re.compile(
+    r"\b(?:it|he|she|robot|dog|that|who|which|always|usually|never|only|then|and|really|often|music|one"
+    r"|sometimes) stops$"
+)
+PRAISE = any_of(
+    r"""
+    (?:thanks|thank you|nice|good|great|love|loved|like|liked|impressive|amazing|glad|happy) .{0,40}<done>
+    (?:so|very|how|really|pretty|quite|super|is|it's|was|are|looks|extremely|being|such a) (?:\w+ )?(?:careful|cautious)
+    """,
+    done="stopping|stops|brakes|braking|careful|cautious|pausing",
+)
+#: People wait themselves.
+SELF_WAIT = any_of(
+    r"""
+    (?:can't|cannot|couldn't|can not|hardly|barely) wait|(?:i|we|i'll|we'll|they|people|who|i'd|let's) (?:\w+ )?wait
+    (?:worth the|long|the|a|minute|hour) wait|(?:don't|do not|never|not|always) wait|(?:did|does|do) (?:\w+ )?wait
+    (?:have|had|has|used) to wait|wait (?:times?|list)|wait (?:till|until) (?:you|they) (?:see|hear)
+    """
+)
+PAST = any_of(
+    r"""
+    yesterday|last (?:time|week|night|run|round|month|year|try|demo)|earlier|ago|previously|the other day|this morning
+    in the (?:video|demo|film|movie)|used to|back then|first time
+    """
+)
+#: A warning that is denied: "it won't fall".
+NO_WARNING = any_of(
+    r"""
+    (?:won't|not|never|didn't|doesn't|don't|without|no|isn't|hasn't|can't|couldn't|wouldn't) (?:\w+ ){0,3}<harm>
+    (?:no|not|isn't|without|any|never|how|is it|is that|is this) (?:\w+ )?<danger>
+    (?:fire|emergency) (?:exit|door|engine)
+    (?:smoking|crash|fire|blood|emergency) (?:hot|test|tests|course|truck|type|area|exit|contact|number)
+    (?:love|like|nice|cool|great) .{0,30}<harm>|fall (?:asleep|in love|for|season|term|semester)
+    falling (?:asleep|in love)
+    i'm not (?:scared|afraid)|not (?:scared|afraid|scary)|don't be (?:scared|afraid)
+    (?:hits?|hitting) (?:the spot|different)
+    """,
+    harm=_HARM + "|hurt|fell|stuck|falling|fire|smoke",
+    danger="danger|dangerous|hazard|risk|accident|emergency",
+)
+_FILLED = (
+    "hey|hi|hello|so|and|but|ok|okay|wow|sorry|um|uh|hm+|just|btw|oh|guys|robot|dog|please|quick question|question"
+    "|curious"
+    "|excuse me|anyone know|does anyone know|do you know|can you tell me|can someone (?:explain|tell me)"
+    "|could you tell me"
+    "|tell me|explain|i wonder|i was wondering|wondering|i'd like to know|i want to know|not sure|any idea|idk"
+    "|let's see"
+    "|just curious|also|anyway"
+)
+#: A question begins so …
+QUESTION = re.compile(
+    rf"^(?:(?:{_FILLED}) )*(?:(?P<wh>why|why's|how|how's|when|where|where's|what|what's|who|who's|whose|which|if"
+    rf"|whether)"
+    r"|(?P<aux>did|didn't|does|do(?! not)|was|were|has|have|had|can (?:it|he|she|this|that|the|i|we|people|anyone"
+    r"|robots)"
+    r"|could (?:it|he|she|this|that|the|i)|should i|may i|am i|doesn't)"
+    r"|(?P<be>is|are|will (?:it|he|she|this|that|the)|would (?:it|he|she|this|that|the|a)|isn't))\b"
+)
+#: … and these are wishes, or cries, in the shape of one.
+ASKED = any_of(
+    r"""
+    (?:why|when) (?:don't|do not|won't|doesn't|isn't|aren't|can't|wouldn't)|(?:how|what) about
+    (?:why|how) (?:is|are|does|do|did|has) (?:it|he|she|you|this|that|the \w+) (?:still |just )?(?:not|still)
+    can (?:someone|somebody|anyone|we|you)|(?:will|would|could) (?:you|we|someone|somebody|anyone)|do you mind
+    when (?:will|are|do) you|what the (?:hell|heck|fuck)|isn't that|is there (?:a|any) way
+    """
+)
+#: The word right before the stop in a real question; "what are you doing stop" is none.
+GOVERNS = frozenset(
+    """
+    it you i we they he she to robot dog this that one thing machine humanoid quadruped him her them suddenly just
+    really always ever even actually automatically never not did does do would will can could should must the a
+    press emergency immediately early there so push call use anything robots everything usually mean manually
+    remotely sometimes normally properly sudden quickly gently say said type post safely by of for on before
+    gradually after when is was were are been being got again only fully or and about with its first go
+    """.split()
+)
+
+# ---------------------------------------------------------------------- slips
+#: Words that a slip of the finger makes of others, with the words nearby that are meant as they stand.
+MEANT = "stop halt freeze brake wait pause abort careful danger enough whoa hold stopping cancel watch emergency crash"
+OTHERS = frozenset(
+    """
+    step steps top tops shop shops slop stow stops strop atop spot spots post posts sop stoup store stomp stamp stump
+    stock stood story stow setup stopped topping shopping stepping stooping half hall halo hat hart malt salt hilt halts
+    shalt haul holt alt hale breeze freed frees frieze freezer freezes bake rake brave drake braked braker brace broke
+    broken brakes break breaks brae brisk bait wail waist wit wat wart want wants wast watt watts waif gait await awaits
+    waits waste wiat's white waite what whit wet cause paused pauses paws pulse phase abode about aborts carefully carful
+    dagger ranger anger hanger ganger manger dangers danger's enoch though tough woah hoa held hole holds gold bold cold
+    fold sold told mold hod holy hood holed hauled cancels cancer candle watches match catch batch patch hatch latch witch
+    swatch wash watched water emergence cash rash crush crass clash brash trash crashes stooping hoped hoping walt wild
+    stag star stay stat sto stoke stole stone spout stout stops topic shot slot spoon snoop scoop swoop hop hops pop plop
+    drop drops crop crops prop props flop stub step's halter shaft haft hath hast haste rest best trap strap strip stripe
+    stopover stopper salute wits wick wain vast fast last past cast bet bat bait's bail fail hail jail mail nail pail rail
+    sail tail gate date late wade wage wake wave waves waved awake wide wise weight eight height right light sight hand
+    hang hint hunt hurt heat heart art hats hay pays pose poise patse parse purse nurse path pass port apart bort
+    """.split()
+)
+SLANG = {
+    "stahp": "stop", "stawp": "stop", "stap": "stop", "shtop": "stop", "stob": "stop", "stp": "stop", "hlt": "halt", "frz": "freeze", "staph": "stop",
+    "sthap": "stop", "w8": "wait", "holup": "hold up", "hollup": "hold up", "holdup": "hold up", "hol": "hold",
+    "gimme": "give me", "woah": "whoa", "wo": "whoa", "woh": "whoa", "whoah": "whoa", "pls": "please", "plz": "please", "plss": "please",
+    "dont": "don't", "doesnt": "doesn't", "cant": "can't", "wont": "won't", "isnt": "isn't", "didnt": "didn't",
+    "thats": "that's", "theres": "there's", "its": "it's", "gona": "gonna", "goin": "going", "im": "i'm", "youre": "you're",
+    "shouldnt": "shouldn't", "mustnt": "mustn't", "hlep": "help", "hepl": "help", "carefull": "careful", "enuf": "enough",
+    "enuff": "enough", "nuff": "enough", "u": "you", "ur": "your", "goddamn": "god", "damn": "god", "noo": "no",
+    "stopit": "stop it", "stopnow": "stop now", "holdit": "hold it", "holdon": "hold on", "hangon": "hang on",
+    "waitwait": "wait", "plzstop": "stop", "pleasestop": "stop", "stopplease": "stop", "stopstop": "stop",
+    "stopstopstop": "stop", "nonono": "no no", "nono": "no no", "lookout": "look out", "watchout": "watch out",
+    "emergancy": "emergency", 
+}  # fmt: skip
+#: Chinese stops in Latin letters, typed in a hurry.
+PINYIN = any_of(
+    r"""
+    ting|ting ?xia(?: ?lai)?|ting ?zhi|ting ?zhu|zan ?ting|zhan ?zhu|bie ?(?:dong|zou|pao)|bu ?yao ?(?:dong|zou)
+    kuai ?ting
+    deng ?(?:deng|yi ?xia|yi ?deng)|xiao ?xin|wei ?xian|sha ?che|ji ?ting|jiu ?ming|man ?zhe|zhu ?shou|gou ?le|dang ?xin
+    """
+)
+PINYIN_DENIED = re.compile(r"\b(?:bie|bu ?yao|bu|mei|bu ?yong|wei ?shen ?me|zen ?me)(?: \w+)? ?ting\b")

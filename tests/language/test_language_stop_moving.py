@@ -1,0 +1,84 @@
+"""Law 13 while a robot moves: a stop word or a warning anywhere stops it, and what is plainly none does not."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agentrob.evaluate_stop import stopping
+from agentrob.language.stop import stop_intent
+from agentrob.language.stop_moving import stop_while_moving
+from agentrob.language.visible import visible_text
+from agentrob.model import Intent
+
+ROWS = Path(__file__).with_name("stops.jsonl")
+BOUND = """
+@quadruped walk 1 m and stop|@quadruped walk forward 2 m, then stop|@quadruped 往前走一米然后停下
+@quadruped turn left 90 degrees and halt
+"""
+NOT_BOUND = """
+@quadruped walk 5 m STOP|@quadruped walk 5 m. Stop!|@quadruped wait, turn left 90 degrees
+@quadruped wait for me at the door
+@quadruped walk 1 m and stop, careful, the cat!
+"""
+
+
+def _rows(text: str) -> list[str]:
+    return [row for line in text.strip().splitlines() for row in line.split("|")]
+
+
+def stops(text: str) -> Intent | None:
+    return stop_while_moving(visible_text(text), ("quadruped",), ("humanoid",))
+
+
+def test_law_13_the_own_set_holds_and_is_of_both_languages() -> None:
+    rows = [json.loads(line) for line in ROWS.read_text(encoding="utf-8").splitlines()]
+    assert len(rows) >= 300
+    found = stopping(ROWS)
+    assert 0.5 < found.stops / len(rows) < 0.65
+    assert (found.missed, found.false) == ((), ())
+
+
+@pytest.mark.parametrize("text", _rows(BOUND))
+def test_law_13_a_stop_that_is_bound_in_a_whole_command_is_a_part_of_it(text: str) -> None:
+    assert stops(text) is None
+
+
+@pytest.mark.parametrize("text", _rows(NOT_BOUND))
+def test_law_13_in_doubt_it_stops(text: str) -> None:
+    assert stops(text) is Intent.STOP
+
+
+def test_law_13_what_follows_another_robots_mention_is_for_that_robot() -> None:
+    assert stops("@quadruped walk 1 m, @humanoid stop please, it falls") is None
+    assert stops("stop that thing, @quadruped and @humanoid") is Intent.STOP
+    assert stops("@humanoid wave, @quadruped careful!") is Intent.STOP
+    assert stops("@humanoid and @quadruped that's enough") is Intent.STOP
+
+
+def test_law_17_only_an_emergency_stop_of_its_own_clause_locks() -> None:
+    assert stops("it burns! emergency stop!") is Intent.HALT
+    assert stops("着火了，急停！") is Intent.HALT
+    assert stops("omg halt it, it's going to fall") is Intent.STOP
+
+
+@given(st.text())
+def test_law_13_the_wide_rule_holds_the_narrow_one(text: str) -> None:
+    if narrow := stop_intent(text):
+        assert stop_while_moving(text) is narrow
+
+
+@pytest.mark.parametrize(
+    "unit",
+    ["停", "stop ", "don't ", "don't stop ", "别停", "no ", "is it ", "a", "wait ", "s.t.", "the cat ", "why did it ",
+     "going to ", "要", "不要", "nice ", "@humanoid ", "@quadruped walk 1 m and stop ", "can't stop laughing "],
+)  # fmt: skip
+def test_law_13_hostile_repetition_stays_quick(unit: str) -> None:
+    start = time.process_time()
+    stop_while_moving(unit * (10_000 // len(unit)) + "x", ("quadruped",), ("humanoid",))
+    assert time.process_time() - start < 0.5
