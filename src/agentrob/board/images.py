@@ -5,14 +5,17 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import struct
 import tempfile
 import warnings
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
 from PIL import Image as Pillow
-from PIL import ImageOps
+from PIL import ImageCms, ImageOps
 
+from agentrob.board import pixels
 from agentrob.board.records import SMALL, Image
 from agentrob.errors import BoardError
 
@@ -22,11 +25,10 @@ MAX_FRAME_BYTES = 2 * 1024 * 1024
 #: All frames of a moving picture together.
 MAX_FRAMES, MAX_MOVING_PIXELS = 300, 100_000_000
 _TYPES = {"JPEG": "image/jpeg", "PNG": "image/png", "WEBP": "image/webp", "GIF": "image/gif"}
-_METADATA = ("exif", "xmp", "comment", "photoshop")
 
 
 def check(data: bytes) -> tuple[Image, bytes]:
-    """The picture (without id) and its bytes without what a camera wrote into them (place, owner).
+    """The picture (without id) and its bytes without all that is more than pixels: place, owner, comments, profiles.
 
     Decodes all of it, so not on the event loop. 413 when too large, 415 for what is no JPEG, PNG, WebP or GIF.
     """
@@ -42,8 +44,11 @@ def check(data: bytes) -> tuple[Image, bytes]:
             kind = "JPEG" if several else str(picture.format)
             if moving:
                 _check_frames(picture)
-            elif several or any(picture.info.get(k) for k in _METADATA):
+                data = pixels.only(data, kind)
+            elif several or not _is_plain(data, kind):
                 data, (width, height) = _without_metadata(picture, kind)
+                if not _is_plain(data, kind):
+                    raise ValueError("there is more than pixels in it")
     except BoardError:
         raise
     except Exception as e:  # Pillow raises nearly everything for broken files
@@ -97,9 +102,26 @@ def _open(data: bytes, formats: tuple[str, ...] = tuple(_TYPES)) -> Pillow.Image
     return picture
 
 
+def _is_plain(data: bytes, kind: str) -> bool:
+    try:
+        return pixels.only(data, kind) == data
+    except (ValueError, IndexError, struct.error):
+        return False
+
+
 def _without_metadata(picture: Pillow.Image, kind: str) -> tuple[bytes, tuple[int, int]]:
+    """Coded anew: upright, in the colours that every screen knows, with what is transparent."""
     upright = ImageOps.exif_transpose(picture)
+    profile, transparent = upright.info.get("icc_profile"), upright.info.get("transparency")
+    if profile and upright.mode in ("RGB", "CMYK"):
+        with suppress(ImageCms.PyCMSError, OSError):  # a broken profile: the numbers are taken as they are
+            made = ImageCms.profileToProfile(
+                upright, ImageCms.ImageCmsProfile(io.BytesIO(profile)), ImageCms.createProfile("sRGB"), outputMode="RGB"
+            )
+            upright = made or upright
     upright.info.clear()
+    if transparent is not None:
+        upright.info["transparency"] = transparent
     out = io.BytesIO()
     options = {"quality": 92} if kind in ("JPEG", "WEBP") else {}
     upright.save(out, format=kind, **options)
