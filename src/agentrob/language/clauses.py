@@ -54,6 +54,7 @@ class _Reader(Marks):
         soft: list[Token] = []
         for token in tokens:
             self.sentence.greeted |= token.value == Soft.HELLO
+            self.sentence.sent = token if token.value == Soft.SEND else self.sentence.sent
             if token.kind is Kind.SOFT:
                 soft.append(token)
                 continue

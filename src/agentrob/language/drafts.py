@@ -134,6 +134,7 @@ class Sentence:
     status: bool = False
     status_asked: bool = False  # a word of the robot's state, which counts in a question
     greeted: bool = False
+    sent: Token | None = None  # "post it": a picture, when one is taken
 
     @property
     def wants_status(self) -> bool:

@@ -88,6 +88,7 @@ class Soft(StrEnum):
     THE = "the"  # the same
     TOWARDS = "towards"  # an unknown word after it is a place
     OBJECT = "object"  # 把: belongs to the thing after it
+    SEND = "send"  # "post it": a picture, which must have been taken
     FOR = "for"  # 给, 对: for whom something is to be done
 
 

@@ -200,7 +200,9 @@ class Marks:
     def _kind(self, token: Token, otherwise: Besides) -> Besides:
         """What talk is that begins with this token."""
         soft = self.soft_before.get(self.at, [])
-        for_somebody = any(s.value in (Soft.OBJECT, Soft.TOWARDS, Soft.FOR) for s in soft)  # 给他挥手
+        before = self.tokens[self.at - 1].kind if self.at else Kind.END
+        helped = before is Kind.REQUEST and token.kind is Kind.TALK and token.value is None  # 帮他挥手
+        for_somebody = helped or any(s.value in (Soft.OBJECT, Soft.TOWARDS, Soft.FOR) for s in soft)  # 给他挥手
         return Besides.WISH if for_somebody else _KINDS.get(token.value, otherwise)
 
     def _besides(self, kind: Besides, token: Token) -> None:

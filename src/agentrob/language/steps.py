@@ -135,6 +135,9 @@ class _Maker:
         if reading.picture_after is not None:
             reading.steps = _after_each(reading.steps, reading.picture_after)
         self._repeat_ahead()
+        sent = next((s.sent for s in sentences if s.sent is not None), None)
+        if sent is not None and reading.steps and _PICTURE not in reading.steps:  # "walk 1 m and post it"
+            reading.object_to(self._say("ask.words", self.text[sent.start : sent.end]))
         if self.waits and reading.steps:  # all but the waiting would work
             reading.hints = [reading.steps[:MAX_STEPS], *reading.hints]
         if len(reading.steps) > MAX_STEPS:

@@ -115,8 +115,8 @@ TABLE = {
         |share|provide|upload|transmit|return me""",
     "picture": """photo|photos|picture|pictures|pic|pics|image|images|photograph|snapshot|shot|selfie|camera image
         |front image|front photo""",
-    "soft": """gimme a|gimme|come on|let me think|let me see now|send it|send it to me|send it to us|post it
-        |show it to me|show me|upload it|share it""",
+    "soft": "gimme a|gimme|come on|let me think|let me see now|show me",
+    "soft=send": "send it|send it to me|send it to us|post it|post it here|show it to me|upload it|share it",
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
         |from where you are""",
     "each": """after each movement|after each|after each step|after every movement|after every step|after every one
