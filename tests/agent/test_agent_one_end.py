@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import re
+import sqlite3
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -176,6 +178,49 @@ async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_
         )
         assert re.search(told, end, re.DOTALL), end
     assert ["done"] in states
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(240)
+async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_them(
+    tmp_path: Path, slow_driver: Driver
+) -> None:
+    """Both come back: one knows of the motion, the other only that the claim is not its own."""
+    with running_board(tmp_path / "board") as board, Poster(board, "op") as alice:
+        folders = [tmp_path / "one", tmp_path / "two"]
+        for walked_m in (0.3, 0.9):
+            agents = [await asyncio.to_thread(start_agent, slow_driver, folder, board) for folder in folders]
+            topic = await alice.post(f"@{ROBOT} walk forward 2 m, then turn left 20 degrees")
+            begun = (await place(slow_driver))[0]
+            await until(slow_driver, lambda state, m=begun + walked_m: state.pose.x_m > m)  # type: ignore[misc]
+            for agent in agents:
+                end_agent(agent)
+            agents = [await asyncio.to_thread(start_agent, slow_driver, folder, board) for folder in folders]
+            assert await alice.final(topic, limit_s=40) == ["interrupted"]
+            told = await alice.told(topic)
+            last = await alice.post(f"@{ROBOT} turn right 20 degrees")
+            await alice.final(last, limit_s=40)
+            async with asyncio.timeout(30):
+                while len(await ends(folders, "final IS NULL")):  # noqa: ASYNC110 (other processes)
+                    await asyncio.sleep(0.1)
+            for agent in agents:
+                end_agent(agent)
+            assert (await alice.states(topic), await alice.told(topic)) == (["interrupted"], told)
+            assert told.count("**Interrupted.**") == 1
+
+
+async def ends(folders: list[Path], where: str) -> list[str]:
+    """What the journals of some agents have for a condition."""
+
+    def read() -> list[str]:
+        found: list[str] = []
+        for folder in folders:
+            path = folder / "agents" / ROBOT / "journal.sqlite"
+            with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=10)) as db:
+                found += [row[0] for row in db.execute(f"SELECT post FROM claim WHERE {where}")]
+        return found
+
+    return await asyncio.to_thread(read)
 
 
 # ------------------------------------------------------------------ an account that may not write for a while
