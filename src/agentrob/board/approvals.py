@@ -6,7 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from sqlalchemy import select
+
 from agentrob.board import rights
+from agentrob.board import schema as db
 from agentrob.board.buttons import known_robot
 from agentrob.board.records import Post, Written
 from agentrob.board.services import Services
@@ -14,7 +17,7 @@ from agentrob.board.store import Store
 from agentrob.errors import BoardError
 from agentrob.language.languages import language_of
 from agentrob.language.visible import visible_text
-from agentrob.model import Account
+from agentrob.model import Account, AccountKind
 
 #: The state of a status card whose command waits.
 WAITING = "waiting"
@@ -35,7 +38,26 @@ def waiting(services: Services, post: Post, robots: Iterable[Account], viewer: A
     """Which of these robots wait with this post's command."""
     store = services.store
     found = [(robot.name, _asks(store, robot, post)) for robot in robots if not post.removed]
-    return tuple(Waiting(name, post, asks, _may(store, name, viewer, post)) for name, asks in found if asks)
+    return tuple(
+        Waiting(name, post, asks, _may(store, name, viewer, post))
+        for name, asks in found
+        if asks and not _decided(store, name, post, asks)
+    )
+
+
+def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None) -> dict[str, Waiting]:
+    """Which of these posts are of robots that wait with a command which whoever looks may approve, by their ids."""
+    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == WAITING]
+    if viewer is None or not asking:
+        return {}
+    commands = {p.id: p for p in services.store.reader.posts_by_id([int(str(p.reply_to)) for p in asking])}
+    found = {
+        one.answer.id: one
+        for status in asking
+        if (post := commands.get(str(status.reply_to))) and status.author.kind is AccountKind.ROBOT_AGENT
+        for one in waiting(services, post, [status.author], viewer)
+    }
+    return {post_id: one for post_id, one in found.items() if one.may}
 
 
 def of_post(services: Services, post: Post, viewer: Account | None) -> tuple[Waiting, ...]:
@@ -64,6 +86,15 @@ def _asks(store: Store, robot: Account, post: Post) -> Post | None:
     status = store.find(robot, f"claim:{post.id}")
     waits = status is not None and not status.removed and (status.card or {}).get("state") == WAITING
     return status if waits else None
+
+
+def _decided(store: Store, robot: str, post: Post, asks: Post) -> bool:
+    """Whether somebody who may has pressed a button already: its agent has only not heard it yet."""
+    p = db.posts.c
+    said = [f"@{robot} {word}" for words in _WORDS.values() for word in words]
+    later = select(p.id).where(p.topic_id == int(post.topic_id), p.id > int(asks.id), p.reply_to == int(post.id))
+    rows = store.reader.rows(later.where(p.raw.in_(said), p.removed.is_(False)).limit(20))
+    return any(_may(store, robot, one.author, post) for one in store.reader.posts_by_id([r.id for r in rows]))
 
 
 def _may(store: Store, robot: str, account: Account | None, post: Post) -> bool:

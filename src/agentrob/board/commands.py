@@ -16,7 +16,7 @@ from agentrob.board.records import Post, from_us
 from agentrob.board.writer import Transaction
 from agentrob.board.writes import now_us
 from agentrob.errors import BoardError
-from agentrob.model import Account
+from agentrob.model import Account, AccountKind
 
 #: Bytes of JSON and levels of nesting that a record may have.
 RECORD_BYTES, RECORD_DEPTH = 64 * 1024, 20
@@ -62,6 +62,17 @@ def of(reader: Reader, post_id: str) -> tuple[Post, tuple[Told, ...]]:
     rows = reader.rows(statement.order_by(a.name))
     replies = {int(p.id): p for p in reader.posts_by_id([r.reply_id for r in rows if r.reply_id is not None])}
     return post, tuple(Told(r.name, from_us(r.at_us), replies.get(r.reply_id), r.record) for r in rows)
+
+
+def answered(reader: Reader, post_id: str) -> str | None:
+    """The id of the command that a post tells the end of, or claims: then it is a robot's and no command itself."""
+    post = reader.post(str(row_id(post_id, "post")))
+    if post.author.kind is not AccountKind.ROBOT_AGENT:
+        return None
+    c = db.commands.c
+    recorded = select(c.post_id).where(c.reply_id == int(post.id), c.robot_id == int(post.author.id))
+    asked = row.post_id if (row := reader.first(recorded)) else post.reply_to if post.card else None
+    return None if asked is None or str(asked) == post.id else str(asked)
 
 
 def check_robot(by: Account, named: object, what: str) -> None:

@@ -32,6 +32,10 @@ def _unread(boards: bool) -> Select[Any]:
     seen = select(s.post_id).where(s.account_id == bindparam("me")).scalar_subquery()
     fresh = select(n.post_id).where(n.account_id == bindparam("me"), n.post_id > func.coalesce(seen, 0))
     fresh = fresh.join(db.posts, and_(p.id == n.post_id, p.removed.is_(False)))
+    # What its topic was read up to is seen too.
+    r = db.topic_reads.c
+    fresh = fresh.outerjoin(db.topic_reads, and_(r.account_id == bindparam("me"), r.topic_id == p.topic_id))
+    fresh = fresh.where(p.id > func.coalesce(r.post_id, 0))
     if boards:
         fresh = fresh.join(db.topics, t.id == p.topic_id).where(t.board_id.in_(bindparam("boards", expanding=True)))
     return select(func.count()).select_from(fresh.limit(MOST).subquery())
@@ -80,13 +84,20 @@ def unread(reader: Reader, account: Account) -> int:
 
 def latest(reader: Reader, account: Account, cursor: str | None = None, limit: int = 30) -> Page[Notice]:
     """An account's notices, newest first; those of posts that are gone or not to be seen are left out."""
-    n, seen = db.notices.c, _seen(reader, account)
-    statement = _visible(reader, _of(account, n.post_id, n.reason)).order_by(n.post_id.desc()).limit(limit + 1)
+    n, r, seen = db.notices.c, db.topic_reads.c, _seen(reader, account)
+    read = func.coalesce(r.post_id, 0).label("read")
+    statement = _visible(reader, _of(account, n.post_id, n.reason, read))
+    mine = and_(r.account_id == int(account.id), r.topic_id == db.posts.c.topic_id)
+    statement = statement.outerjoin(db.topic_reads, mine).order_by(n.post_id.desc()).limit(limit + 1)
     if cursor:
         statement = statement.where(n.post_id < from_cursor(cursor))
     rows = reader.rows(statement)
-    posts = {int(p.id): p for p in reader.posts_by_id([r.post_id for r in rows[:limit]])}
-    items = tuple(Notice(posts[r.post_id], r.reason, r.post_id > seen) for r in rows[:limit] if r.post_id in posts)
+    posts = {int(p.id): p for p in reader.posts_by_id([row.post_id for row in rows[:limit]])}
+    items = tuple(
+        Notice(posts[row.post_id], row.reason, row.post_id > max(seen, row.read))
+        for row in rows[:limit]
+        if row.post_id in posts
+    )
     return Page(items, to_cursor(rows[limit - 1].post_id) if len(rows) > limit else None)
 
 

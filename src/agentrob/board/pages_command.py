@@ -23,6 +23,8 @@ Anybody = Annotated[Viewer, Depends(access.viewer)]
 async def command(request: Request, viewer: Reading, post_id: str, part: str = "") -> Response:
     """`post_id` is the post that asked. JSON of the same: `/api/v1/commands/{post_id}`."""
     known = services(request)
+    if (asked := commands.answered(known.store.reader, post_id)) is not None:
+        return go(f"/c/{asked}")
     post, told = commands.of(known.store.reader, post_id)
     views = [command_view(post, one) for one in told]
     hidden = robot_view.hidden_cameras(known, viewer.account, [one.reply for one in told if one.reply])

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
-from agentrob.board import access, forms, robot_view, uploads
+from agentrob.board import access, approvals, forms, robot_view, uploads
 from agentrob.board.access import Viewer
 from agentrob.board.forms import Composed
 from agentrob.board.pages_find import previewed
@@ -45,6 +45,7 @@ async def fragment(request: Request, viewer: Reading, post_id: str, seen: bool =
     data: dict[str, object] = {"post": found, "authors": named(store, [found.reply_to])}
     hidden = robot_view.hidden_cameras(known, viewer.account, [found])
     data |= {"hidden": hidden, "owners": robot_view.owners(known, [found])}
+    data |= {"asking": approvals.in_thread(known, [found], viewer.account), "key": forms.nonce()}
     return show(request, viewer, "post.html", data)
 
 

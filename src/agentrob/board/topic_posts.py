@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from agentrob.board import robot_view, sight
+from agentrob.board import approvals, forms, robot_view, sight
 from agentrob.board.access import Viewer
 from agentrob.board.records import Page, Post
 from agentrob.board.services import Services
@@ -30,9 +30,10 @@ def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | 
         authors = {post.id: post.author.name for post in page.items}
         data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
         data["owners"] = robot_view.owners(known, page.items)
+        data |= {"asking": approvals.in_thread(known, page.items, viewer.account), "key": forms.nonce()}
         html = piece("topic_posts.html", data)
         ids = [post.id for post in page.items]
         return Shown(html, page.next, *(ids[:1] + ids[-1:])), len(html)
 
-    form = viewer.csrf if viewer.account else ""  # in the stop buttons
+    form = viewer.csrf if viewer.account else ""  # in the buttons
     return known.topics.of(known.store.reader, topic_id, (after, viewer.account, form, sight.now()), make)

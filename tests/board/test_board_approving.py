@@ -1,0 +1,79 @@
+"""Whoever may approve a command decides it in its thread; notices of a thread that was read are no news."""
+
+from __future__ import annotations
+
+import re
+
+import httpx2
+from running_board import RunningBoard
+
+BUTTON = 'value="approve"'
+
+
+def waiting(board: RunningBoard) -> tuple[str, str, str]:
+    """A command of op's that the robot waits with: topic, post, status."""
+    made = board.client("op").post("/topics", json={"board": "robots", "title": "t", "body": "@quadruped flip"}).json()
+    topic, post = made["topic"]["id"], made["post"]["id"]
+    card = {"robot": "quadruped", "state": "waiting"}
+    told = {"body": "This waits for an approval.", "reply_to": post, "card": card}
+    key = {"Idempotency-Key": f"claim:{post}"}
+    answer = board.client("quadruped").post(f"/topics/{topic}/posts", json=told, headers=key)
+    return topic, post, str(answer.json()["post"]["id"])
+
+
+def pressed(browser: httpx2.Client, page: str, do: str) -> httpx2.Response:
+    """The form of the page, as a browser without scripts sends it."""
+    form = re.search(r'<form class="approve-form".*?</form>', page, re.DOTALL)
+    assert form
+    fields = dict(re.findall(r'name="(\w+)" value="([^"]*)"', form[0].partition("<button")[0]))
+    action = re.search(r'action="([^"]+)"', form[0])
+    assert action
+    return browser.post(action[1], data=fields | {"do": do})
+
+
+def test_approving_stands_in_the_thread_for_those_who_may_until_it_was_done(board: RunningBoard) -> None:
+    topic, post, status = waiting(board)
+    chief, path = board.browser("admin"), f"/t/{topic}"
+    for name in ("member", "op"):  # op asked
+        assert BUTTON not in board.browser(name).get(path).text
+    page = chief.get(path).text
+    assert BUTTON in page
+    assert BUTTON in chief.get(f"/p/{status}/fragment").text, "also where scripts put it in"
+    assert pressed(chief, page, "approve").status_code == 303
+    said = board.client("op").get(f"/topics/{topic}/posts").json()["items"][-1]
+    assert (said["raw"], said["reply_to"], said["author"]["name"]) == ("@quadruped approve", post, "admin")
+    for gone in (path, f"/c/{post}", f"/p/{status}/fragment"):
+        assert BUTTON not in chief.get(gone).text, "it is decided, though its agent has not said so yet"
+
+
+def test_a_command_that_lapsed_has_no_buttons(board: RunningBoard) -> None:
+    topic, _, status = waiting(board)
+    card = {"robot": "quadruped", "state": "expired"}
+    board.client("quadruped").patch(f"/posts/{status}", json={"body": "Too late.", "card": card}).raise_for_status()
+    assert BUTTON not in board.browser("admin").get(f"/t/{topic}").text
+
+
+def test_the_page_of_a_robot_s_own_report_is_that_of_the_command(board: RunningBoard) -> None:
+    _, post, status = waiting(board)
+    browser = board.browser("op")
+    moved = browser.get(f"/c/{status}")
+    assert (moved.status_code, moved.headers["location"]) == (303, f"/c/{post}")
+    page = browser.get(f"/c/{status}", follow_redirects=True).text
+    assert re.search(r"Asked by <a[^>]*>op</a>", page)
+
+
+def test_reading_a_thread_clears_its_notices(board: RunningBoard) -> None:
+    board.add("reading")
+    browser = board.browser("reading")
+    topics = []
+    for _ in range(2):
+        made = board.client("op").post("/topics", json={"board": "talk", "title": "t", "body": "@reading look"}).json()
+        topics.append(made["topic"]["id"])
+    count = lambda: len(board.client("reading").get("/notifications").json()["items"])  # noqa: E731
+    fresh = lambda: [n["read"] for n in board.client("reading").get("/notifications").json()["items"]]  # noqa: E731
+    assert (count(), fresh()) == (2, [False, False])
+    assert ">2<" in browser.get("/notices/count").text
+    assert browser.get(f"/t/{topics[1]}").status_code == 200
+    board.run(board.services.marks.write(board.services.store))  # as every few seconds
+    assert fresh() == [True, False], "of the other thread it is still news"
+    assert ">1<" in browser.get("/notices/count").text
