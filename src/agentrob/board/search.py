@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 import time
-import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
@@ -22,6 +21,7 @@ from agentrob.board.records import Page, Post
 from agentrob.board.render import unmarked
 from agentrob.board.words import INDEXED, Where, index_query
 from agentrob.errors import BoardError
+from agentrob.language.complexity import nfkc
 
 T = TypeVar("T")
 #: Characters and words of a query that count.
@@ -105,7 +105,7 @@ def in_order(reader: Reader, ids: Sequence[int]) -> tuple[Post, ...]:
 
 def terms(query: str) -> list[str]:
     """The words of a query; what stands between double quotes is one."""
-    plain = unicodedata.normalize("NFKC", query.replace("\0", ""))[:MAX_QUERY]
+    plain = nfkc(query.replace("\0", ""))[:MAX_QUERY]
     found = (quoted or word for quoted, word in re.findall(r'"([^"]*)"|([^\s"]+)', plain))
     return [word for word in found if any(c.isalnum() for c in word)][:MAX_WORDS]
 
