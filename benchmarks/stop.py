@@ -181,7 +181,9 @@ class Scene:
         self.demo, self.forum = demo, forum
         config = app.load(demo.data / "agentrob.toml")
         self.domain = config.robot(ROBOT).domain
-        self.url, self.token = app.board_settings(config).base_url, demo.tokens[VISITOR]
+        self.url = app.board_settings(config).base_url
+        headers = {"Authorization": f"Bearer {demo.tokens[VISITOR]}"}
+        self.http = httpx2.AsyncClient(headers=headers, trust_env=False, timeout=WAIT_S)
         self.wire = Wire(self.domain)
         self.agent = next(child for child in demo.children if child.name == f"agent-{ROBOT}").process
         self._posts = 0
@@ -198,6 +200,7 @@ class Scene:
             yield scene
         finally:
             scene.wire.close()
+            await scene.http.aclose()
             await forum.close()
 
     async def walk(self, first: str = "") -> Post:
@@ -227,10 +230,7 @@ class Scene:
 
     async def press(self) -> None:
         """Press the button that stops the robot."""
-        async with httpx2.AsyncClient(trust_env=False, timeout=WAIT_S) as http:
-            headers = {"Authorization": f"Bearer {self.token}"}
-            pressed = await http.post(f"{self.url}/api/v1/robots/{ROBOT}/stop", headers=headers)
-            pressed.raise_for_status()
+        (await self.http.post(f"{self.url}/api/v1/robots/{ROBOT}/stop")).raise_for_status()
 
     async def ended(self, command: Post) -> str:
         """The final state of a command."""

@@ -195,7 +195,7 @@ class Hub:
             try:
                 await prove()
                 self._written_s, well = due_s, True
-            except BoardError as e:
+            except Exception as e:  # it outlives whatever happens: the next try may well succeed
                 if well:
                     log.error("board.stops_not_written", error=str(e))
                 well = False
