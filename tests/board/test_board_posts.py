@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import httpx2
 import pytest
@@ -88,6 +89,26 @@ def test_an_edit_makes_a_version_and_keeps_the_old_text(board: RunningBoard) -> 
     kept = board.services.store.everything.versions
     # The store belongs to the server's thread, which does nothing between requests.
     assert [(v.version, v.raw) for v in kept(post["id"])] == [(1, "first")]
+
+
+def test_a_status_that_is_edited_while_it_runs_keeps_no_version_of_each_step(board: RunningBoard) -> None:
+    robot, op = board.client("quadruped"), board.client("op")
+    topic = new_topic(op)["topic"]["id"]
+    texts = [("seen", "Seen."), ("waiting", "May I walk 2 m?")] + [("running", f"Step {n}") for n in range(1, 9)]
+    texts += [("done", "Done: 2.0 m."), ("done", "Done: 2.00 m.")]
+    made: dict[str, Any] = {}
+    for state, text in texts:
+        body = {"body": text, "card": {"robot": "quadruped", "state": state}}
+        if made:
+            answer = robot.patch(f"/posts/{made['id']}", json=body).json()
+        else:
+            made = answer = robot.post(f"/topics/{topic}/posts", json=body).json()["post"]
+    assert (answer["raw"], answer["version"]) == ("Done: 2.00 m.", len(texts))
+    history = board.browser("op").get(f"/p/{made['id']}/history").text
+    assert "May I walk 2 m?" in history
+    assert "Done: 2.0 m." in history
+    assert "Step" not in history
+    assert "Seen." not in history
 
 
 def test_an_edit_under_a_used_key_is_done_once(board: RunningBoard) -> None:

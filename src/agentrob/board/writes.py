@@ -31,6 +31,9 @@ MAX_IMAGES = 32
 STOP_TITLE = "Stop"
 Card = Mapping[str, Any]
 now_us = audit.now_us
+#: States of a command's status post that only say how far it is: when it is edited, the text of before is not kept.
+#: What an approval was asked for (`waiting`) and how a command ended are kept, as every text of a person is.
+PROGRESS = frozenset({"seen", "queued", "running"})
 #: Buttons of robots' owners: who pressed one stands in the audit log.
 _AUDITED = frozenset({EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME})
 _t = db.topics.c
@@ -136,7 +139,8 @@ def edit(
     card: Card | Literal["keep"] | None,
     per_hour: int = 0,
 ) -> Post:
-    """A new text for the editor's own post; the old one is kept as a version. 429 beyond `per_hour` changes."""
+    """A new text for the editor's own post. The old one is kept as a version, unless it was a robot's `PROGRESS`. 429
+    beyond `per_hour` changes."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
     if post.author.id != editor.id:
@@ -150,8 +154,9 @@ def edit(
         may_post(editor, board, topic)
         limits.count_change(t.connection, editor, per_hour)
     at = now_us()
-    version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
-    t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
+    if not _only_progress(post):
+        version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
+        t.connection.execute(insert(db.post_versions).values(**version, until_us=at))
     values = _columns(text) | {"version": post.version + 1, "edited_us": at}
     if card != "keep":
         values["card"] = card
@@ -237,6 +242,12 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str =
     notices.tell(t, post_id, topic_id, draft.author, draft.text.mentions, reply_to)
     add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
+
+
+def _only_progress(post: Post) -> bool:
+    """Whether this is a robot's own status post of a command that goes on; people have no cards."""
+    state = (post.card or {}).get("state")
+    return post.author.kind is AccountKind.ROBOT_AGENT and state in PROGRESS
 
 
 def _columns(text: Rendered) -> dict[str, Any]:
