@@ -12,9 +12,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pages_windows import RUNNING, jpeg
 from pages_world import CARD, World, running_world
+from sqlalchemy import text
 
+from agentrob.board.api_admin import erase_content
 from agentrob.board.command_view import command_view
 from agentrob.board.commands import Told
+from agentrob.board.database import open_engine
 from agentrob.board.records import Post
 from agentrob.model import Account, AccountKind, Role
 
@@ -160,6 +163,32 @@ def test_of_a_removed_post_nothing_is_told(world: World) -> None:
     assert "0.40 m" not in page.text
     assert world.api("bob").get(f"/commands/{command}").json()["items"] == []
     assert world.api("quadruped").put(f"/commands/{command}", json={"record": RECORD}).status_code == 404
+
+
+@pytest.mark.parametrize("whose", ["who asked", "the robot"])
+def test_erasing_an_account_deletes_the_records_of_its_commands(world: World, whose: str) -> None:
+    name = "erased1" if whose == "who asked" else "erased2"
+    world.board.add(name, kind=AccountKind.HUMAN if whose == "who asked" else AccountKind.ROBOT_AGENT)
+    by = name if whose == "who asked" else "alice"
+    robot = "quadruped" if whose == "who asked" else name
+    body = {"board": "talk", "title": "Go", "body": f"@{robot} walk on"}
+    command = world.api(by).post("/topics", json=body).json()["post"]["id"]
+    kept = asked(world)[1]
+    record = RECORD | {"message": "axolotl"}
+    for post, sent_by in ((command, robot), (kept, "quadruped")):
+        world.api(sent_by).put(f"/commands/{post}", json={"record": record}).raise_for_status()
+    assert "axolotl" in world.browser("bob").get(f"/c/{command}").text
+    world.board.run(erase_content(world.board.services, "root", name))
+    assert world.api("bob").get(f"/commands/{command}").json()["items"] == []
+    assert "axolotl" not in world.browser("bob").get(f"/c/{command}").text
+    assert len(world.api("bob").get(f"/commands/{kept}").json()["items"]) == 1
+    engine = open_engine(world.settings, writes=False)
+    with engine.connect() as connection:
+        left = connection.execute(
+            text("SELECT post_id FROM commands WHERE post_id IN (:a, :b)"), {"a": int(command), "b": int(kept)}
+        )
+        assert left.scalars().all() == [int(kept)]
+    engine.dispose()
 
 
 def test_a_robot_that_has_not_ended_a_command_can_be_stopped_on_its_page(world: World) -> None:

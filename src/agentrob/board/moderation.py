@@ -12,7 +12,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import and_, delete, select, update
+from sqlalchemy import and_, delete, or_, select, update
 
 from agentrob.board import audit, rights
 from agentrob.board import schema as db
@@ -85,9 +85,10 @@ def move(t: Transaction, by: Account, topic_id: str, board_id: str, reason: str 
 # -------------------------------------------------------------------- for good
 def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[str]]:
     """Delete all that an account wrote and uploaded: how many posts and pictures, and the files to take away. What it
-    has read is forgotten too.
+    has read is forgotten too, and so are the records of its commands, which repeat its words, and of a robot those that
+    it sent.
 
-    The rows stay, empty, so that replies keep their place and no id is used twice; the account stays too.
+    The rows of posts stay, empty, so that replies keep their place and no id is used twice; the account stays too.
     """
     account = Reader(t.connection).account(name)
     if account is None:
@@ -107,6 +108,8 @@ def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[st
             "version": p.version + 1,
         }
         t.connection.execute(update(db.posts).where(p.id.in_(some)).values(**empty))
+    wrote, c = select(p.id).where(p.author_id == number), db.commands.c
+    t.connection.execute(delete(db.commands).where(or_(c.post_id.in_(wrote), c.robot_id == number)))
     topics = db.topics.c
     for row in rows:
         if not row.removed:
