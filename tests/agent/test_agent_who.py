@@ -332,6 +332,8 @@ HIDDEN = {
     "an underlined heading": f"@{ROBOT} {WALK}\n---",
     "an image's description": f"![@{ROBOT} {WALK}](https://forum.example/a.jpg)",
     "an image's title": f'![a](https://forum.example/a.jpg "@{ROBOT} {WALK}")',
+    "a link's text": f"[@{ROBOT} {WALK}](https://forum.example)",
+    "the name only as a link's text": f"[@{ROBOT}](https://forum.example/u/{ROBOT}) {WALK}",
     "a link's target": f"[look](https://forum.example/@{ROBOT}?{WALK.replace(' ', '+')})",
     "a link's title": f'[look](https://forum.example "@{ROBOT} {WALK}")',
     "a bare link": f"<https://forum.example/@{ROBOT}>: {WALK}",
@@ -399,7 +401,6 @@ SEEN = {
     "an entity": f"&#64;quadruped {WALK}",
     "emphasis": "**@quadruped** *walk* forward **3** metres",
     "a list": f"- @quadruped {WALK}",
-    "a link's text": f"[@quadruped](https://forum.example/u/quadruped) {WALK}",
 }  # fmt: skip
 
 

@@ -15,7 +15,7 @@ SEEN = [
     ("*walk* **1** m", "walk 1 m"),
     ("- walk 1 m\n- turn left", "walk 1 m\nturn left"),
     ("walk\n1 m\n\nturn", "walk\n1 m\nturn"),
-    ("[walk 1 m](https://example.org/5)", "walk 1 m"),
+    ("[walk 1 m](https://example.org/5)", "\ufffc"),
     ("＠ｑｕａｄ　向前走１米", "@quad 向前走1米"),
     ("w\u200bal\u00adk\u2060 \u202e1 m\ufe0f", "walk 1 m"),
     ("walk 1½ m", "walk 1 1⁄2 m"),

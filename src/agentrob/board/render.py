@@ -15,15 +15,13 @@ import nh3
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
+from agentrob.language.visible import ADDRESS, names_said, seen
+
 IsAccount = Callable[[str], bool]
 
 #: Our own pictures; every other picture becomes a link, so that reading a post tells nobody who reads it.
 OWN_IMAGE = re.compile(r"/images/[A-Za-z0-9_-]+(\.(jpg|jpeg|png))?\Z")
-#: Only ASCII counts as part of a name, so that 请@quadruped前进 mentions it.
-_NAME = r"[@＠](?P<name>[A-Za-z][A-Za-z0-9_-]{1,31})(?![A-Za-z0-9_])"
-_MENTION = rf"(?<![A-Za-z0-9_@＠/.+-]){_NAME}"
-_URL = r"(?<![A-Za-z0-9])(?P<url>https?://[^\s<>\"'`|\\^{}\u3000-\u303f\uff00-\uffef]+)"
-_SPECIAL = re.compile(f"{_URL}|{_MENTION}", re.IGNORECASE)
+_ADDRESS = re.compile(ADDRESS, re.IGNORECASE)
 #: A scheme that may stay, or no scheme at all (then what comes before the first colon holds one of / ? #).
 _SAFE_LINK = re.compile(r"(https?:|mailto:|[^:/?#]*([/?#]|\Z))", re.IGNORECASE)
 _LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
@@ -66,15 +64,18 @@ class Parsed:
 
     def __init__(self, raw: str) -> None:
         self._env: dict[str, Any] = {}
-        self._tokens = _MARKDOWN.parse(raw.encode("utf-8", "replace").decode(), self._env)
+        self._tokens = _MARKDOWN.parse(seen(raw.encode("utf-8", "replace").decode()), self._env)
+        for token in self._tokens:
+            for child in token.children or ():
+                if child.type == "text":
+                    child.content = seen(child.content)  # also what stood there as an entity
 
     def names(self) -> Iterator[str]:
         """Every name (lower case) that `html` asks about, and perhaps more; some of them several times."""
         for token in self._tokens:
             for child in token.children or ():
-                for match in _SPECIAL.finditer(child.content if child.type == "text" else ""):
-                    if match["name"]:
-                        yield from _candidates(match["name"].lower())
+                for name, _, _ in names_said(child.content) if child.type == "text" else ():
+                    yield from _candidates(name)
 
     def html(self, is_account: IsAccount) -> str:
         """Once only: safe HTML, as `render` gives it."""
@@ -130,20 +131,22 @@ def _picture(token: Token, inside_link: bool) -> Iterator[Token]:
 def _linked(md: MarkdownIt, text: str, is_account: IsAccount) -> Iterator[Token]:
     """The text, with accounts and bare web addresses as links."""
     done = 0
-    for match in _SPECIAL.finditer(text):
-        if url := match["url"]:
-            url = _without_tail(url)
+    found = [(m.start(), m["url"], "") for m in _ADDRESS.finditer(text)]
+    found += [(start, "", name) for name, start, _ in names_said(text)]
+    for start, address, called in sorted(found):
+        if address:
+            url = _without_tail(address)
             href, shown, css = md.normalizeLink(url), url, ""
             if not md.validateLink(href):
                 continue
         else:
-            name = _known(match["name"].lower(), is_account)
+            name = _known(called, is_account)
             if not name:
                 continue
-            href, shown, css = f"/u/{name}", match[0][: len(name) + 1], "mention"
-        yield _text(text[done : match.start()])
+            href, shown, css = f"/u/{name}", text[start : start + len(name) + 1], "mention"
+        yield _text(text[done:start])
         yield from _link(href, shown, css)
-        done = match.start() + len(shown)
+        done = start + len(shown)
     yield _text(text[done:])
 
 

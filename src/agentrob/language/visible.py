@@ -1,12 +1,13 @@
 """The text of a post that counts: what a reader plainly sees in paragraphs and lists, and whom it mentions.
 
 Everything that can hide words is left out: headings, code, quotes, strikethrough, HTML and all text inside HTML
-elements, image descriptions, link targets, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether
+elements, image descriptions, links with their text, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether
 something is hidden (a tag, a quote or, at the start of a block, a comment never closed), the rest is left out too: a
 robot then does less, never more. A `<!--` that is never closed within a line of text is no comment in Markdown: readers
 see it and what follows, so both count, and no grammar understands such a mark.
 Words left out of the middle of a line leave a mark (U+FFFC) that no grammar understands: "`don't` walk 1 m" is no
-command to walk.
+command to walk. The board shows a post by the same functions: `seen` takes the same characters out of both, and
+`names_said` finds whom both take for mentioned.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import re
 import unicodedata
 from collections.abc import Iterable
 from functools import lru_cache
+from html import unescape
 from html.parser import HTMLParser
 
 from markdown_it import MarkdownIt
@@ -43,6 +45,42 @@ _BBCODE = re.compile(
 _BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 
+# Characters that are drawn as nothing, or that turn the order around in which a line is read. Joiners and selectors
+# stay between letters and emoji that need them, and go where they would stand beside a sign of ASCII.
+_UNSEEN = re.compile(
+    "[\u00ad\u034f\u061c\u180e\u200b\u200e\u200f\u202a-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f]"
+    "|(?<=[!-~])[\u200c\u200d\ufe00-\ufe0f]+|[\u200c\u200d\ufe00-\ufe0f]+(?=[!-~])"
+)
+#: A bare address, which is shown as a link.
+ADDRESS = r"(?<![A-Za-z0-9])(?P<url>https?://[^\s<>\"'`|\\^{}\u3000-\u303f\uff00-\uffef]+)"
+_ADDRESS = re.compile(ADDRESS, re.IGNORECASE)
+_TURNING = re.compile("[\u202a-\u202e\u2066-\u2069]")
+_NUMBER = re.compile(r"\d[\d.,:/]*\d")
+# Stand in `_Walker.out` where a mention begins or ends a run of text; `seen` leaves none of them in a post.
+_BEGINS, _ENDS = "\ufff9", "\ufffb"
+_JOINED = re.compile(f"(?<=\\S){_BEGINS}(?=\\S)|(?<=\\S){_ENDS}(?=[\\w@＠-])")
+
+
+def seen(text: str) -> str:
+    """The text without characters that nobody sees or that change the order in which it is read: so it is shown, and
+    so it is read."""
+    return text if text.isascii() else _UNSEEN.sub("", _UNSEEN.sub("", text))
+
+
+def names_said(run: str) -> Iterable[tuple[str, int, int]]:
+    """Whom one run of shown text (no emphasis, link or code in it) mentions: handle, start, end. Bare addresses mention
+    nobody."""
+    plain = _ADDRESS.sub(lambda m: OMITTED * len(m[0]), run)
+    return mention_spans(plain if plain.isascii() else "".join(map(_letter, plain)))
+
+
+@lru_cache(maxsize=4096)
+def _letter(char: str) -> str:
+    """The character in NFKC where that is one, so that places in a text stay."""
+    folded = unicodedata.normalize("NFKC", char)
+    return folded if len(folded) == 1 else char
+
+
 def visible_text(raw: str) -> str:
     """The visible paragraph and list text of a Markdown body, NFKC-normalised, one line per line, mentions included."""
     return _visible(raw) if readable(raw) else ""
@@ -56,11 +94,18 @@ def readable(raw: str) -> bool:
 @lru_cache(maxsize=64)  # one post is asked about several times in a row
 def _visible(raw: str) -> str:
     walker = _Walker()
-    walker.blocks(_MARKDOWN.parse(raw))
-    text = "".join(walker.out)
+    walker.blocks(_MARKDOWN.parse(seen(raw)))
+    text = _JOINED.sub(OMITTED, "".join(walker.out))
     if len(nfkc(text)) > MAX_CHARS:  # some characters are up to 18 in NFKC
         return ""
-    return _without_bbcode(_plain(text)).strip()
+    shown = _without_bbcode(_plain(text)).strip()
+    return f"{shown} {OMITTED}" if _is_turned(raw, shown) else shown
+
+
+def _is_turned(raw: str, shown: str) -> bool:
+    """Whether a number may be shown the other way round, 93 as 39: forums whose pages are not ours show the characters
+    that do it. Then a mark says that something is not as it reads, and a robot asks back."""
+    return _NUMBER.search(shown) is not None and _TURNING.search(raw if "&" not in raw else unescape(raw)) is not None
 
 
 # A handle must not run on in letters that merely look Latin; Chinese, which is written without spaces, may touch it.
@@ -126,24 +171,21 @@ class _Walker:
 
     def _inline(self, children: list[Token], hidden: bool) -> None:
         struck = 0
-        autolink = False
         link_start = 0
         for token in children:
             in_html = self._html.depth > 0
-            visible = not (hidden or struck or autolink or in_html)
+            visible = not (hidden or struck or in_html)
             if token.type == "html_inline":
                 self._html.feed(token.content)
                 self.out.append(" " if visible else "")
             elif token.type in ("s_open", "s_close"):
                 struck += token.nesting
             elif token.type == "link_open":
-                autolink = token.info == "auto"
                 link_start = len(self.out)
             elif token.type == "link_close":
-                autolink = False
-                self._undisguise(link_start)
+                self._without_link(link_start)
             elif visible and token.type == "text":
-                self.out.append(token.content)
+                self.out.append(_run(seen(token.content)))
             elif (visible and token.type == "code_inline") or (in_html and token.type == "text" and not hidden):
                 self.out.append(OMITTED)
             elif visible and token.type in ("softbreak", "hardbreak"):
@@ -151,11 +193,28 @@ class _Walker:
             elif visible and token.type not in ("em_open", "em_close", "strong_open", "strong_close"):
                 self.out.append(" ")  # pictures hide their words but still separate those around them
 
-    def _undisguise(self, link_start: int) -> None:
-        """A link reference named "quote" would swallow the brackets of a [quote]: put them back."""
+    def _without_link(self, link_start: int) -> None:
+        """Words of a link are no command; but a link reference named "quote" would swallow the brackets of a [quote]:
+        put them back."""
         text = "".join(self.out[link_start:])
-        if _BBCODE.fullmatch(bracketed := f"[{_plain(text).strip()}]"):
+        bracketed = f"[{_plain(text).strip()}]"
+        if _BBCODE.fullmatch(bracketed):
             self.out[link_start:] = [bracketed]
+        elif text.strip():
+            self.out[link_start:] = [OMITTED]
+
+
+def _run(text: str) -> str:
+    """A run of text as it is read: bare addresses left out, and an @ only where the board makes a mention of it."""
+    kept, at = [], 0
+    for _, start, end in names_said(text):
+        kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end], _ENDS * (end == len(text))]
+        at = end
+    return "".join([*kept, _disarmed(text[at:])])
+
+
+def _disarmed(text: str) -> str:
+    return re.sub("[@＠﹫](?=.)", lambda m: m[0] + OMITTED, _ADDRESS.sub(OMITTED, text))
 
 
 class _OpenElements(HTMLParser):
