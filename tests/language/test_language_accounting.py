@@ -58,6 +58,8 @@ ASKED = {
     "前进两米，把那个箱子打开": "那个箱子打开",
     "前进一米，他会看着再左转": "他会看着再左转",
     "嗨起来！": "嗨起来",
+    "turn left, left 90 degrees": "turn left",
+    "turn left and left 90 degrees": "turn left",
     "walk 1 m and post it": "post it",
     "前进一米，发给我": "发给我",
     "帮他挥手": "他挥手",

@@ -52,8 +52,11 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
         return False
     if last.ahead:  # "three times: forward 1 m": that is what is repeated
         return False
-    if extra.after_and and extra.direction and extra.amount:  # "turn left and left 90 degrees": one turn or two
-        return False
+    if extra.direction and extra.amount and not extra.hesitant:  # "turn left, left 90 degrees": one turn or two
+        bare = last is drafts[-1] and last.verb is Kind.TURN and last.direction is not None and last.amount is None
+        last.vague = last.vague or bare
+        if bare or extra.after_and:
+            return False
     if extra.hesitant and extra.direction is None and last.amount and last.amount.kind is Kind.NUMBER and last.verb:
         last.amount = None  # "walk two, er, three metres"
     if extra.direction is not None and last.direction not in (None, extra.direction):
