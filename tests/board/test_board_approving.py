@@ -7,6 +7,8 @@ import re
 import httpx2
 from running_board import RunningBoard
 
+from agentrob.model import Role
+
 BUTTON = 'value="approve"'
 
 
@@ -44,6 +46,31 @@ def test_approving_stands_in_the_thread_for_those_who_may_until_it_was_done(boar
     assert (said["raw"], said["reply_to"], said["author"]["name"]) == ("@quadruped approve", post, "admin")
     for gone in (path, f"/c/{post}", f"/p/{status}/fragment"):
         assert BUTTON not in chief.get(gone).text, "it is decided, though its agent has not said so yet"
+
+
+def test_who_may_approve_is_told_while_the_command_waits(board: RunningBoard) -> None:
+    """Also when the robot's status post, first its claim, is edited so; and no more once it is over."""
+    board.add("watcher", role=Role.MODERATOR)
+    topic, _, status = waiting(board)
+
+    def told() -> dict[str, list[str]]:
+        items = {n: board.client(n).get("/notifications").json()["items"] for n in ("watcher", "admin", "member", "op")}
+        return {n: [i["kind"] for i in found if i["id"] == status] for n, found in items.items()}
+
+    def tell(state: str) -> None:
+        card = {"robot": "quadruped", "state": state}
+        board.client("quadruped").patch(f"/posts/{status}", json={"body": state, "card": card}).raise_for_status()
+
+    asked = {"watcher": ["approve"], "admin": ["approve"], "member": [], "op": ["reply"]}
+    assert told() == asked
+    page = board.browser("watcher").get("/notices").text
+    assert "waits for your approval" in page
+    assert f'href="/p/{status}"' in page
+    tell("running")
+    assert told() == asked | {"watcher": [], "admin": []}
+    tell("waiting")
+    assert told() == asked
+    assert BUTTON in board.browser("watcher").get(f"/t/{topic}").text
 
 
 def test_a_command_that_lapsed_has_no_buttons(board: RunningBoard) -> None:

@@ -209,7 +209,7 @@ class PostOut(_Out):
 
 class NoticeOut(_Out):
     id: str
-    kind: str = Field(description="mention, reply or topic")
+    kind: str = Field(description="approve, mention, reply or topic")
     read: bool
     post: PostOut
 

@@ -6,18 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Select, and_, bindparam, func, insert, select, update
+from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, update
 
+from agentrob.board import rights
 from agentrob.board import schema as db
 from agentrob.board.cursors import from_cursor, to_cursor
-from agentrob.board.reader import Reader
+from agentrob.board.reader import ACCOUNT, Reader
 from agentrob.board.records import Page, Post
+from agentrob.board.rows import account_from
 from agentrob.board.writer import Transaction
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, Role
 
 #: More than this many are not counted.
 MOST = 99
 REASONS = {"mention": "names you", "reply": "answers you", "topic": "is in your topic"}
+REASONS |= {"approve": "waits for your approval"}
+#: So many are told of one command that waits.
+MOST_APPROVERS = 100
 #: Robots and programs that watch listen to events instead.
 _TOLD = (AccountKind.HUMAN, AccountKind.COMMANDING_AGENT)
 _BEGAN = select(db.topics.c.author_id).where(db.topics.c.id == bindparam("topic"))
@@ -71,6 +76,28 @@ def tell(
     people = t.connection.execute(_PEOPLE, {"ids": list(reasons)}).scalars()
     rows = [{"account_id": i, "post_id": post_id, "reason": reasons[i]} for i in people]
     if rows:
+        t.connection.execute(insert(db.notices), rows)
+
+
+def tell_approvers(t: Transaction, status_id: int, robot: Account, command_id: int | None, waits: bool) -> None:
+    """Tell whoever may approve a command that its robot waits, by the robot's status post; and no more when that is
+    over."""
+    n, a = db.notices.c, db.accounts.c
+    told = n.post_id == status_id
+    if not waits:
+        t.connection.execute(delete(db.notices).where(told, n.reason == "approve"))
+        return
+    if command_id is None:
+        return
+    reader = Reader(t.connection)
+    command, kept = reader.post(str(command_id)), rights.settings_of(reader, robot.name)
+    rank = max(Role.OPERATOR.rank, reader.board(command.board_id).read_role.rank)
+    roles = [role for role in Role if role.rank >= rank]
+    people = ACCOUNT.where(a.kind == AccountKind.HUMAN, a.role.in_(roles), a.suspended.is_(False)).order_by(a.id)
+    may = [int(p.id) for p in map(account_from, reader.rows(people)) if rights.approves(kept, p, command.author)]
+    if may := may[:MOST_APPROVERS]:
+        t.connection.execute(delete(db.notices).where(told, n.account_id.in_(may)))
+        rows = [{"account_id": i, "post_id": status_id, "reason": "approve"} for i in may]
         t.connection.execute(insert(db.notices), rows)
 
 

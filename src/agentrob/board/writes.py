@@ -163,6 +163,8 @@ def edit(
     t.connection.execute(update(db.posts).where(db.posts.c.id == int(post.id)).values(**values))
     _attach(t.connection, int(post.id), editor, images)
     words.change(t.connection, int(post.id), text.words, text.chars, reader.title_begun_by(post))
+    if card != "keep" and _waits(card) != _waits(post.card):
+        notices.tell_approvers(t, int(post.id), editor, _number(post.reply_to), _waits(card))
     add_event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
     return reader.post(post.id)
 
@@ -240,6 +242,8 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str =
     _attach(t.connection, post_id, draft.author, draft.images)
     words.add(t.connection, post_id, draft.text.words, draft.text.chars, title)
     notices.tell(t, post_id, topic_id, draft.author, draft.text.mentions, reply_to)
+    if _waits(draft.card):
+        notices.tell_approvers(t, post_id, draft.author, reply_to, True)
     add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
 
@@ -261,6 +265,15 @@ def _same_topic(reader: Reader, post_id: str, topic_id: int) -> int:
         hint = "the id of a post of this topic"
         raise BoardError(404, "no_such_post", f"post {post_id} is in another topic", hint)
     return int(post.id)
+
+
+def _waits(card: Card | None) -> bool:
+    """Whether a status says that its robot waits for an approval."""
+    return (card or {}).get("state") == "waiting"
+
+
+def _number(post_id: str | None) -> int | None:
+    return None if post_id is None else int(post_id)
 
 
 def _attach(connection: Connection, post_id: int, by: Account, images: Sequence[str]) -> None:
