@@ -370,6 +370,7 @@ async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
         await asyncio.sleep(HOSTILE_FIRST_S)
         yield
     finally:
+        writing.stdin.close()
         answered, _ = await writing.communicate()
     seconds, answers = time.monotonic() - begun_s, json.loads(answered)
     done = {what: sum(n for status, n in found.items() if int(status) < 300) for what, found in answers.items()}
