@@ -6,7 +6,7 @@ import re
 from html import unescape
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from agentrob.board.render import render
@@ -77,6 +77,7 @@ def linked(html: str) -> set[str]:
 
 @settings(max_examples=400, deadline=None)
 @given(st.lists(st.sampled_from(_PIECES), max_size=12).map("".join))
+@example("@quadruped²")
 def test_law_3_a_robot_reads_those_mentions_that_the_board_links(raw: str) -> None:
     read = {name for name in mentions(visible_text(raw)) if name in ACCOUNTS}
     assert read <= linked(render(raw, ACCOUNTS.__contains__)), raw

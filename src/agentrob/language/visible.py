@@ -78,7 +78,7 @@ def names_said(run: str) -> Iterable[tuple[str, int, int]]:
 def _letter(char: str) -> str:
     """The character in NFKC where that is one, so that places in a text stay."""
     folded = unicodedata.normalize("NFKC", char)
-    return folded if len(folded) == 1 else char
+    return folded if len(folded) == 1 and not _is_compound_digit(char) else char
 
 
 def visible_text(raw: str) -> str:
