@@ -40,7 +40,8 @@ def make_mind(name: str, config: Config | None = None) -> Mind:
         from agentrob.minds.chain import configured_chain
         from agentrob.minds.model_mind import ModelMind
 
-        return ModelMind(configured_chain(name, minds, minds_ledger(config)))
+        chain = configured_chain(name, minds, minds_ledger(config))
+        return ModelMind(chain, rules_first=minds[name].reads == "unclear")
     try:
         mind: Mind = find("minds", name)()
     except ConfigError as e:

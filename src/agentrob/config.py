@@ -211,17 +211,35 @@ _PROVIDERS = {
 }
 
 
+#: What `kind = "local"` sets unless something else is said. A cold prompt took 17 s on two cores with llama.cpp.
+_LOCAL = {"timeout_s": 60.0, "total_s": 120.0, "concurrency": 1}
+#: The longest that all models of a chain may take together: a queued command expires after 600 s by default, and a
+#: reading and a second look must both fit.
+CHAIN_S = 300.0
+
+
 class MindConfig(Section):
     """One model. The key is in the environment, in the variable that `key_env` names; it is never written here.
 
     `provider` says whose dialect is spoken; `compatible` is any OpenAI-compatible server (Ollama, vLLM, llama.cpp) and
     needs a `base_url`. `answers`: how typed answers are asked for; `tools` by tool calls, `json` by words in the prompt
     (for weak local models), `json_object` the same with `response_format` and the schema (llama.cpp).
-    `timeout_s` bounds one attempt, `total_s` one answer with all attempts and waits (an agent waits a minute at most,
-    fallbacks included). `fallbacks` are other minds, tried in order when this one fails; the rules always come last.
+    `timeout_s` bounds one attempt, `total_s` one answer with all attempts and waits. `fallbacks` are other minds, tried
+    in order when this one fails; the rules always come last. An agent waits for all of them as long as they say.
+    `kind = "local"` is for a slow server of one's own (llama.cpp, Ollama): 60 s an attempt and 120 s in all, one
+    question at a time, no second attempt after a timeout, prompts that share one prefix, read once when the agent
+    starts, and answers as a stream, so that a question that is given up is not computed to its end.
+    `reads`: the posts that the rules ask back (`unclear`), or `all`; then the rules and the model must agree.
     """
 
+    @model_validator(mode="before")
+    @classmethod
+    def _local_times(cls, data: Any) -> Any:
+        return {**_LOCAL, **data} if isinstance(data, dict) and data.get("kind") == "local" else data
+
     provider: Literal["openai", "anthropic", "ark", "compatible"]
+    kind: Literal["hosted", "local"] = "hosted"
+    reads: Literal["unclear", "all"] = "unclear"
     model: Annotated[str, Field(min_length=1)]
     base_url: str = ""
     key_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
@@ -296,6 +314,11 @@ class Config(Section):
             if wrong := [other for other in models if other not in self.minds or other == name]:
                 known = ", ".join([*sorted(set(self.minds) - {name}), "and rules as the last"])
                 raise ValueError(f"minds.{name}.fallbacks names {', '.join(wrong)}; valid are: {known}")
+            chain_s = sum(self.minds[other].total_s for other in (name, *models))
+            if chain_s > CHAIN_S:
+                raise ValueError(
+                    f"minds.{name} and its fallbacks may take {chain_s:g} s together (total_s); at most {CHAIN_S:g} s"
+                )
         return self
 
     def robot(self, name: str) -> RobotConfig:

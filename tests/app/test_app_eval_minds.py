@@ -51,7 +51,9 @@ def write(folder: Path, rows: list[dict[str, Any]]) -> Path:
 
 def configured(folder: Path, url: str, provider: str = "compatible") -> Path:
     file = folder / "agentrob.toml"
-    mind = f'provider = "{provider}"\nmodel = "m"\nbase_url = "{url}"\nkey_env = "TEST_KEY"\nretries = 0\n'
+    mind = (
+        f'provider = "{provider}"\nmodel = "m"\nbase_url = "{url}"\nkey_env = "TEST_KEY"\nretries = 0\nreads = "all"\n'
+    )
     file.write_text(f'data = "{folder}"\n[minds.clever]\n{mind}', encoding="utf-8")
     return file
 

@@ -30,6 +30,11 @@ class Scripted:
     """A model that says what a test wants, and remembers what it was told."""
 
     name = "scripted"
+    limit_s = 5.0
+    shares_prompt = False
+
+    async def warm(self, system_prompt: str) -> None:
+        raise NotImplementedError
 
     def __init__(self, wants: dict[str, Any] | Wants | MindFault) -> None:
         self._wants = wants

@@ -13,12 +13,13 @@ from agentrob.language.goal import Goal
 from agentrob.language.grammar import parse
 from agentrob.minds.faults import MindFault
 from agentrob.minds.mind import Listener, LivingMind, Mind, Reading, read
+from agentrob.minds.model_mind import ModelMind
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.screening import Screened
 from agentrob.minds.usage import Usage
 from agentrob.model import Intent, Plan, Understanding, Verdict
 
-#: A mind that takes longer is as good as none.
+#: A mind that takes longer is as good as none; models of the configuration have their own limits.
 LIMIT_S = 60.0
 #: Why a mind did not answer, besides the words of `minds.faults.Kind`: it failed and did not say how; the post may not
 #: move anything any more (stopped, edited, …); its account is over its limits, so the command is refused anyway.
@@ -48,7 +49,7 @@ class Thought:
 async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Thought:
     """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
     try:
-        async with asyncio.timeout(LIMIT_S):
+        async with asyncio.timeout(mind.limit_s + 1.0 if isinstance(mind, ModelMind) else LIMIT_S):
             return _thought(await read(mind, text, listener, history))
     except (MindError, TimeoutError) as e:
         _log.warning("mind failed, reading by rules", mind=mind.name, error=str(e) or type(e).__name__)

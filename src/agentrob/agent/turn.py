@@ -46,6 +46,7 @@ from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
 from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
+from agentrob.minds.model_mind import ModelMind
 from agentrob.model import Account, AccountKind, Command, Decision, Language, Post, Report, StopResult
 from agentrob.robots.client import DriverClient
 
@@ -190,6 +191,13 @@ class RobotAgent:
         await self._resume()
         if begun > self.channel.now() - LOOK_BACK:
             await self._look_back()
+        if isinstance(self.mind, ModelMind):
+            self._spawn(self._warm(self.mind))
+
+    async def _warm(self, mind: ModelMind) -> None:
+        """A local server reads the prompt while nobody waits for it."""
+        with contextlib.suppress(RobotError):
+            await mind.warm(await self.driver.capabilities())
 
     async def _resume(self) -> None:
         """Hear what was missed, above all stops, and only then take up the commands that were left open."""

@@ -42,6 +42,19 @@ class ChatChain:
         seers = [m for m in self._models if not isinstance(m, ConfiguredModel) or m.config.images]
         return ChatChain(seers) if seers[:1] == list(self._models[:1]) else None
 
+    @property
+    def limit_s(self) -> float:
+        """The longest that one answer takes, when every model but the last fails as late as it may."""
+        return sum(model.limit_s for model in self._models)
+
+    @property
+    def shares_prompt(self) -> bool:
+        return self._models[0].shares_prompt
+
+    async def warm(self, system_prompt: str) -> None:
+        for model in self._models:
+            await model.warm(system_prompt)
+
     async def prepare(self) -> None:
         for model in self._models:
             await model.prepare()

@@ -91,6 +91,21 @@ class ChatModel(Protocol):
 
     name: str
 
+    @property
+    def limit_s(self) -> float:
+        """The longest that one answer takes, in seconds."""
+        ...
+
+    @property
+    def shares_prompt(self) -> bool:
+        """Whether all questions had better have one system prompt (`prompt.shared_prompt`): a local server then reads
+        it once, where it would read each of several anew."""
+        ...
+
+    async def warm(self, system_prompt: str) -> None:
+        """Let a local server read this prompt before the first post comes; others are not asked. Never raises."""
+        ...
+
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
         """Words for words."""
         ...

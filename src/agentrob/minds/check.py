@@ -1,4 +1,4 @@
-"""Whether the configured minds can be used: reachable, tool calls, images, latency; one line each."""
+"""Whether the configured minds can be used, asked as an agent asks them: one line each, with what to set."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import io
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from time import monotonic
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -14,8 +15,16 @@ from pydantic import BaseModel, ConfigDict, Field
 from agentrob.config import MindConfig
 from agentrob.minds.chat import Image, Said, Tool
 from agentrob.minds.configured import ConfiguredModel
+from agentrob.minds.extraction import Wants
 from agentrob.minds.faults import MindFault
+from agentrob.minds.prompt import prompts, user_message
+from agentrob.minds.screening import screen_by_model
+from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
 
+#: What it is asked to read and to look at.
+_POST = "please go ahead for one metre and then have a look to the left"
+_ROBOT = Capabilities("go2", frozenset(Op))
+_PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0), Primitive(Op.TURN, Direction.LEFT, degrees=90)))
 YesNo = Literal["yes", "no", "off", "unknown"]
 _SYSTEM = "You are being tried out. Do exactly what is asked, with as few words as possible."
 _ASK_TOOL = "Use the tool set_number with the number 7."
@@ -38,10 +47,12 @@ class Checked:
     mind: str
     model: str
     reachable: bool
+    reading_s: float = 0.0
     tool_calls: YesNo = "unknown"
     images: YesNo = "unknown"
     latency_ms: float = 0.0
     problem: str = ""
+    advice: str = ""
 
     @property
     def ok(self) -> bool:
@@ -51,14 +62,15 @@ class Checked:
         if not self.reachable:
             return f"{self.mind}: NOT reachable, model {self.model}: {self.problem}"
         facts = f"model {self.model}, tool calls {self.tool_calls}, images {self.images}, {self.latency_ms:.0f} ms"
-        return f"{self.mind}: reachable, {facts}" + (f": {self.problem}" if self.problem else "")
+        facts += f", a post read in {self.reading_s:.1f} s" if self.reading_s else ""
+        return f"{self.mind}: reachable, {facts}" + (f": {said}" if (said := self.problem or self.advice) else "")
 
     def as_data(self) -> dict[str, Any]:
         return {**asdict(self), "ok": self.ok}
 
 
 async def check(name: str, config: MindConfig, ledger: Path) -> Checked:
-    """Ask one mind for a tool call and for the colour of a picture; at most three questions, without retries."""
+    """Ask one mind for a tool call, the colour of a picture, a reading and a look at a command; without retries."""
     model = ConfiguredModel(name, config.model_copy(update={"retries": 0}), ledger)
     try:
         return await _check(model)
@@ -79,19 +91,58 @@ async def _check(model: ConfiguredModel) -> Checked:
         except MindFault:
             return Checked(model.name, config.model, reachable=False, problem=str(fault))
     usage = answer.usage[-1]
-    problem = ""
+    problem, reading_s = "", 0.0
     if not called:
         hint = ' or set answers = "json"' if config.answers == "tools" else ""
         problem = f"it does not call tools as it was asked; try another model{hint}"
+    else:
+        problem, reading_s = await _works(model)
+    images = await _sees(model)
+    if images == "no" and not problem:
+        advice = f"it takes no pictures: set images = false in [minds.{model.name}]"
+    else:
+        advice = ""
     return Checked(
         model.name,
         usage.model,
         reachable=True,
+        reading_s=reading_s,
         tool_calls="yes" if called else "no",
-        images=await _sees(model),
+        images=images,
         latency_ms=usage.latency_ms,
         problem=problem,
+        advice=advice,
     )
+
+
+async def _works(model: ConfiguredModel) -> tuple[str, float]:
+    """What keeps it from an agent's real work, and how long a reading took: the prompts, schemas and times are those of
+    an agent."""
+    begun_s = monotonic()
+    try:
+        system_prompt, begins = prompts(_ROBOT, "read", model.shares_prompt)
+        await model.answer(system_prompt, begins + user_message(_POST, ()), Wants)
+        reading_s = monotonic() - begun_s
+        screened = await screen_by_model(model, _POST, _PLAN, _ROBOT, "en")
+    except MindFault as fault:
+        return _advised(fault, model.config), monotonic() - begun_s
+    if screened.failed:
+        return f"it reads posts but cannot look at commands ({screened.failed}); try another model", reading_s
+    return "", reading_s
+
+
+def _advised(fault: MindFault, config: MindConfig) -> str:
+    """What is wrong with a reading, and what to set."""
+    text = str(fault)
+    if fault.kind == "timeout":
+        slow = "" if config.kind == "local" else ' or kind = "local"'
+        return f"a post takes it longer than timeout_s = {config.timeout_s:g} s to read; set a longer one{slow}"
+    if "context" in text.lower() or "too long" in text.lower():
+        return f"its context is too short for a reading; start its server with 4096 tokens at least ({text})"
+    if fault.kind == "malformed":
+        other = "json_object" if config.answers == "tools" else "tools"
+        return f'its readings are not in our schema; set answers = "{other}", or try another model ({text})'
+    return text
 
 
 async def _sees(model: ConfiguredModel) -> YesNo:

@@ -12,6 +12,8 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
+import structlog
+
 from agentrob.config import MindConfig
 from agentrob.minds import prompted, retry
 from agentrob.minds.budget import Budget, Reserve
@@ -19,6 +21,8 @@ from agentrob.minds.calls import checked_call, final_of, found_in, schema_of
 from agentrob.minds.chat import Answer, Image, M, Message, Replied, Said, Tool
 from agentrob.minds.faults import UNSERVED, MindFault
 from agentrob.minds.usage import Usage, cost_of, estimate_tokens
+
+_log = structlog.get_logger()
 
 if TYPE_CHECKING:
     from agentrob.minds.provider import Heard, Provider
@@ -43,6 +47,7 @@ class ConfiguredModel:
         self._gate = asyncio.Semaphore(config.concurrency)
         self._opening = asyncio.Lock()
         self._provider: Provider | None = None
+        self._sees = True
 
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
         heard, usage = await self._ask(system_prompt, [Said(user_message)], spent)
@@ -90,6 +95,22 @@ class ConfiguredModel:
             raise self._unusable(what, [usage])
         return Answer(reply, self.name, (usage,))
 
+    @property
+    def limit_s(self) -> float:
+        """The longest that one answer takes."""
+        return self.config.total_s
+
+    @property
+    def shares_prompt(self) -> bool:
+        """Whether its server does better with one system prompt for all questions."""
+        return self.config.kind == "local"
+
+    async def warm(self, system_prompt: str) -> None:
+        """Let a local server read the prompt before the first post comes. Never raises."""
+        if self.shares_prompt:
+            with contextlib.suppress(MindFault):
+                await self._ask(system_prompt, [Said("Answer with the one word: ready.")], ())
+
     async def prepare(self) -> None:
         with contextlib.suppress(MindFault):  # the first question says what is wrong
             await self._opened()
@@ -126,9 +147,19 @@ class ConfiguredModel:
         heard, usage = await self._ask(asked, conversation, spent, json_schema=schema, until=until)
         return *found_in(heard.text, kind), heard.text[:2_000], usage
 
+    def _blind(self, fault: MindFault) -> MindFault:
+        """A server that fails on a picture takes none (llama.cpp without a projector): it gets none any more."""
+        if self._sees:
+            _log.warning("a model fails on pictures and gets none any more", mind=self.name, error=str(fault))
+        self._sees = False
+        said = f"{self.name} fails on pictures; set images = false in [minds.{self.name}] ({fault})"
+        return MindFault("rejected", said, final=True)
+
     def _pictures(self, images: Sequence[Image]) -> tuple[Image, ...]:
-        if images and not self.config.images:
-            raise MindFault("rejected", f"{self.name} takes no images (minds.{self.name}.images is false)")
+        if images and not (self.config.images and self._sees):
+            raise MindFault(
+                "rejected", f"{self.name} takes no images (minds.{self.name}.images is false, or it failed)"
+            )
         return tuple(images)
 
     # ------------------------------------------------------------ one question, asked until it is answered or over
@@ -143,6 +174,8 @@ class ConfiguredModel:
         until: float | None = None,
     ) -> tuple[Heard, Usage]:
         """Ends at `until` by the monotonic clock, or `total_s` from now."""
+        if not self._sees and _pictures_in(conversation):
+            raise MindFault("rejected", f"{self.name} failed on a picture before and gets none any more")
         began = monotonic()
         until = began + self.config.total_s if until is None else until
         attempt = 0
@@ -164,9 +197,12 @@ class ConfiguredModel:
                         )
                     except MindFault as e:
                         fault = e
+                    if fault.kind == "server" and _pictures_in(conversation):
+                        fault = self._blind(fault)
                     wasted += fault.kind not in UNSERVED and fault.kind != "budget"
                     wait_s = retry.wait_s(attempt, self._chance(), fault.retry_after_s)
-                    if not fault.passing or attempt > self.config.retries or wait_s > until - monotonic():
+                    given_up = fault.kind == "timeout" and self.config.kind == "local"  # a retry would queue behind it
+                    if given_up or not fault.passing or attempt > self.config.retries or wait_s > until - monotonic():
                         break
                     await asyncio.sleep(wait_s)
         except TimeoutError:
@@ -260,6 +296,10 @@ class ConfiguredModel:
             currency=self.config.price.currency if self.config.price else "",
             latency_ms=(monotonic() - began) * 1e3,
         )
+
+
+def _pictures_in(conversation: Sequence[Message]) -> bool:
+    return any(message.images for message in conversation if not isinstance(message, Replied))
 
 
 def _with_usage(fault: MindFault, before: Sequence[Usage]) -> MindFault:

@@ -25,24 +25,27 @@ from agentrob.minds.extraction import Wants
 from agentrob.minds.faults import MindFault
 from agentrob.minds.grounding import Grounded, Ungrounded, claimed, ground
 from agentrob.minds.mind import Listener, Reading
-from agentrob.minds.prompt import clean, system_prompt, user_message
+from agentrob.minds.prompt import clean, prompts, shared_prompt, user_message
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.sentences import ask, say
 from agentrob.minds.usage import Usage
-from agentrob.model import Intent, Language, Plan, Primitive, Understanding
+from agentrob.model import Capabilities, Intent, Language, Plan, Primitive, Understanding
 
-#: A post is read within this time, by all models of a chain together; then the rules answer.
-LIMIT_S = 50.0
 #: What the rules settle alone, at once and without cost.
 _SETTLED = (Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS, Intent.CANCEL)
 
 
 class ModelMind:
-    """Understands free words through a model (or a chain of them), checked against the words themselves."""
+    """Understands free words through a model (or a chain of them), checked against the words themselves.
 
-    def __init__(self, model: ChatModel, limit_s: float = LIMIT_S) -> None:
+    With `rules_first` the model reads only what the rules ask back. `limit_s` bounds a reading by all models of a chain
+    together; then the rules answer.
+    """
+
+    def __init__(self, model: ChatModel, limit_s: float | None = None, rules_first: bool = False) -> None:
         self.name = model.name
-        self._limit_s = limit_s
+        self.limit_s = model.limit_s if limit_s is None else limit_s
+        self._rules_first = rules_first
         self.model = model
         self._rules = RulesMind()
 
@@ -57,17 +60,25 @@ class ModelMind:
         part = clean(part_for(text, listener.names, listener.others))
         # Where words are hidden within a line, a model would read over the gap; a book is no command.
         ordered = ordering_words(text, listener.names, listener.others)  # another robot's end, which nobody here knows
-        if by_rules.intent in _SETTLED or ordered or OMITTED in part or len(part) > MAX_CHARS or not part.strip():
+        clear = self._rules_first and by_rules.intent is not Intent.ASK_BACK
+        if (
+            clear
+            or by_rules.intent in _SETTLED
+            or ordered
+            or OMITTED in part
+            or len(part) > MAX_CHARS
+            or not part.strip()
+        ):
             return Reading(by_rules, self._rules.name)
         try:
-            async with asyncio.timeout(self._limit_s):
-                answer = await self.model.answer(
-                    system_prompt(listener.capabilities), user_message(part, history), Wants, spent=spent
-                )
+            async with asyncio.timeout(self.limit_s):
+                system_prompt, begins = prompts(listener.capabilities, "read", self.model.shares_prompt)
+                message = begins + user_message(part, history)
+                answer = await self.model.answer(system_prompt, message, Wants, spent=spent)
         except MindFault as e:
             return Reading(by_rules, self._rules.name, e.usage, fallback=f"{e.kind}")
         except TimeoutError:
-            lost = Usage(self.name, "", latency_ms=self._limit_s * 1e3, failed="timeout")
+            lost = Usage(self.name, "", latency_ms=self.limit_s * 1e3, failed="timeout")
             return Reading(by_rules, self._rules.name, (lost,), fallback="timeout")
         understood = weigh(answer.value, by_rules, part, history)
         failed = [u.failed for u in answer.usage if u.mind == self.name and u.failed]
@@ -76,6 +87,11 @@ class ModelMind:
     async def prepare(self) -> None:
         """Load the model's library before the first post, best when an agent starts. Never raises."""
         await self.model.prepare()
+
+    async def warm(self, capabilities: Capabilities) -> None:
+        """Let a local server read the prompt of this robot before its first post. Never raises."""
+        if self.model.shares_prompt:
+            await self.model.warm(shared_prompt(capabilities))
 
     async def close(self) -> None:
         await self.model.close()

@@ -15,6 +15,8 @@ from agentrob.model import Capabilities, Op, Plan
 
 #: Kinds of robots without a prompt of their own get this one.
 _OTHER = "robot"
+_SHARED = "You do one of the two tasks below. The first line of the message says which; leave the other one alone."
+_TASKS = {"read": "Reading posts", "screen": "Looking at a command before a robot does it"}
 #: Plans of the thread that are told, newest last.
 HISTORY_PLANS = 3
 
@@ -23,6 +25,20 @@ def system_prompt(capabilities: Capabilities) -> str:
     """The extraction prompt for a kind of robot, with the actions it has."""
     ops = ", ".join(op.value for op in Op if op in capabilities.ops)
     return _prompt(capabilities.model).replace("{actions}", ops)
+
+
+def shared_prompt(capabilities: Capabilities) -> str:
+    """Reading posts and looking at commands in one prompt, for servers that keep what they read last; each question
+    then begins with its task."""
+    parts = _SHARED, system_prompt(capabilities), prompt_file("screen")
+    return "\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def prompts(capabilities: Capabilities, task: str, shared: bool) -> tuple[str, str]:
+    """The system prompt for a task (`read` or `screen`), and what the message to it begins with."""
+    if shared:
+        return shared_prompt(capabilities), f"Task: {_TASKS[task]}\n"
+    return system_prompt(capabilities) if task == "read" else prompt_file("screen"), ""
 
 
 def user_message(post: str, history: Sequence[Plan], mark: Callable[[], str] = lambda: secrets.token_hex(8)) -> str:

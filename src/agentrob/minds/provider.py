@@ -88,14 +88,19 @@ class Provider:
             output_mode="tool" if must_call else "text",
             allow_text_output=not must_call,
         )
+        request = self._model, _theirs(conversation, system_prompt)
         try:
-            response = await direct.model_request(
-                self._model,
-                _theirs(conversation, system_prompt),
-                model_settings=settings,
-                model_request_parameters=parameters,
-            )
-            return self._heard(response)
+            if self._config.kind == "hosted":
+                return self._heard(
+                    await direct.model_request(*request, model_settings=settings, model_request_parameters=parameters)
+                )
+            # As a stream, since closing that tells the server to stop computing.
+            async with direct.model_request_stream(
+                *request, model_settings=settings, model_request_parameters=parameters
+            ) as stream:
+                async for _ in stream:
+                    pass
+                return self._heard(stream.get())
         except Exception as e:  # also a library's own surprise at what a server sent: it is that server's fault
             fault = self._fault(e)
         raise fault  # outside of the handlers: a chained traceback would show the library's request
@@ -152,6 +157,8 @@ class Provider:
             return MindFault("denied", f"{mind}: {url} does not accept us (HTTP {status}); {hint}{told}")
         if status == 404:
             hint = f"check base_url and model ({self._config.model!r})"
+            if self._config.provider == "compatible" and not url.rstrip("/").endswith("/v1"):
+                hint += f'; most servers want base_url = "{url.rstrip("/")}/v1"'
             return MindFault("not_found", f"{mind}: {url} does not know this (HTTP 404); {hint}{told}")
         if status in (402, 429):
             final = status == 402 or isinstance(error, exceptions.ModelQuotaExceededError)

@@ -20,15 +20,13 @@ from agentrob.language.phrases import quote
 from agentrob.language.render import sentence
 from agentrob.minds.chat import ChatModel
 from agentrob.minds.faults import MindFault, said
-from agentrob.minds.prompt import HISTORY_PLANS, clean, post_as_data, prompt_file
+from agentrob.minds.prompt import HISTORY_PLANS, clean, post_as_data, prompts
 from agentrob.minds.sentences import say
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Decision, Language, Plan, Verdict
 
 #: The kinds of harm, as law 7's screening names them. `other`: refused without saying which.
 Harm = Literal["people", "animals", "property", "bounds", "safety", "deception", "surveillance", "abilities", "other"]
-#: A command is looked at within this time, by all models of a chain together.
-LIMIT_S = 25.0
 
 
 #: The longest words and reasons that are kept of an answer.
@@ -111,19 +109,21 @@ async def screen_by_model(
     history: Sequence[Plan] = (),
     scene: str = "",
     spent: Sequence[Usage] = (),
-    limit_s: float = LIMIT_S,
+    limit_s: float | None = None,
     goal: str = "",
 ) -> Screened:
     """Ask a model about a command. `text` is the part of the post for this robot, `scene` what is known to be around,
-    `goal` in our words what is to be looked for, with the plan's steps in it.
+    `goal` in our words what is to be looked for, with the plan's steps in it. `limit_s`: the model's own unless given.
 
     Never raises for a model that fails.
     """
     part = clean(text)
-    message = _message(part, goal or sentence(plan, "en"), capabilities, history, scene)
+    system_prompt, begins = prompts(capabilities, "screen", model.shares_prompt)
+    message = begins + _message(part, goal or sentence(plan, "en"), capabilities, history, scene)
+    limit_s = model.limit_s if limit_s is None else limit_s
     try:
         async with asyncio.timeout(limit_s):
-            answer = await model.answer(prompt_file("screen"), message, Judgement, spent=spent)
+            answer = await model.answer(system_prompt, message, Judgement, spent=spent)
     except MindFault as e:
         return Screened(model.name, failed=e.kind, usage=e.usage)
     except TimeoutError:
