@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from agentrob.board import admin, moderation, writes
 from agentrob.board.database import migrate, serving_lock
 from agentrob.board.records import EventKind
+from agentrob.board.renderer import Text
 from agentrob.board.settings import BoardSettings
 from agentrob.board.writer import Transaction
 from agentrob.cli import cli
@@ -60,7 +61,9 @@ def post(shell: Shell, body: str) -> tuple[str, str]:
     """A new topic of ann's; its id and its post's."""
     ann = admin.find_account(shell.settings, "ann")
     with admin.writing(shell.settings) as connection:
-        made = writes.create_topic(Transaction(connection), "talk", "A topic", writes.Draft(ann, body))
+        made = writes.create_topic(
+            Transaction(connection), "talk", "A topic", writes.Draft(ann, Text(body).rendered(()))
+        )
     return made.topic.id, made.post.id
 
 
@@ -172,7 +175,7 @@ def test_erasing_is_said_before_it_is_done(shell: Shell) -> None:
     shell.board("account", "add", "leaver")
     leaver = admin.find_account(shell.settings, "leaver")
     with admin.writing(shell.settings) as connection:
-        draft = writes.Draft(leaver, "my words")
+        draft = writes.Draft(leaver, Text("my words").rendered(()))
         made = writes.create_topic(Transaction(connection), "talk", "Mine", draft)
     with pytest.raises(AgentRobError, match="--yes"):
         shell.board("account", "erase", "leaver")
