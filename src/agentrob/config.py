@@ -119,6 +119,18 @@ class RecordingConfig(Section):
     keep_mb: Annotated[float, Field(ge=0)] = 200.0
 
 
+class RetentionConfig(Section):
+    """How long an agent keeps what became of each command: its row in the journal, its record, the steps' pictures.
+
+    For `days` and up to `commands` commands, the newest longest; records and pictures up to `mb` each. What is younger
+    than a day stays in the journal however much it is, and what is open stays however old.
+    """
+
+    days: Annotated[float, Field(ge=1, le=3650)] = 30.0
+    commands: Annotated[int, Field(ge=1)] = 5000
+    mb: Annotated[float, Field(gt=0)] = 200.0
+
+
 class ApprovalConfig(Section):
     """Which `classes` of action need somebody's approval, besides those that the forum keeps of the robot.
 
@@ -176,6 +188,7 @@ class RobotConfig(Section):
     approval: ApprovalConfig = Field(default_factory=ApprovalConfig)
     look: LookConfig = Field(default_factory=LookConfig)
     recording: RecordingConfig = Field(default_factory=RecordingConfig)
+    retention: RetentionConfig = Field(default_factory=RetentionConfig)
     options: dict[str, Any] = Field(default_factory=dict)
 
     @model_validator(mode="after")

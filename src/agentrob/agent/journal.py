@@ -33,7 +33,7 @@ from pydantic import TypeAdapter
 from sqlalchemy.exc import SQLAlchemyError
 
 from agentrob.agent import rows as db
-from agentrob.agent.leftovers import KEEP_S, forget_unfinished
+from agentrob.agent.leftovers import forget_finished, forget_unfinished
 from agentrob.agent.rows import COMMAND, DECIDED, Asked, Claim, Decided, Rows
 from agentrob.errors import JournalError
 from agentrob.model import Command, Plan
@@ -105,7 +105,6 @@ class Journal(Rows):
             self._db.executescript(db.TABLES)
             db.migrate(self._db)
             self._era = (self._one("SELECT value FROM meta WHERE key = 'era'") or ("",))[0]
-            db.prune(self._db, time.time() - KEEP_S)
         except BlockingIOError:
             raise JournalError(
                 f"an agent for {self._robot} already runs with {self._folder}; end it first, or use another data folder"
@@ -252,6 +251,24 @@ class Journal(Rows):
     async def counted(self, post_id: str) -> bool:
         """Whether this post approved or denied something."""
         return await self._in_rows(self._one, "SELECT 1 FROM approval WHERE said_by = ?", (post_id,)) is not None
+
+    async def prune(self, days: float, commands: int) -> None:
+        """Let go of claims that were told more than `days` ago, or more than a day ago and more than `commands` claims
+        ago, and of what the engine kept of commands that are told. `JournalError` when that cannot be done."""
+
+        def rows() -> list[str]:
+            now, day_s = time.time(), 86400.0
+            with self._together():
+                assert self._db is not None
+                db.prune(self._db, now - days * day_s, commands, now - day_s)
+            return [row[0] for row in self._all("SELECT post FROM claim WHERE final IS NULL")]
+
+        open_posts = await self._in_rows(rows)
+        needed = {f"{self._era}post-{post}{part}" for post in open_posts for part in ("", ":motion")}
+        try:
+            await self._loop.run_in_executor(self._keeping, forget_finished, needed)
+        except (sqlite3.Error, SQLAlchemyError, dbos_error.DBOSException) as e:
+            raise JournalError(f"old workflows cannot be dropped: {e}") from None
 
     async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
         """The plans done before in a thread, oldest first."""

@@ -206,16 +206,16 @@ def safe_name(post_id: str) -> str:
     return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in post_id)[:80]
 
 
-def prune(folder: Path, keep_days: float, keep_mb: float) -> None:
-    """Delete what is older than `keep_days`, and the oldest until the rest fits into `keep_mb`."""
+def prune(folder: Path, keep_days: float, keep_mb: float, most: int | None = None) -> None:
+    """Delete what is older than `keep_days`, and the oldest until the rest fits into `keep_mb` and is `most` files."""
     files = []
     for path in folder.iterdir():
         with contextlib.suppress(OSError):
             files.append((path.stat().st_mtime, path.stat().st_size, path))
     left, oldest_s = keep_mb * 2**20, time.time() - keep_days * 86400
-    for at_s, size, path in sorted(files, reverse=True):
+    for number, (at_s, size, path) in enumerate(sorted(files, reverse=True)):
         left -= size
-        if left < 0 or at_s < oldest_s:
+        if left < 0 or at_s < oldest_s or (most is not None and number >= most):
             with contextlib.suppress(OSError):
                 path.unlink()
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from agentrob.agent.extract import Thought
+from agentrob.agent.recorder import prune
 from agentrob.agent.rows import Asked
 from agentrob.model import ActionResult, Report
 
@@ -39,6 +40,12 @@ class Records:
         """The results with their pictures again, as far as the files are still there."""
         pictures = (Path(p).read_bytes() if p and Path(p).exists() else None for p in paths)
         return tuple(replace(r, image=image) for r, image in zip(results, pictures, strict=True))
+
+    def prune(self, days: float, mb: float, commands: int) -> None:
+        """Delete what is older than `days`, the oldest beyond `mb` of each kind, and the oldest of too many records."""
+        for folder, most in ((self._records, commands), (self._pictures, None)):
+            if folder.is_dir():
+                prune(folder, days, mb, most)
 
     def read(self, post_id: str) -> dict[str, Any] | None:
         """The record of a finished command; None when there is none."""

@@ -100,12 +100,21 @@ def migrate(db: sqlite3.Connection) -> None:
         db.execute("ALTER TABLE claim ADD COLUMN ended TEXT")
 
 
-def prune(db: sqlite3.Connection, before: float) -> None:
-    """Old claims go; their posts are far too old to move anything."""
-    told = "final NOT NULL AND at < ?"
-    db.execute(f"DELETE FROM motion WHERE post IN (SELECT post FROM claim WHERE {told})", (before,))
-    db.execute(f"DELETE FROM approval WHERE post IN (SELECT post FROM claim WHERE {told})", (before,))
-    db.execute(f"DELETE FROM claim WHERE {told}", (before,))
+def prune(db: sqlite3.Connection, before: float, commands: int, day: float) -> None:
+    """Claims that are told go when they are older than `before` (Unix seconds), or older than `day` and not among the
+    newest `commands`. Open ones never go.
+
+    A post whose claim is gone is not known any more, and could be claimed again if the forum delivered it anew. It
+    still moves nothing (law 6): it is at least a day old, and a post moves something only within minutes (law 5). The
+    claim that stands on the forum stays there as well.
+    """
+    old = "final NOT NULL AND (at < :before OR (at < :day AND number <= (SELECT max(number) FROM claim) - :commands))"
+    values = {"before": before, "day": day, "commands": commands}
+    for table in ("motion", "approval"):
+        db.execute(f"DELETE FROM {table} WHERE post IN (SELECT post FROM claim WHERE {old})", values)
+    db.execute(f"DELETE FROM claim WHERE {old}", values)
+    # Posts that were cancelled before anybody claimed them.
+    db.execute("DELETE FROM motion WHERE at < ? AND post NOT IN (SELECT post FROM claim)", (before,))
 
 
 ASK = "INSERT INTO approval (post, asked_at, until_at) VALUES (?, ?, ?) ON CONFLICT DO NOTHING"

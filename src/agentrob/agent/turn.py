@@ -35,6 +35,7 @@ from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
 from agentrob.agent.presence import Presence, reset_room
 from agentrob.agent.recorder import Recorder, look_of
 from agentrob.agent.records import Records
+from agentrob.agent.retention import keep_pruning, prune
 from agentrob.agent.status import insist
 from agentrob.agent.stops import Stops
 from agentrob.agent.surroundings import Surroundings
@@ -139,7 +140,8 @@ class RobotAgent:
         try:
             await self._start()
             async with asyncio.TaskGroup() as group:
-                for work in (self._listen(), self.inbox.take_all(), *self._stage_work()):
+                pruning = keep_pruning(self.journal, self.records, self.settings.retention)
+                for work in (self._listen(), self.inbox.take_all(), pruning, *self._stage_work()):
                     group.create_task(work)
                 self.ready.set()
                 on_ready()
@@ -158,6 +160,7 @@ class RobotAgent:
                 # What waits for an approval, or until we may write again, waits on next time.
                 while busy := self._tasks - self.line.asking() - self.course.denied:
                     await asyncio.wait(busy, timeout=0.2)
+                await prune(self.journal, self.records, self.settings.retention)
             finally:
                 for helper in helpers:
                     helper.cancel()
