@@ -55,16 +55,17 @@ async def attack(words: dict[str, Any], over: asyncio.Event) -> dict[str, dict[s
             ) as browser,
         ):
             for number in count(first):
+                if number > first or first % 2:  # half of them begin with a preview and mentions
+                    looked = await browser.post("/preview", data=session | {"body": text(number + 2)})
+                    answers["preview"][str(looked.status_code)] += 1
+                    named = await program.post(replies, json={"body": f"{everybody} " + f"@{account['name']} " * 1_500})
+                    answers["names"][str(named.status_code)] += 1
                 made = await program.post(replies, json={"body": text(number)})
                 answers["post"][str(made.status_code)] += 1
                 if made.status_code == 201:
                     edit = {"body": text(number + 1)}
                     edited = await program.patch(f"/posts/{made.json()['post']['id']}", json=edit)
                     answers["edit"][str(edited.status_code)] += 1
-                looked = await browser.post("/preview", data=session | {"body": text(number + 2)})
-                answers["preview"][str(looked.status_code)] += 1
-                named = await program.post(replies, json={"body": everybody + " " + f"@{account['name']} " * 1_500})
-                answers["names"][str(named.status_code)] += 1
 
     writing = [asyncio.create_task(write(account, 7 * n)) for n, account in enumerate(words["accounts"])]
     await over.wait()
