@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from typing import Any
 
 import anyio
 import mcp_types as types
@@ -13,17 +14,17 @@ from hypothesis import strategies as st
 from mcp.shared.message import SessionMessage
 
 from agentrob.mcp.envelope import ToolError, failure, success
-from agentrob.mcp.pipes import LinesIn, LinesOut, written
+from agentrob.mcp.pipes import LinesIn, LinesOut, refusal, written
 
 PING = b'{"jsonrpc":"2.0","id":1,"method":"ping"}\n'
 
 
-def lines(*parts: bytes, limit: int = 1000) -> LinesIn:
+def lines(*parts: bytes, limit: int = 1000, refuse: Any = None) -> LinesIn:
     reader = asyncio.StreamReader(limit=limit)
     for part in parts:
         reader.feed_data(part)
     reader.feed_eof()
-    return LinesIn(reader)
+    return LinesIn(reader, refuse)
 
 
 async def methods(read: LinesIn) -> list[str]:
@@ -37,6 +38,32 @@ async def test_nonsense_is_told_empty_lines_and_lines_that_are_too_long_are_pass
     assert await methods(lines(PING, b"\n", b" \r\n", b"nonsense\n", long, PING)) == ["ping", "!", "!", "ping"]
     assert await methods(lines(PING[:-1])) == ["ping"], "the last line needs no end"
     assert await methods(lines()) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "id_"),
+    [
+        (b"nonsense", -32700, None),
+        (b'{"jsonrpc":"2.0","id":7,', -32700, None),
+        (b"\xff\xfe", -32700, None),
+        (b"[" * 5_000, -32700, None),
+        (b"[]", -32600, None),
+        (b'[{"jsonrpc":"2.0","id":1,"method":"ping"}]', -32600, None),
+        (b'{"jsonrpc":"1.0","id":7,"method":"ping"}', -32600, 7),
+        (b"x" * 5_000, -32700, None),
+    ],
+)
+async def test_a_line_that_is_no_message_is_answered_and_the_next_one_is_read(
+    line: bytes, code: int, id_: int | None
+) -> None:
+    told: list[bytes] = []
+
+    async def refuse(line: bytes) -> None:
+        told.append(refusal(line))
+
+    assert await methods(lines(line + b"\n", PING, refuse=refuse)) == ["ping"]
+    (answer,) = map(json.loads, told)
+    assert (answer["jsonrpc"], answer["id"], answer["error"]["code"]) == ("2.0", id_, code)
 
 
 @pytest.mark.parametrize(("first", "begins"), [(PING, True), (b"nonsense\n", False), (b"", False)])

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
+import mcp_types as types
 import pytest
 import structlog
 from mcp_types import PROTOCOL_VERSION_META_KEY
@@ -121,6 +122,8 @@ def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetu
         process.stdin.write(json.dumps(INITIALIZE).encode() + b"\n")
         process.stdin.flush()
         answers = (json.loads(line) for line in process.stdout)
+        refused = [next(answers)["error"]["code"] for _ in range(4)]
+        assert refused == [types.PARSE_ERROR, types.INVALID_REQUEST, types.PARSE_ERROR, types.PARSE_ERROR]
         assert next(a for a in answers if a.get("id") == 1)["result"]["serverInfo"]["name"] == "agentrob-forum"
         for number, meta in ((2, {PROTOCOL_VERSION_META_KEY: "2026-07-28"}), (3, 5)):
             asked = {"method": "tools/list", "params": {"_meta": meta}}
@@ -226,6 +229,24 @@ async def _next(updates: AsyncIterator[Any]) -> Any:
 
 
 # ---------------------------------------------------------------------- configuration
+def test_a_token_that_the_forum_refuses_is_told_on_standard_error_with_the_forum_s_address(setup: McpSetup) -> None:
+    environment = setup.environment("op") | {"AGENTROB_TOKEN": "not-a-token"}
+    process = subprocess.Popen(
+        setup.command(), env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    )
+    assert process.stdin is not None
+    assert process.stderr is not None
+    try:
+        said = next(line.decode() for line in process.stderr if b"refuses the token" in line)
+    finally:
+        process.stdin.close()
+        process.kill()
+        process.wait(10)
+        process.stderr.close()
+    assert "that token is not valid" in said
+    assert "http://127.0.0.1:" in said
+
+
 @pytest.mark.slow
 def test_a_server_that_nobody_may_use_or_whose_tokens_are_missing_says_so(setup: McpSetup) -> None:
     def said(**mcp: Any) -> str:

@@ -15,7 +15,7 @@ import shutil
 import stat
 import sys
 import threading
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from types import TracebackType
 from typing import Self
@@ -23,7 +23,7 @@ from typing import Self
 import anyio
 import mcp_types as types
 from mcp.shared.message import SessionMessage
-from pydantic_core import to_json
+from pydantic_core import from_json, to_json
 
 from agentrob.mcp.envelope import Said
 
@@ -31,13 +31,16 @@ from agentrob.mcp.envelope import Said
 LAST_WORDS_S = 2.0
 #: A picture of 8 MiB as base64 in JSON fits; a longer line is passed over.
 MAX_LINE = 16 * 1024 * 1024
+#: Stands for a line that was longer.
+TOO_LONG = b"too long\n"
 
 
 @asynccontextmanager
 async def stdio_pipes() -> AsyncIterator[tuple[LinesIn, LinesOut]]:
     """Streams of messages from standard input and to standard output, as `Server.run` takes them."""
     reader, writer, copying = await _open()
-    yield LinesIn(reader), LinesOut(writer)
+    out = LinesOut(writer)
+    yield LinesIn(reader, out.refuse), out
     with anyio.move_on_after(LAST_WORDS_S):  # what is answered already still goes out, to a client that reads
         with suppress(ConnectionError):
             await writer.drain()
@@ -64,10 +67,11 @@ class _Stream:
 
 
 class LinesIn(_Stream):
-    """The client's messages. Nonsense comes as the error that it made; the engine passes it over."""
+    """The client's messages. What is none is refused by `refuse`, or without it comes as the error that it made."""
 
-    def __init__(self, reader: asyncio.StreamReader) -> None:
+    def __init__(self, reader: asyncio.StreamReader, refuse: Callable[[bytes], Awaitable[None]] | None = None) -> None:
         self._reader = reader
+        self._refuse = refuse
         self._first: SessionMessage | Exception | None = None
 
     async def begins_with(self, method: str) -> bool:
@@ -84,8 +88,12 @@ class LinesIn(_Stream):
             self._first = None
             return first
         while line := await self._line():
-            if not line.isspace():
-                return read(line)
+            if line.isspace():
+                continue
+            message = read(line)
+            if self._refuse is None or isinstance(message, SessionMessage):
+                return message
+            await self._refuse(line)
         raise StopAsyncIteration
 
     async def receive(self) -> SessionMessage | Exception:
@@ -109,7 +117,7 @@ class LinesIn(_Stream):
                 continue
             except ConnectionError:
                 return b""
-            return b"too long\n" if too_long and line else line
+            return TOO_LONG if too_long and line else line
 
 
 class LinesOut(_Stream):
@@ -122,11 +130,32 @@ class LinesOut(_Stream):
         """Returns when it is on the wire."""
         if self.closed:
             raise anyio.ClosedResourceError
+        await self._write(written(item.message))
+
+    async def refuse(self, line: bytes) -> None:
+        """Tell the client that a line of its was no message."""
+        with suppress(anyio.BrokenResourceError):
+            await self._write(refusal(line))
+
+    async def _write(self, message: bytes) -> None:
         try:
-            self._writer.write(written(item.message) + b"\n")
+            self._writer.write(message + b"\n")
             await self._writer.drain()
         except ConnectionError:
             raise anyio.BrokenResourceError from None
+
+
+def refusal(line: bytes) -> bytes:
+    """The answer to a line that is no message, as JSON-RPC wants it: what is no JSON, or JSON of another kind."""
+    told, code, message = None, types.PARSE_ERROR, "this line is no JSON"
+    with suppress(ValueError):
+        data = from_json(line)
+        code, message = types.INVALID_REQUEST, "this is no JSON-RPC 2.0 message; batches are not taken"
+        if isinstance(data, dict) and isinstance(data.get("id"), str | int) and not isinstance(data["id"], bool):
+            told = data["id"]
+    if line == TOO_LONG:
+        message = f"a line has {MAX_LINE} bytes at most"
+    return to_json({"jsonrpc": "2.0", "id": told, "error": {"code": code, "message": message}})
 
 
 def read(line: bytes) -> SessionMessage | Exception:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Callable
 
+import structlog
 from mcp.server.runner import serve_loop
 
-from agentrob.mcp.identity import Accounts
+from agentrob.errors import ForumDenied, ForumError
+from agentrob.mcp.identity import Accounts, Identity
 from agentrob.mcp.pipes import stdio_pipes
 from agentrob.mcp.server import ForumServer
+
+_log = structlog.get_logger()
 
 
 def run(make: Callable[[], Accounts]) -> None:
@@ -23,9 +28,19 @@ def run(make: Callable[[], Accounts]) -> None:
         runner.run(main())
 
 
+async def _check(identity: Identity) -> None:
+    """Say on standard error that the token is refused; a forum that is not there yet is asked by the first tool."""
+    with contextlib.suppress(ForumError):
+        try:
+            await identity.me()
+        except ForumDenied as e:
+            _log.error("the forum refuses the token, so every tool will", error=str(e))
+
+
 async def serve(accounts: Accounts) -> None:
     """Until the client closes its end."""
     server = ForumServer(lambda _: accounts.current, accounts, own_pipes=True)
+    checking = asyncio.create_task(_check(accounts.current))
     try:
         async with stdio_pipes() as (read, write):
             if await read.begins_with("initialize"):
@@ -35,5 +50,6 @@ async def serve(accounts: Accounts) -> None:
             else:
                 await server.engine.run(read, write, server.options())
     finally:
+        checking.cancel()
         await server.close()
         await accounts.close()
