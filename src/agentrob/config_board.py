@@ -24,6 +24,17 @@ class BoardLimitsConfig(Section):
     sign_ups: Annotated[int, Field(ge=0)] = 5
 
 
+class BoardRetentionConfig(Section):
+    """How long the forum keeps what only tells who listens that something happened.
+
+    An event is let go of when it is older than `event_days` and not among the newest `events`. Whoever was away for
+    longer than that begins anew. Posts, earlier texts, records of commands and the audit log are kept for ever.
+    """
+
+    event_days: Annotated[float, Field(ge=8, le=3650)] = 30.0
+    events: Annotated[int, Field(ge=1)] = 10_000
+
+
 class BoardConfig(Section):
     """The embedded forum. `base_url` is what browsers see; https there makes cookies Secure.
 
@@ -45,6 +56,7 @@ class BoardConfig(Section):
     semantic: bool = False
     trusted_proxies: tuple[str, ...] | None = None
     limits: BoardLimitsConfig | None = None
+    retention: BoardRetentionConfig = Field(default_factory=BoardRetentionConfig)
 
     @field_validator("trusted_proxies")
     @classmethod

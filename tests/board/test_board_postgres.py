@@ -25,7 +25,7 @@ from agentrob.errors import BoardError
 
 pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
-ROOMS = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "tags")
+ROOMS = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "tags", "retention")
 SAME = tuple(f"board_{name}" for name in ROOMS)
 SEARCH = ("board_meaning", "pages_find")
 

@@ -42,6 +42,8 @@ class Topics:
         it may be as long as who asks likes.
         """
         key, version = (topic_id, asked), reader.topic_version(row_id(topic_id, "topic"))
+        if version[1] is None:  # its events are kept no more: nothing would tell this version from another
+            return make()[0]
         if (found := self._kept.get(key)) is not None and found[0] == version:
             self._kept.move_to_end(key)
             kept: T = found[2]

@@ -62,6 +62,7 @@ _IMAGES_OF_POSTS = (
 )
 _EVENTS = select(db.events, *_AUTHOR).outerjoin(db.accounts, db.accounts.c.id == db.events.c.account_id)
 _NEWEST_EVENT = select(db.events.c.id, db.events.c.at_us).order_by(db.events.c.id.desc()).limit(1)
+_OLDEST_EVENT = select(db.events.c.id).order_by(db.events.c.id).limit(1)
 #: The newest change in the audit log, and the newest event of a topic: whatever its posts show changes with one.
 _TOPIC_VERSION = select(
     select(func.max(db.audit.c.id)).scalar_subquery(),
@@ -349,16 +350,20 @@ class Reader:
         """The number of an event id, once it is sure that nothing can be missed by going on after it.
 
         404 for an event of another history: one that a backup put back over this one, or a lost disk, has undone. Its
-        number may belong to another event by now, but not its time. `BEFORE_ALL` and bare numbers, the ids of boards
-        before this one, are only held against the newest.
+        number may belong to another event by now, but not its time. So is one that is not kept any more (`retention`).
+        `BEFORE_ALL` and bare numbers, the ids of boards before this one, are only held against the newest and oldest.
         """
         number, _, tag = wanted.partition("-")
         if number.isascii() and number.isdigit() and len(number) < 19:
             if tag and (row := self.first(_EVENT_TIME, id=int(number))) and event_id(int(number), row.at_us) == wanted:
                 return int(number)
-            if wanted == number and int(number) <= event_number(self.newest_event_id()):
+            if wanted == number and (wanted == BEFORE_ALL or self._may_go_on_after(int(number))):
                 return int(number)
         raise not_found("event", wanted, f"the newest is {self.newest_event_id()}")
+
+    def _may_go_on_after(self, number: int) -> bool:
+        row = self.first(_OLDEST_EVENT)
+        return row is not None and row.id - 1 <= number <= event_number(self.newest_event_id())
 
     def events(
         self, after: int, limit: int, topic_id: str | None = None, boards: frozenset[str] | None = None

@@ -30,6 +30,7 @@ from agentrob.board import (
     api_tags,
     api_unread,
     hooks,
+    retention,
     unread,
     uploads,
 )
@@ -104,7 +105,8 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
     """What runs beside the answers, until cancelled. Of several processes one has the duties."""
 
     async def duties(taken_over: bool) -> None:
-        await asyncio.gather(api_admin.expire_pictures(parts, EXPIRE_S), hooks.run(parts.hub, told, taken_over))
+        letting_go = api_admin.expire_pictures(parts, EXPIRE_S), retention.keep_pruning(parts)
+        await asyncio.gather(*letting_go, hooks.run(parts.hub, told, taken_over))
 
     if parts.settings.shared:
         peers = Peers(parts.settings, me, parts.hub, parts.stage, duties)

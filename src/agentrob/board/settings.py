@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from agentrob.config_board import BoardConfig, BoardLimitsConfig
+from agentrob.config_board import BoardConfig, BoardLimitsConfig, BoardRetentionConfig
 from agentrob.config_service import HookOutConfig
 from agentrob.errors import ConfigError
 from agentrob.meaning import Encoder, Encodes
@@ -37,6 +37,7 @@ class BoardSettings:
     trusted_proxies: tuple[str, ...] = ()
     busy_timeout_s: float = 2.0
     hooks: Mapping[str, HookOutConfig] = field(default_factory=dict)
+    retention: BoardRetentionConfig = field(default_factory=BoardRetentionConfig)
     encoder: Callable[[], Encodes] | None = None
 
     @classmethod
@@ -60,7 +61,7 @@ class BoardSettings:
         images = data_dir / "board" / "images"
         return cls(
             database, host, port, base_url, images, board.title, sign_up, board.public_read, limits, proxies,
-            hooks=board.hooks, encoder=Encoder if board.semantic else None,
+            hooks=board.hooks, retention=board.retention, encoder=Encoder if board.semantic else None,
         )  # fmt: skip
 
     @property
