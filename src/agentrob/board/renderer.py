@@ -21,6 +21,7 @@ from agentrob.board.words import indexed
 from agentrob.errors import BoardError
 from agentrob.language.complexity import parsing_us
 from agentrob.language.stop import is_only_stop, stop_intent
+from agentrob.language.stop_moving import stop_while_moving
 from agentrob.language.visible import mentions, visible_text
 from agentrob.model import Account, AccountKind
 
@@ -31,6 +32,8 @@ AT_ONCE_US, AT_ONCE_CHARS = 3_000, 2_000
 MOST_US = 1_500_000
 #: And when its HTML is longer: a short text can use a long link again and again.
 MAX_HTML = 1 << 20
+#: A longer text that says stop somewhere waits for its turn to be written as any other does.
+STOP_CHARS = 200
 #: Different names after an @ that one text may have: each is looked up.
 MAX_NAMES = 100
 #: Texts of one account that may wait for its first one, and accounts whose texts may wait.
@@ -42,7 +45,7 @@ PATIENCE_S = 10.0
 @dataclass(frozen=True, slots=True)
 class Rendered:
     """A text with what follows from it. `mentions` are accounts that it visibly names, `words` and `chars` what the
-    index of words gets; `stop`: its first clause says stop, `only_stop`: it says nothing else."""
+    index of words gets; `stop`: it stops a robot that moves, `only_stop`: it says nothing else."""
 
     raw: str
     html: str
@@ -71,7 +74,9 @@ class Text:
         if len(html) > MAX_HTML:
             html, named = as_plain_text(self._raw), ()
         stop = stop_intent(self._visible) is not None
-        return Rendered(self._raw, html, named, *indexed(self._raw), stop, stop and is_only_stop(self._raw))
+        only_stop = stop and is_only_stop(self._raw)
+        stop = stop or (len(self._visible) <= STOP_CHARS and stop_while_moving(self._visible) is not None)
+        return Rendered(self._raw, html, named, *indexed(self._raw), stop, only_stop)
 
 
 class Renderer:
