@@ -149,7 +149,8 @@ class Owner:
         state = await self._state()
         locked = state.halted if state is not None else bool(reasons & _LOCKED)
         if locked:
-            told = language == "en" and bool(reasons & _LOCKED)  # the driver's own sentence says who, when and why
+            # The sentence of a step that the driver refused says who, when and why; that of one it broke off does not.
+            told = language == "en" and bool(reasons & _LOCKED) and report.status != "stopped"
             return [self.locked(None if told or state is None else state.lock, language)]
         if reasons & _HOMELESS and not (state is not None and state.homed):
             return [self.how_to_home(language)]
