@@ -203,7 +203,7 @@ async def test_law_3_words_of_a_model_are_escaped(looking: Scene, brain: Driving
         pytest.param([("act_backflip", {})], "got nowhere", marks=pytest.mark.slow),
         pytest.param([("act_move", {"direction": "forward", "distance_m": 99})], "got nowhere", marks=pytest.mark.slow),
         ([("act_move", "{not json")], "got nowhere"),
-        ([lambda handler: handler.send(500, b"{}")], "did not answer (server)"),
+        ([lambda handler: handler.send(500, b"{}")], "did not answer (rejected)"),  # with a picture
         pytest.param([WALK, lambda handler: handler.break_off()], "did not answer (broken)", marks=pytest.mark.slow),
         pytest.param([lambda handler: handler.flood(10_000_000)], "did not answer (too_big)", marks=pytest.mark.slow),
         pytest.param(["I see.", "I still see."], "cannot tell", marks=pytest.mark.slow),

@@ -35,7 +35,7 @@ def post(text: str, author: Account = ALICE, topic: str = "t", age_s: float = 1.
         ("`@quadruped walk`", Call.NOTHING),
         ("> @quadruped walk", Call.NOTHING),
         ("# @quadruped walk", Call.NOTHING),
-        ("[@quadruped](http://x) ![@quadruped walk](y)", Call.READ),
+        ("[@quadruped](http://x) ![@quadruped walk](y)", Call.NOTHING),
         ("![@quadruped walk](y)", Call.NOTHING),
         ("@quаdruped walk (a Cyrillic а)", Call.NOTHING),
         ("@quadruped stop", Call.STOP),

@@ -104,6 +104,7 @@ class _Maker:
         self.background = background
         self.reading = Reading([], [])
         self.waits = False
+        self.besides = ""
         self.ahead: Draft | None = None  # what is repeated is said after it
 
     def read(self, sentences: Sequence[Sentence]) -> Reading:
@@ -132,6 +133,7 @@ class _Maker:
                 self.waits = True
                 reading.object_to(self._say("ask.wait", self.text[draft.start : draft.end]))
             self._add(draft)
+        reading.object_to(self.besides)  # after what is wrong with a deed itself, which says more
         if reading.picture_after is not None:
             reading.steps = _after_each(reading.steps, reading.picture_after)
         self._repeat_ahead()
@@ -165,7 +167,7 @@ class _Maker:
             half = remark.deeds or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (Besides.QUESTION, Besides.HELP) and first < remark.start
             if remark.kind is Besides.WISH or half or asks:
-                self.reading.object_to(self._say("ask.besides", words))
+                self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
 

@@ -154,16 +154,21 @@ def _none_if_malformed(given: Any, read: ValidatorFunctionWrapHandler) -> Any:
         return None
 
 
-_NEEDED = ("id", "kind", "at")
-
-
 class EventInfo(_Result):
     id: str
     kind: str
     at: datetime
     post: Annotated[PostInfo | None, WrapValidator(_none_if_malformed)] = None
-    robot: str | None = None
+    robot: Annotated[str | None, WrapValidator(_none_if_malformed)] = None
     account: Annotated[AccountInfo | None, WrapValidator(_none_if_malformed)] = None
+
+
+def _is_event(given: Any) -> bool:
+    try:
+        EventInfo.model_validate(given)
+    except Exception:
+        return False
+    return True
 
 
 class Changes(_Result):
@@ -175,10 +180,8 @@ class Changes(_Result):
     @field_validator("events", mode="before")
     @classmethod
     def _readable(cls, given: Any) -> Any:
-        """Without those of which not even the id can be read."""
-        if not isinstance(given, list):
-            return given
-        return [e for e in given if not isinstance(e, dict) or all(isinstance(e.get(k), str) for k in _NEEDED)]
+        """Without those of which not even id, kind and time can be read."""
+        return [e for e in given if _is_event(e)] if isinstance(given, list) else given
 
 
 class ForumFacts(_Result):
