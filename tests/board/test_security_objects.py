@@ -57,8 +57,8 @@ LEAST = {
     "GET /robots/{name}/rights": "guest",
     "POST /robots/{name}/stop": "guest",
     "POST /robots/{name}/estop": "guest",
-    "POST /robots/{name}/release": "owner",
-    "POST /robots/{name}/home": "owner",
+    "POST /robots/{name}/release": "releaser",
+    "POST /robots/{name}/home": "releaser",
     "POST /robots/{name}/reset": "operator",
     "POST /images": "operator+robot",
     "GET /admin/robots/{name}": "owner",
@@ -150,12 +150,12 @@ def may(who: str, name: str) -> bool:
         case "agent":  # an admin by role: but only people administer, and own robots
             return looks or wanted in ("member", "operator", "moderator")
         case "owner":
-            return looks or wanted in ("member", "owner")
+            return looks or wanted in ("member", "owner", "releaser")
         case "admin, read only":
             return looks
         case "admin, no admin":
-            return looks or wanted in ("member", "operator", "approver")
-    if wanted == "owner":
+            return looks or wanted in ("member", "operator", "approver", "releaser")
+    if wanted in ("owner", "releaser"):  # a releaser's token need only be good for writing
         return who == "admin"
     if wanted == "approver":  # a person, as the robot's rights are when nothing is set
         return who in ("moderator", "admin")
