@@ -19,6 +19,7 @@ from agentrob.board import administration, audit, commands, tags, writes
 from agentrob.board.accounts import NAME
 from agentrob.board.forms import TITLE_LENGTH
 from agentrob.board.pages_posts import POSTS
+from agentrob.board.renderer import Rendered, Text
 from agentrob.board.writer import Transaction
 from agentrob.board.writes import Draft
 from agentrob.errors import BoardError
@@ -68,18 +69,23 @@ def titles(rows: Sequence[str]) -> list[str]:
 
 
 # -------------------------------------------------------------------- people's words
+def typed(raw: str) -> Rendered:
+    """A text as the forum makes it of what somebody typed."""
+    return Text(raw).rendered(("root", "quadruped"))
+
+
 def titled(t: Transaction, boss: Account, rows: Sequence[str]) -> None:
     """As titles and as the beginnings of posts: in every list of topics and posts, and in the notices of `root`."""
     for title in titles(rows):
-        writes.create_topic(t, "talk", title, Draft(boss, f"@root {WORD}\n\n{title}"))
+        writes.create_topic(t, "talk", title, Draft(boss, typed(f"@root {WORD}\n\n{title}")))
 
 
 def thread(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
     """Each as a post of its own, and as the words beside a picture."""
-    topic = writes.create_topic(t, "robots", titles(rows)[0], Draft(boss, rows[0])).topic.id
+    topic = writes.create_topic(t, "robots", titles(rows)[0], Draft(boss, typed(rows[0]))).topic.id
     for row in rows[1:]:
         alt = row.replace("]", "\\]").replace("\n", " ")
-        writes.reply(t, topic, Draft(boss, f"{row}\n\n![{alt}](/images/1) @quadruped"))
+        writes.reply(t, topic, Draft(boss, typed(f"{row}\n\n![{alt}](/images/1) @quadruped")))
     return [f"/t/{topic}"]
 
 
@@ -87,7 +93,7 @@ def tags_on(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
     """As tags, which are made plain: of those that are a word then. The pages of some of them."""
     found = list(dict.fromkeys(tag for row in rows if (tag := tags.plain(row.strip()[: tags.LENGTH]))))
     for some in parts(found, tags.MOST):
-        writes.create_topic(t, "talk", "Tagged", Draft(boss, "x"), tags.checked(some))
+        writes.create_topic(t, "talk", "Tagged", Draft(boss, typed("x")), tags.checked(some))
     return [f"/tags/{quote(tag, safe='')}" for tag in found[::TAGS_LOOKED_AT]]
 
 
@@ -97,9 +103,9 @@ def posts(t: Transaction, root: Account, rows: Sequence[str]) -> list[str]:
     lines = [" ".join(some).replace("\n", " ") for some in parts(rows, 4)]
     pages = []
     for some in parts(lines, QUOTED):
-        made = writes.create_topic(t, "talk", "All in one", Draft(root, "\n".join(some)))
+        made = writes.create_topic(t, "talk", "All in one", Draft(root, typed("\n".join(some))))
         topic, post = made.topic.id, made.post.id
-        writes.edit(t, root, post, "\n".join([*some, "edited"]), None, (), "keep")
+        writes.edit(t, root, post, typed("\n".join([*some, "edited"])), None, (), "keep")
         pages.append(f"/t/{topic}?quote={post}")
         pages += [f"/p/{post}/{kind}" for kind in ("edit", "history", "moderate", "remove", "raw")]
     return pages
@@ -123,7 +129,7 @@ def records(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
     """In what a robot's agent tells of a command, wherever there are words."""
     quadruped, pages = administration.account_named(t.connection, "quadruped"), []
     for some in parts(rows, IN_RECORD):
-        post = writes.create_topic(t, "robots", "A command", Draft(boss, some[0])).post.id
+        post = writes.create_topic(t, "robots", "A command", Draft(boss, typed(some[0]))).post.id
         told = record([row[:120] for row in some])
         commands.check(told, "record", commands.RECORD_BYTES, commands.RECORD_DEPTH)
         commands.keep(t, quadruped, post, None, told)

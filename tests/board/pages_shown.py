@@ -47,6 +47,8 @@ PAGES = (
     Shown("command-removed", "/c/{removed}", quick=False),
     Shown("robot-approves", f"/robots/{ROBOT}", "root"),
     Shown("robot", f"/robots/{ROBOT}"),
+    Shown("release", f"/robots/{ROBOT}/release", "root"),
+    Shown("set-home", f"/robots/{ROBOT}/home", "root"),
     Shown("robots", "/robots"),
     Shown("search", "/search?q=walk"),
     Shown("search-meaning", "/search?q=stroll to the glass&by=meaning"),

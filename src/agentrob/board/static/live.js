@@ -189,8 +189,7 @@ document.addEventListener("submit", async (event) => {
   const form = event.target.closest("[data-stop]");
   if (!form) return;
   event.preventDefault();
-  const button = form.querySelector("button");
-  const label = [...button.childNodes];
+  const button = form.querySelector("button"), label = [...button.childNodes];
   const what = "estop" in form.dataset ? "Emergency stop" : "Stop";
   button.replaceChildren(`Sending ${what.toLowerCase()}…`);
   try {
@@ -198,9 +197,7 @@ document.addEventListener("submit", async (event) => {
     const answer = await fetch(form.action, { ...sent, signal: AbortSignal.timeout(3000) });
     if (!answer.ok) throw new Error(String(answer.status));
     button.replaceChildren(`${what} sent`);
-    say(what === "Stop"
-      ? `Stop sent to @${form.dataset.stop}. Its reply says how fast it stopped, or that it did not confirm.`
-      : `Emergency stop sent to @${form.dataset.stop}. It stays locked until its owner releases it.`);
+    say(`${what} sent to @${form.dataset.stop}. ${what === "Stop" ? "Its reply says how fast it stopped, or that it did not confirm." : "It stays locked until its owner releases it."}`);
     setTimeout(() => button.replaceChildren(...label), 3000);
   } catch {
     form.submit(); // the plain way, which also shows what is wrong
