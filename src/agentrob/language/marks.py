@@ -72,7 +72,8 @@ class Marks:
             self.cur.closed = True
             again = self.cur.verb is Kind.AGAIN and self.cur.counted and not self.cur.back
             self.cur.ahead |= again and token.value == "colon" and len(self.sentence.drafts) == 1
-        self.joined_by_and = token.kind is Kind.AND
+        after_and = self.joined_by_and and self.at > 0 and self.tokens[self.at - 1].kind is Kind.AND  # "then finally"
+        self.joined_by_and = token.kind is Kind.AND or after_and
 
     def _request(self, token: Token) -> None:
         if self.mode is Mode.TALK and token.value == "stated" and self.talk_doubts:

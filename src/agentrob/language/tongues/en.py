@@ -191,8 +191,8 @@ TABLE = {
     "and": """and|then|and then|next|after that|afterwards|followed by|and after that|then next|and also|also
         |and finally|after which|and from there|once done|when done|when you are done|when that is done
         |and when done|and next|then after that|after this""",
-    "comma": "but|instead|finally|but then",
-    "comma=word": "just|only|rather|and just",
+    "comma": "but|instead|finally|but then|and just",
+    "comma=word": "just|only|rather",
     "no": "no|nope|nah",
     "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant
         |or rather|make that|make it|correction|actually no|no actually|actually|scratch that|strike that|oops
