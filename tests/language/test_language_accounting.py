@@ -22,6 +22,7 @@ DONE = {
     "给客人们鼓掌，然后坐下": "clap sit",
     "前进一米，别忘了拍照": "F1 photo",
     "take a photo and post it": "photo",
+    "turn left 90 degrees\nturn around": "l90 l180",
     "前进一米，拍照发给我": "F1 photo",
     "前进一米，记得挥手": "F1 hello",
     "walk forward 1 m, don't forget the picture": "F1 photo",

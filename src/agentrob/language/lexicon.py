@@ -282,11 +282,13 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
     """
     found: list[Token] = []
     pieces, mistyped = _spelt(pieces_of(text.translate(words.twins) if words.twins else text), words)
-    at = 0
+    at = line = 0  # `line` is where the next line begins
     while at < len(pieces):
         if at and "\n" in text[pieces[at - 1].end : pieces[at].start]:
             found.append(Token(Kind.COMMA, None, pieces[at].start, pieces[at].start))
-        length, meaning = words.longest(pieces, at)
+        while line < len(pieces) and (line <= at or "\n" not in text[pieces[line - 1].end : pieces[line].start]):
+            line += 1
+        length, meaning = words.longest(pieces[:line], at)  # "90 degrees⏎turn around" is no "degrees turn"
         number = words.number(pieces, at)
         if number and (meaning is None or number[1] > length):
             length, meaning = number[1], ((Kind.NUMBER, number[0]),)
