@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
+
+import structlog
 
 from agentrob.agent.alarm import Alarm
 from agentrob.agent.execute import STOP
@@ -18,6 +20,10 @@ from agentrob.model import Account, Language, StopResult
 
 #: Why a command was ended that had been posted before the robot was released.
 RELEASE = "release"
+
+#: A clock that differs by more than this was set.
+STEP = timedelta(seconds=5)
+_log = structlog.get_logger()
 
 
 class Brake:
@@ -38,6 +44,7 @@ class Brake:
         spawn: Callable[[Coroutine[Any, Any, Any]], asyncio.Task[Any]],
     ) -> None:
         self.stopped_at = datetime.min.replace(tzinfo=UTC)
+        self._leapt_at = self.stopped_at
         self._line = line
         self._inbox = inbox
         self._stops = stops
@@ -50,9 +57,23 @@ class Brake:
     async def remember(self, journal: Journal, begun: datetime) -> None:
         """What the journal knows of stops counts too. `begun`: the agent's first start."""
         kept = await journal.get_time("stopped") or begun
+        self.bound(kept)
         if self.stopped_at > kept:  # somebody stopped before we could write it down
             self._saving = self._spawn(self._save(journal))
-        self.stopped_at = max(self.stopped_at, kept)
+        self.stopped_at = max(self.stopped_at, min(kept, self._now()) if self._leapt_at >= kept else kept)
+
+    def bound(self, stopped_at: datetime | None = None) -> None:
+        """A stop stamped later than it is by the forum's clock (which leapt ahead and came back) ends what was posted
+        until now, and what bears a stamp of that leap; it does not block what is posted from now on."""
+        stopped_at, now = stopped_at or self.stopped_at, self._now()
+        if stopped_at > now + STEP:
+            _log.warning("a stop is stamped in the future; it counts until now", stopped_at=stopped_at, now=now)
+            self._leapt_at = max(self._leapt_at, stopped_at)
+            self.stopped_at = min(self.stopped_at, now)
+
+    def ends(self, posted_at: datetime) -> bool:
+        """Whether a post was written before the newest stop, by the forum's clock."""
+        return posted_at <= self.stopped_at or self._now() + STEP < posted_at <= self._leapt_at
 
     def heard(self, event: Event, author: Account, language: Language, halt: bool, taken: bool = False) -> None:
         """A stop of the forum: end and cancel all that was posted earlier, and stop the robot, with nothing between.
@@ -60,9 +81,13 @@ class Brake:
         post = event.post
         edited = event.kind is EventKind.POST_EDITED
         at = post.created_at if post is not None and not edited else event.at
-        ended, stopping = self._end_all(author.name, at, halt)
+        # What is known came before it in the order of events, whatever the forum's clock did meanwhile.
+        before = max(
+            [at, *(job.command.posted_at for job in self._line), *(p.created_at for p in self._inbox.coming.values())]
+        )
+        ended, stopping = self._end_all(author.name, before, halt, at)
         if post is not None:
-            count = len(ended) + sum(coming.created_at <= at for coming in self._inbox.coming.values())
+            count = len(ended) + sum(coming.created_at <= before for coming in self._inbox.coming.values())
             self._spawn(self._stops.answer(post, language, stopping, count, halt, taken))
         self._ring(event.at, post.topic_id if post is not None else None, ended, language)
 
@@ -82,10 +107,12 @@ class Brake:
         self.stopped_at = max(self.stopped_at, at)
         self._write_down(self._line.end_before(at, RELEASE), RELEASE)
 
-    def _end_all(self, by: str, at: datetime, halt: bool = False) -> tuple[list[Job], asyncio.Task[StopResult | None]]:
+    def _end_all(
+        self, by: str, at: datetime, halt: bool = False, accepted_at: datetime | None = None
+    ) -> tuple[list[Job], asyncio.Task[StopResult | None]]:
         self.stopped_at = max(self.stopped_at, at)
         ended = self._line.end_before(at, STOP)
-        stopping: asyncio.Task[StopResult | None] = self._spawn(self._stops.stop(by, at, halt))
+        stopping: asyncio.Task[StopResult | None] = self._spawn(self._stops.stop(by, accepted_at or at, halt))
         for job in ended:
             job.stop, job.stopped_by = stopping, by
         self._write_down(ended, STOP)  # on disk only now that the stop is on its way: nothing delays it

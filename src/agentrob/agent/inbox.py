@@ -25,15 +25,16 @@ _log = structlog.get_logger()
 
 
 class Inbox:
-    """Events of one robot in their order. `stopped_at` is when the newest stop was posted; `take_up` begins a job,
-    `decline` tells a command that it could not be written down, `approve` takes what approves or denies one."""
+    """Events of one robot in their order. `stopped` tells whether a time is of before the newest stop; `take_up`
+    begins a job, `decline` tells a command that it could not be written down, `approve` takes what approves or denies
+    one."""
 
     def __init__(
         self,
         robot: str,
         journal: Callable[[], Journal],
         line: Line,
-        stopped_at: Callable[[], datetime],
+        stopped: Callable[[datetime], bool],
         take_up: Callable[[Job], None],
         decline: Callable[[Command], None],
         approve: Callable[[Post, Heard], Awaitable[None]],
@@ -43,7 +44,7 @@ class Inbox:
         self._robot = robot
         self._journal = journal
         self._line = line
-        self._stopped_at = stopped_at
+        self._stopped = stopped
         self._take_up = take_up
         self._decline = decline
         self._approve = approve
@@ -117,7 +118,7 @@ class Inbox:
         ended = None
         if heard.call is Call.STALE or post.version > 1:
             ended = "stale" if heard.call is Call.STALE else "edited"
-        elif post.created_at <= self._stopped_at():
+        elif self._stopped(post.created_at):
             ended = STOP
         claim = await self._journal().claim(self._command(post, heard), ended)
         if not claim.new:
@@ -125,7 +126,7 @@ class Inbox:
         if (tag := untagged(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
             _log.info("asked by an agent", post=post.id, trace_id=claim.command.trace_id, asked_in=tag.trace_id)
         job = Job(claim.command, ended=ended)
-        stopped = ended is None and post.created_at <= self._stopped_at()  # it came while the claim was written
+        stopped = ended is None and self._stopped(post.created_at)  # it came while the claim was written
         if stopped:
             job.end(STOP)
         self._take_up(job)

@@ -20,7 +20,7 @@ from agentrob.agent import extract, plot
 from agentrob.agent import report as words
 from agentrob.agent.alarm import Alarm
 from agentrob.agent.approvals import Approvals
-from agentrob.agent.brake import Brake
+from agentrob.agent.brake import STEP, Brake
 from agentrob.agent.camera import Camera
 from agentrob.agent.channel import Channel
 from agentrob.agent.course import Course
@@ -95,7 +95,7 @@ class RobotAgent:
         self.records = Records(self.folder)
         self.line = Line(self._line_changed)
         self.inbox = Inbox(
-            name, lambda: self.journal, self.line, lambda: self.brake.stopped_at, self._take_up,
+            name, lambda: self.journal, self.line, lambda at: self.brake.ends(at), self._take_up,  # noqa: PLW0108 (the brake comes later)
             self._decline, self._approve,
         )  # fmt: skip
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
@@ -125,6 +125,7 @@ class RobotAgent:
         self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
         self._claimed_posts: frozenset[str] = frozenset()
+        self._comparing: asyncio.Task[Any] | None = None
         self._people: dict[str, None] = {}  # who wrote and is no robot: "@alice stop it" is for the robot of the thread
         self._accepting = True
         self._ending = False
@@ -187,7 +188,7 @@ class RobotAgent:
         if begun is None:
             await self.journal.put("cursor", newest)
             await self.journal.put("watermark", (begun := self.channel.compared_at).isoformat())
-        self._watermark_at = begun
+        self._watermark_at = min(begun, self.channel.compared_at)  # a clock may have been set back since
         await self.brake.remember(self.journal, begun)
         self.channel.cursor = await self.journal.get("cursor") or newest
         self._course = self._make_course()
@@ -364,6 +365,8 @@ class RobotAgent:
 
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
+        if event.at < self.channel.now() - STEP and (self._comparing is None or self._comparing.done()):
+            self._comparing = self._spawn(self._compare_clocks())
         heard = Heard(Call.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self._meet(event.post.author)
@@ -383,6 +386,13 @@ class RobotAgent:
             self._spawn(self._reset(event.account, event.at))
         if self._accepting:
             self.inbox.put(event, heard)
+
+    async def _compare_clocks(self) -> None:
+        """An event of before: it comes late, or the forum's clock was set back; then a stop of the future ends then."""
+        with contextlib.suppress(ForumError):
+            await self.channel.set_clock()
+            self.brake.bound()
+            self._watermark_at = min(self._watermark_at, self.channel.compared_at)
 
     def _meet(self, author: Account) -> None:
         if author.kind is not AccountKind.ROBOT_AGENT:
