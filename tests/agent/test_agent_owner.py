@@ -63,6 +63,7 @@ async def test_law_17_the_emergency_stop_button_locks_and_the_owner_s_button_rel
     async with owned.agent():
         running = await owned.post("alice", "@quadruped walk forward 5 metres slowly, then walk back 5 metres slowly")
         await owned.state(running, "running")
+        await owned.until(lambda: (owned.world.robots.get(ROBOT) or {}).get("state") == "walking")
         lock = await locked(owned)
         assert (lock["by"], lock["why"]) == ("bob", "an emergency stop")
         assert lock["at"]

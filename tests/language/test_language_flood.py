@@ -59,6 +59,8 @@ NAUGHTY = (
     "walk 1 m, do it again twice " * 60, "wave 99 times, do this 99 times " * 40, "1/0 m", "1/3 m", "\xbd" * 3,
     "turn left " * 90, "@rex " * 100, "[quote]" * 100, "*a " * 200, "<" * 300, "`" * 301,
 )  # fmt: skip
+#: On a machine that reads the median text in `MEDIAN_S`; a slower or busier one has more in proportion.
+MEDIAN_S = 0.0003
 TYPICAL_S, WORST_S = 0.005, 0.020
 
 
@@ -93,8 +95,9 @@ def flood(count: int, seed: int) -> None:
         # A slow text is slow each time; a busy machine is not.
         spent.append(min([taken, *(spent_s(text) for _ in range(3))]) if taken > WORST_S / 2 else taken)
     spent.sort()
-    assert spent[int(len(spent) * 0.99)] <= TYPICAL_S
-    assert spent[-1] <= WORST_S
+    slowness = max(1.0, spent[len(spent) // 2] / MEDIAN_S)
+    assert spent[int(len(spent) * 0.99)] <= TYPICAL_S * slowness
+    assert spent[-1] <= WORST_S * slowness
 
 
 def test_thousands_of_bent_sentences_never_raise_and_are_read_quickly() -> None:

@@ -174,8 +174,8 @@ class Marks:
     def _thanks(self, token: Token) -> None:
         """ "Thank you, Henry" at an end: a name."""
         at = 2 if self._next() is Kind.COMMA else 1
-        alone = not self.soft_before.get(self.at + at)  # "thanks, show me your teeth" names nobody
-        if alone and self._next(at) is Kind.WORD and self._next(at + 1) in (Kind.END, Kind.COMMA):
+        wishes = at > 1 and self.soft_before.get(self.at + at)  # "thanks, show me your teeth" names nobody
+        if not wishes and self._next(at) is Kind.WORD and self._next(at + 1) in (Kind.END, Kind.COMMA):
             self.named = self.tokens[self.at + at]
 
     def _agree(self, token: Token) -> None:

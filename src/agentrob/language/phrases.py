@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import unicodedata
+
 from agentrob.language.languages import DEFAULT, tongue
-from agentrob.language.visible import OMITTED
+from agentrob.language.visible import OMITTED, seen
 from agentrob.model import Language
 
 #: The most that is repeated of what people, or a camera, said.
@@ -26,7 +28,8 @@ def can_say(key: str) -> bool:
 
 def quote(words: str) -> str:
     """Somebody's words as inline code: one line, at most 100 characters, with mentions disarmed."""
-    plain = " ".join(words.replace("`", "'").replace("@", "(at)").replace(OMITTED, "…").split())
+    plain = " ".join(seen(words).replace("`", "'").replace("@", "(at)").replace(OMITTED, "…").split())
     if len(plain) > QUOTE_CHARS:
         plain = plain[: QUOTE_CHARS - 1] + "…"
-    return f"`{plain or ' '}`"
+    nothing = all(unicodedata.category(c) in ("Cf", "Mn", "Me") for c in plain)  # that anybody sees
+    return f"`{' ' if nothing else plain}`"

@@ -133,7 +133,7 @@ class _Maker:
                 self.waits = True
                 reading.object_to(self._say("ask.wait", self.text[draft.start : draft.end]))
             self._add(draft)
-        reading.object_to(self.besides)  # after what is wrong with a deed itself, which says more
+        reading.problem = " ".join(part for part in (reading.problem, self.besides) if part)
         if reading.picture_after is not None:
             reading.steps = _after_each(reading.steps, reading.picture_after)
         self._repeat_ahead()
