@@ -221,6 +221,7 @@ def test_what_another_process_writes_is_told_to_open_streams(board: RunningBoard
     assert told["data"]["post"]["author"]["kind"] == AccountKind.HUMAN
 
 
+@pytest.mark.sqlite  # where several processes may serve the database, no answers are kept
 def test_what_is_kept_of_answers_has_a_bound_whatever_is_asked_with(fresh_board: Callable[..., RunningBoard]) -> None:
     """Cookies, queries and sessions of any size and number: keys are kept too, and count."""
     board = fresh_board(public_read=True)
@@ -251,6 +252,7 @@ def test_a_cursor_that_was_never_given_out_is_none(board: RunningBoard, cursor: 
     assert board.browser("op").get(f"/t/{topic}", params={"after": cursor}).status_code == 422
 
 
+@pytest.mark.sqlite  # where several processes may serve the database, no answers are kept
 def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
     browser, path = board.browser("op"), f"/api/v1/topics/{topic}/posts"
