@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 from guard_scene import B, L, Make, R, fake_of, move, turn, until
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from agentrob.config import FenceConfig
@@ -169,7 +169,9 @@ def test_law_8_readings_lost_on_the_way_end_a_step_at_any_speed_unless_the_owner
     seen = robot._ranges
     monkeypatch.setattr(robot, "_ranges", lambda: tuple(lost["as"] if k in blind else r for k, r in enumerate(seen())))
 
-    @settings(max_examples=25, deadline=None, database=None, phases=(Phase.generate,))
+    @settings(max_examples=25, deadline=None, database=None, phases=(Phase.explicit, Phase.generate))
+    @example(kind="zero", sectors={0, 1, 2, 3}, share=0.3, speed_mps=0.15, way=Direction.FORWARD)
+    @example(kind="zero", sectors={0, 1, 2, 3}, share=0.3, speed_mps=None, way=Direction.FORWARD)
     @given(
         kind=st.sampled_from(sorted(LOSSES)),
         sectors=st.sets(st.integers(0, 3), min_size=1),
