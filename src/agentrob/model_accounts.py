@@ -59,6 +59,10 @@ class Account:
     suspended: bool = False
     display_name: str = ""
 
+    def speaks_for(self, robot: object) -> bool:
+        """Whether this is the robot's own account: a card counts only from it, since it shows the robot's state."""
+        return self.kind is AccountKind.ROBOT_AGENT and robot == self.name
+
 
 @dataclass(frozen=True, slots=True)
 class RobotRights:

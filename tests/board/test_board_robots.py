@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import sqlite3
 import struct
 import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -364,6 +366,23 @@ def test_a_robot_speaks_for_no_other_robot(board: RunningBoard) -> None:
     assert "'humanoid'" in refused[0].json()["detail"]
     assert robot.get(f"/posts/{status}").json()["raw"] == "mine"
     assert robot.put(f"/commands/{post}", json={"reply": status, "record": {"robot": "quadruped"}}).status_code == 200
+
+
+@pytest.mark.sqlite
+def test_law_1_a_kept_card_that_names_another_robot_is_not_shown(board: RunningBoard) -> None:
+    """A board of before took such cards: they stand in its database."""
+    robot, op = board.client("quadruped"), board.client("op")
+    made = op.post("/topics", json={"board": "talk", "title": "t", "body": "go"}).json()["topic"]
+    card = {"robot": "quadruped", "state": "running"}
+    status = robot.post(f"/topics/{made['id']}/posts", json={"body": "mine", "card": card}).json()["post"]
+    assert status["card"]["robot"] == "quadruped"
+    with closing(sqlite3.connect(str(board.settings.database_path))) as database, database:
+        forged = '{"robot": "humanoid", "state": "running"}'
+        database.execute("UPDATE posts SET card = ? WHERE id = ?", (forged, int(status["id"])))
+    shown = op.get(f"/topics/{made['id']}/posts").json()["items"]
+    assert [p["card"] for p in shown] == [None, None]
+    with board.browser("op") as page:
+        assert "/robots/humanoid/stop" not in page.get(f"/t/{made['id']}").text
 
 
 @pytest.mark.parametrize("lost", ["camera_role raised", "viewer demoted", "viewer no longer owner"])

@@ -69,7 +69,8 @@ class Exchange:
 
 @dataclass
 class Tape:
-    """`at_ms`: when the recording began."""
+    """`at_ms`: when the recording began. A tape whose first line says `made_of` was put together by hand from that
+    recording, with other words in a post; recording it anew replaces it."""
 
     at_ms: int = 0
     exchanges: list[Exchange] = field(default_factory=list)

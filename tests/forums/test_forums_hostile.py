@@ -334,3 +334,24 @@ async def test_law_15_whatever_an_adapter_raises_the_agent_listens_on(driver: Dr
         await scene.post("bob", "nonsense", walk.topic_id)
         await scene.post("bob", "@quadruped stop", walk.topic_id)
         assert (await scene.final(walk, 30)).card.state in ("stopped", "cancelled")  # type: ignore[union-attr]
+
+
+# ---------------------------------------------------------------------- cards
+def test_law_1_a_card_of_another_robot_is_no_card_on_a_board_of_before_and_behind_mcp() -> None:
+    """Our board refuses such a card; one of before, or another server, may tell it."""
+    for kind, card, counts in (
+        ("robot_agent", {"robot": ROBOT, "state": "done"}, True),
+        ("robot_agent", {"robot": "humanoid", "state": "done"}, False),
+        ("human", {"robot": ROBOT, "state": "done"}, False),
+    ):
+        author = {"id": "8", "name": ROBOT, "kind": kind, "role": "member"}
+        told = _event(1, {**_POST, "author": author, "card": card})
+
+        async def read(forum: Forum) -> list[Event]:
+            return list(await forum.changes("0"))
+
+        over = _event(1, {**_POST, "author": author, "card": card, "body": "hello"})
+        for forum in (_board([told], streamed=False), McpForum.over(_Server([over]).client())):
+            (event,) = asyncio.run(read(forum))
+            assert event.post is not None
+            assert (event.post.card is not None) is counts, (forum, kind, card)

@@ -182,6 +182,9 @@ class RobotAgent:
         await self.prepare()
         self._journal = await Journal.open(self.folder, self.name)
         self._me = await insist(self.forum.me)
+        if not self._me.speaks_for(self.name):
+            _log.warning("this account is not the robot's own: its status cards do not count",
+                         robot=self.name, account=self._me.name, kind=str(self._me.kind))  # fmt: skip
         await self.owner.learn_page()
         newest = await insist(self.channel.set_clock)
         begun = await self.journal.get_time("watermark")

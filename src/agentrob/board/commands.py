@@ -77,7 +77,7 @@ def answered(reader: Reader, post_id: str) -> str | None:
 
 def check_robot(by: Account, named: object, what: str) -> None:
     """403 for what a robot's agent says in the name of another robot: a card has that robot's stop button."""
-    if named != by.name:
+    if not by.speaks_for(named):
         said = f"this {what} names {str(named)[:64]!r}, but the account is {by.name!r}"
         raise BoardError(403, "not_this_robot", said, f"robot: {by.name!r}, or that robot's own token")
 

@@ -49,7 +49,7 @@ def post_from(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:
         reply_to=str(r.reply_to) if r.reply_to is not None else None,
         key=r.key,
         images=images,
-        card=None if r.removed else r.card,
+        card=r.card if r.card and not r.removed and author.speaks_for(r.card.get("robot")) else None,
     )
 
 

@@ -15,7 +15,7 @@ import structlog
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
-from agentrob.forums.cards import card_of
+from agentrob.forums.cards import card_by, card_of
 from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, text_of, translated, where
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
@@ -332,11 +332,12 @@ def _topic(t: _JSON) -> Topic:
 
 
 def _post(p: _JSON) -> Post:
+    author = _account(p["author"])
     return Post(
         id=str(p["id"]),
         topic_id=str(p["topic_id"]),
         board_id=str(p["board_id"]),
-        author=_account(p["author"]),
+        author=author,
         raw=text_of(p["raw"]),
         created_at=_time(p["created_at"]),
         version=int(p["version"]),
@@ -347,7 +348,7 @@ def _post(p: _JSON) -> Post:
         key=p.get("key"),
         url=p.get("url") or "",
         images=tuple(i["url"] for i in p.get("images") or ()),
-        card=card_of(p.get("card")),
+        card=card_by(author, card_of(p.get("card"))),
     )
 
 

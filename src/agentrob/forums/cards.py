@@ -1,11 +1,15 @@
-"""Status cards as they come from outside: whatever is sent in place of one is no card (pure)."""
+"""Status cards as they come from outside: whatever is sent in place of one is no card (pure).
+
+Every adapter passes what it read through `card_by`: not every forum refuses a card that a stranger wrote, or that names
+another robot.
+"""
 
 from __future__ import annotations
 
 import re
 from dataclasses import fields
 
-from agentrob.model import StatusCard
+from agentrob.model import Account, StatusCard
 
 #: No word of a card of ours is longer, and no number larger.
 LONGEST = 2_000
@@ -27,3 +31,8 @@ def card_of(given: object) -> StatusCard | None:
     if not all(type(n) is int and 0 <= n <= LARGEST for n in numbers):
         return None
     return StatusCard(**facts) if {"robot", "state"} <= facts.keys() else None
+
+
+def card_by(author: Account, card: StatusCard | None) -> StatusCard | None:
+    """The card of a post by this author; None when the author is not the robot that it names (law 1)."""
+    return card if card is not None and author.speaks_for(card.robot) else None

@@ -209,6 +209,18 @@ class ForumContract:
         assert (await alice.post(post.id)).images == edited.images
         assert (await alice.download(edited.images[0])).startswith(b"\x89PNG")
 
+    async def test_law_1_a_card_that_names_another_robot_is_no_card(self, world: World) -> None:
+        robot = await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
+        alice = await world.sign_in("alice")
+        first = await _topic(alice)
+        forged = StatusCard("humanoid", "done", trace_id="t1")
+        try:
+            said = (await robot.reply(first.topic_id, "done", key="s", reply_to=first.id, card=forged)).post
+        except ForumDenied:
+            return  # the forum itself refuses it
+        assert (said.raw.strip(), said.card) == ("done", None)
+        assert (await alice.post(said.id)).card is None
+
     async def test_what_is_not_there_is_said_so(self, world: World) -> None:
         alice = await world.sign_in("alice")
         for missing in (alice.post("999999"), alice.topic("999999"), alice.posts("999999"), alice.topics("no-board")):

@@ -16,6 +16,7 @@ from typing import Any
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumMalformed, ForumNotFound, ForumUnreachable
 from agentrob.forums import discourse_settings as settings_of
+from agentrob.forums.cards import card_by
 from agentrob.forums.discourse_admin import Admin, notices_of
 from agentrob.forums.discourse_bus import listen
 from agentrob.forums.discourse_events import Watch, removed
@@ -323,8 +324,7 @@ class DiscourseForum:
                 key=self._desk.own_key(marked.key) if author.id == me.id else None,
                 url=str(self._wire.base.join(f"/t/{raw.get('topic_slug') or '-'}/{number}/{raw['post_number']}")),
                 images=() if gone else tuple(str(self._wire.base.join(p)) for p in pictures),
-                # Anybody can write a mark: a card counts only from a robot.
-                card=marked.card if author.kind is AccountKind.ROBOT_AGENT and not gone else None,
+                card=None if gone else card_by(author, marked.card),
             )
 
     # ---------------------------------------------------------------- inside

@@ -18,6 +18,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
+from agentrob.forums.cards import card_by
 from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.forums.memory_records import MemoryRecords
 from agentrob.meaning import LEAST, alike
@@ -144,7 +145,7 @@ class MemoryForum:
             raise ForumDenied(f"a post may be edited {world.max_edits} times here")
         edited = replace(
             post, raw=body, version=post.version + 1, edited_at=world.now(), mentions=world.mentioned(body),
-            images=post.images + world.keep(post_id, images), card=card or post.card,
+            images=post.images + world.keep(post_id, images), card=card_by(post.author, card) or post.card,
         )  # fmt: skip
         world.posts[post_id] = edited
         world.emit(EventKind.POST_EDITED, post=edited)

@@ -10,6 +10,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from agentrob.errors import ForumNotFound
+from agentrob.forums.cards import card_by
 from agentrob.forums.forum import Board, Event, EventKind, Topic
 from agentrob.meaning import Encodes
 from agentrob.model import Account, AccountKind, Post, Role
@@ -103,6 +104,7 @@ class MemoryRecords:
 
     def add_post(self, topic: Topic, name: str, body: str, key: str, images: Sequence[bytes], **more: Any) -> Post:
         number = str(len(self.posts) + 1)
+        more["card"] = card_by(self.accounts[name], more.get("card"))
         post = Post(
             number, topic.id, topic.board_id, self.accounts[name], body, self.now(), key=key,
             mentions=self.mentioned(body), url=f"{topic.url}#{number}", images=self.keep(number, images), **more,

@@ -16,6 +16,7 @@ from urllib.parse import quote, unquote
 import structlog
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
+from agentrob.forums.cards import card_by
 from agentrob.forums.forum import Board, Page, Topic
 from agentrob.forums.nodebb_accounts import Registry, former
 from agentrob.forums.nodebb_marks import pictures_in, unmark
@@ -165,7 +166,7 @@ class Shelf:
             key=marked.key if author.id == me.id else None,
             url=f"{self._wire.url}/post/{pid}",
             images=tuple(u for u in (*pictures_in(marked.text), *marked.pictures) if _UPLOADS in u),
-            card=marked.card if author.kind is AccountKind.ROBOT_AGENT else None,
+            card=card_by(author, marked.card),
         )
         return replace(post, raw="", removed=True, mentions=(), images=(), card=None) if removed else post
 

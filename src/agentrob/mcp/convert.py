@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from functools import lru_cache
 
-from agentrob.forums.cards import card_of
+from agentrob.forums.cards import card_by, card_of
 from agentrob.forums.forum import Board, Event, EventKind, Topic
 from agentrob.mcp.metadata import untagged
 from agentrob.mcp.results import AccountInfo, BoardInfo, EventInfo, PostInfo, TagInfo, TopicInfo
@@ -77,11 +77,12 @@ def topic(t: TopicInfo) -> Topic:
 
 
 def post(p: PostInfo) -> Post:
+    author = account(p.author)
     return Post(
         id=p.id,
         topic_id=p.topic_id,
         board_id=p.board_id,
-        author=account(p.author),
+        author=author,
         raw=p.body,
         created_at=p.created_at,
         version=p.version,
@@ -92,7 +93,7 @@ def post(p: PostInfo) -> Post:
         key=p.key,
         url=p.url,
         images=p.images,
-        card=card_of(p.card),
+        card=card_by(author, card_of(p.card)),
     )
 
 
