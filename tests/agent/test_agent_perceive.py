@@ -15,7 +15,9 @@ from agentrob.model import Account, AccountKind, Post, Role
 NOW = datetime(2026, 1, 1, 12, 0, tzinfo=UTC)
 ME = Account("1", "quadruped", AccountKind.ROBOT_AGENT)
 ALICE = Account("2", "alice", role=Role.OPERATOR)
-EARS = Ears(ME, {"quadruped", "dog"}, ("robots",), NOW - timedelta(days=1), NOW, 120.0, {"running"})
+EARS = Ears(
+    ME, {"quadruped", "dog"}, ("robots",), NOW - timedelta(days=1), NOW, 120.0, {"running"}, robots={"humanoid"}
+)
 
 
 def post(text: str, author: Account = ALICE, topic: str = "t", age_s: float = 1.0, board: str = "robots") -> Post:
@@ -54,7 +56,15 @@ def test_what_a_post_is_for_me(text: str, call: Call) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "call"), [("stop", Call.STOP), ("停！", Call.STOP), ("@humanoid stop", Call.NOTHING), ("ok", Call.NOTHING)]
+    ("text", "call"),
+    [
+        ("stop", Call.STOP),
+        ("停！", Call.STOP),
+        ("@humanoid stop", Call.NOTHING),
+        ("@carol stop!", Call.STOP),  # who is not known to be a robot may be a person
+        ("@nobody-at-all stop", Call.STOP),
+        ("ok", Call.NOTHING),
+    ],
 )
 def test_law_13_a_bare_stop_counts_in_the_thread_of_a_running_command(text: str, call: Call) -> None:
     assert perceive(post(text, topic="running"), EARS).call is call
@@ -122,7 +132,7 @@ def test_the_language_of_a_post(text: str, language: str) -> None:
     assert language_of(text) == language
 
 
-BUSY = replace(EARS, commands={"9"}, people={"bob"})
+BUSY = replace(EARS, commands={"9"})
 
 
 @pytest.mark.parametrize(
@@ -130,6 +140,8 @@ BUSY = replace(EARS, commands={"9"}, people={"bob"})
     [
         ("stop right there", "running", Call.STOP),
         ("@bob careful!", "running", Call.STOP),
+        ("@carol it hits the table, stop it", "running", Call.STOP),
+        ("@carol @humanoid wait", "running", Call.NOTHING),
         ("@humanoid wait", "running", Call.NOTHING),
         ("why did it stop?", "running", Call.NOTHING),
         ("stop right there", "elsewhere", Call.NOTHING),

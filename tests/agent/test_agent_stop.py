@@ -51,6 +51,36 @@ async def test_law_13_the_button_stops_and_the_report_says_who_and_how_fast(scen
     assert "I came to rest" in reply.raw
 
 
+async def test_law_13_a_warning_to_a_person_who_never_wrote_stops_the_robot_of_the_thread(scene: Scene) -> None:
+    scene.person("carol")
+    async with scene.agent():
+        post = scene.world.posts[await running(scene)]
+        await scene.post("bob", "@carol stop it, it hits the table!", topic=post.topic_id)
+        reply = await scene.final(post)
+    assert reply.card is not None
+    assert reply.card.state == "stopped"
+    assert "**Stopped** by `bob`" in reply.raw
+
+
+async def test_law_13_only_a_robot_that_is_known_turns_a_stop_away_also_one_whose_account_came_later(
+    scene: Scene,
+) -> None:
+    scene.person("humanoid", kind=AccountKind.ROBOT_AGENT)
+    async with scene.agent() as agent:
+        later = scene.person("dog3", kind=AccountKind.ROBOT_AGENT)
+        post = scene.world.posts[await running(scene)]
+        await later.reply(post.topic_id, "Here I am.", key="1")
+        for other in ("humanoid", "dog3"):
+            await scene.post("bob", f"@{other} stop it!", topic=post.topic_id)
+        await scene.final(await scene.post("bob", "@quadruped help"))  # both were heard
+        async with scene.driver.client() as client:
+            assert await client.holder() is not None
+        scene.person("dog4", kind=AccountKind.ROBOT_AGENT)  # it never wrote: in doubt the robot stops
+        await scene.post("bob", "@dog4 stop it!", topic=post.topic_id)
+        assert (await scene.final(post)).card.state == "stopped"  # type: ignore[union-attr]
+        await scene.until(lambda: "dog4" in agent.kinds.robots)  # it was looked up for the next time
+
+
 @pytest.mark.parametrize("who", ["suspended", "robot", "monitor"])
 async def test_law_15_who_may_not_stop_does_not(scene: Scene, who: str) -> None:
     kind = {"robot": AccountKind.ROBOT_AGENT, "monitor": AccountKind.MONITORING_AGENT}.get(who, AccountKind.HUMAN)

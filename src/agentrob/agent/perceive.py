@@ -36,8 +36,8 @@ class Ears:
 
     `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
     `running_topics` are threads in which a command of this robot runs or waits, `commands` the posts of these commands,
-    and `people` some names that are no robot's. `watermark_at` is when its agent first
-    started, `now_at` the forum's clock.
+    and `robots` the accounts that are known to be robots. `watermark_at` is when its agent first started, `now_at` the
+    forum's clock.
     """
 
     me: Account
@@ -48,7 +48,7 @@ class Ears:
     max_age_s: float
     running_topics: Collection[str] = ()
     commands: Collection[str] = ()
-    people: Collection[str] = ()
+    robots: Collection[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +75,9 @@ def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
     named = mentions(text)
     mine = any(name in ears.names for name in named)
     others = tuple(name for name in named if name not in ears.names)
-    # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot.
-    robots = tuple(name for name in others if name not in ears.people)
+    # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot, but only
+    # where it is known to be one: "@alice stop it!" may be a warning to a person who never wrote here.
+    robots = tuple(name for name in others if name in ears.robots)
     here = mine or (not robots and post.topic_id in ears.running_topics)
     if here and (stop := stop_intent(text)):
         return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others)

@@ -27,6 +27,7 @@ from agentrob.agent.course import Course
 from agentrob.agent.execute import SHUTDOWN, STOP
 from agentrob.agent.inbox import Inbox
 from agentrob.agent.journal import Journal
+from agentrob.agent.kinds import Kinds
 from agentrob.agent.line import Job, Line
 from agentrob.agent.lookback import close_unknown, is_open, recent_posts
 from agentrob.agent.owner import Owner
@@ -48,7 +49,7 @@ from agentrob.judge.rights import may
 from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
 from agentrob.minds.model_mind import ModelMind
-from agentrob.model import Account, AccountKind, Command, Decision, Language, Post, Report, StopResult
+from agentrob.model import Account, Command, Decision, Language, Post, Report, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -56,8 +57,6 @@ LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
 LAST_WORDS_S = 2.5
 DRIVER_WAIT_S = 5.0
-#: So many names of people are remembered.
-MET = 1_000
 #: A task that only shows things begins anew so long after it failed.
 RESTART_S = 1.0
 _log = structlog.get_logger()
@@ -126,7 +125,7 @@ class RobotAgent:
         self._claimed_topics: frozenset[str] = frozenset()
         self._claimed_posts: frozenset[str] = frozenset()
         self._comparing: asyncio.Task[Any] | None = None
-        self._people: dict[str, None] = {}  # who wrote and is no robot: "@alice stop it" is for the robot of the thread
+        self.kinds = Kinds(forum, self._spawn)
         self._accepting = True
         self._ending = False
 
@@ -186,6 +185,7 @@ class RobotAgent:
             _log.warning("this account is not the robot's own: its status cards do not count",
                          robot=self.name, account=self._me.name, kind=str(self._me.kind))  # fmt: skip
         await self.owner.learn_page()
+        await self.kinds.list_robots()
         newest = await insist(self.channel.set_clock)
         begun = await self.journal.get_time("watermark")
         if begun is None:
@@ -372,10 +372,11 @@ class RobotAgent:
             self._comparing = self._spawn(self._compare_clocks())
         heard = Heard(Call.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
-            self._meet(event.post.author)
+            self.kinds.meet(event.post.author)
             heard = self.perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
             if heard.call in (Call.STOP, Call.HALT):
                 self._stop(event, event.post.author, heard)
+            self.kinds.look_up([name for name in heard.others if name in event.post.mentions])
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
             self._stop(event, event.account, heard)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_ESTOP:
@@ -397,12 +398,6 @@ class RobotAgent:
             self.brake.bound()
             self._watermark_at = min(self._watermark_at, self.channel.compared_at)
 
-    def _meet(self, author: Account) -> None:
-        if author.kind is not AccountKind.ROBOT_AGENT:
-            self._people[author.name.lower()] = None
-            while len(self._people) > MET:
-                del self._people[next(iter(self._people))]
-
     def perceive(self, post: Post, edited: bool = False) -> Heard:
         """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
         try:
@@ -418,7 +413,7 @@ class RobotAgent:
         return Ears(
             self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
             self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self._claimed_posts},
-            self._people,
+            self.kinds.robots,
         )  # fmt: skip
 
     def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:

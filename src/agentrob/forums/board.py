@@ -128,6 +128,9 @@ class BoardForum:
         except ForumNotFound:
             return None
 
+    async def robot_names(self) -> tuple[str, ...]:
+        return await self._call("GET", "/robots", lambda found: tuple(str(r["name"]) for r in found["items"]))
+
     # ---------------------------------------------------------------- Keeper
     async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
         path = f"/robots/{quote(robot, safe='')}/rights"

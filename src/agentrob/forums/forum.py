@@ -1,8 +1,8 @@
 """What an agent needs of a forum: small protocols that every adapter fulfils.
 
 A forum is a `Reader`, a `Writer`, `Accounts` and `Events`; one that also has pages for robots is a `Stage`. What not
-every forum has are protocols of their own (`Searcher`, `MeaningSearcher`, `Registrar`, `Permissions`, `Notices`): one
-that lacks it has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise
+every forum has are protocols of their own (`Roster`, `Searcher`, `MeaningSearcher`, `Registrar`, `Permissions`,
+`Notices`): one that lacks it has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise
 `agentrob.errors.ForumError` subclasses, never the transport's own.
 """
 
@@ -238,6 +238,15 @@ class Notice:
     kind: str
     post: Post
     read: bool = False
+
+
+@runtime_checkable
+class Roster(Protocol):
+    """A forum that lists the accounts of robots."""
+
+    async def robot_names(self) -> tuple[str, ...]:
+        """The handles of all accounts of robots."""
+        ...
 
 
 @runtime_checkable

@@ -158,6 +158,9 @@ class MemoryForum:
     async def me(self) -> Account:
         return self._up().accounts[self._name]
 
+    async def robot_names(self) -> tuple[str, ...]:
+        return tuple(a.name for a in self._up().accounts.values() if a.kind is AccountKind.ROBOT_AGENT)
+
     async def account(self, name: str) -> Account | None:
         return self._up().accounts.get(name)
 
