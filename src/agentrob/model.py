@@ -28,7 +28,7 @@ class StatusCard:
     """The machine-readable state of one command, shown by a forum that can as a card on the status post.
 
     `state`: seen, waiting (for an approval), queued, running, done, failed, refused, asks_back, stopped, interrupted,
-    cancelled, expired.
+    cancelled, expired. `until`: until when a waiting one may be approved, as RFC 3339 with a zone; else empty.
     """
 
     robot: str
@@ -38,6 +38,7 @@ class StatusCard:
     doing: str = ""
     place: int | None = None
     trace_id: str = ""
+    until: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,13 @@ from __future__ import annotations
 import asyncio
 import getpass
 import socket
+from datetime import UTC, datetime
 from pathlib import Path
 
 from agentrob import demo
 from agentrob.config import Config, runtime_dir
 from agentrob.errors import ConfigError, RobotUnreachable
+from agentrob.language.durations import duration
 from agentrob.model import Lock, Pose, RobotState
 from agentrob.robots.client import DriverClient
 
@@ -59,7 +61,7 @@ def _me() -> str:
 def _who(lock: Lock | None) -> str:
     if lock is None or not lock.by:
         return lock.why if lock else "nobody knows why"
-    when = f" at {lock.at:%Y-%m-%d %H:%M:%S} UTC" if lock.at else ""
+    when = f" {duration((datetime.now(UTC) - lock.at).total_seconds())} ago" if lock.at else ""
     return f"by {lock.by}{when}, {lock.why.rstrip('.')}"
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from collections.abc import AsyncIterator, Collection, Iterable
 from contextlib import asynccontextmanager
-from datetime import timedelta
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -112,9 +113,9 @@ async def test_law_7_what_needs_an_approval_waits_for_it_and_is_done_with_it(
     asked: Scene, text: str, yes: str, told: list[str], by: str
 ) -> None:
     async with waiting(asked, text) as post:
-        shown = (await asked.state(post, "waiting")).raw
-        assert [words for words in told if words not in shown] == []
-        assert f"{post.created_at + timedelta(seconds=600):%H:%M:%S}" in shown
+        asks = await asked.state(post, "waiting")
+        assert [words for words in told if words not in asks.raw] == []
+        assert datetime.fromisoformat(asks.card.until) == post.created_at + timedelta(seconds=600)
         given = await say(asked, "carol", yes, post)
         final = await asked.final(post)
     assert (final.card.state, by in final.raw) == ("done", True)
@@ -287,6 +288,30 @@ async def test_law_5_an_old_approval_approves_nothing_and_a_new_one_does(asked: 
         await asked.state(post, "waiting")
         await say(asked, "carol", YES, post)
         assert (await asked.final(post)).card.state == "done"
+
+
+@pytest.mark.parametrize(
+    ("text", "said", "lapsed"),
+    [
+        (TURN, "Moderators and admins may approve within 10 minutes of being asked; then it lapses.", "10 minutes"),
+        (f"@{ROBOT} 左转20度", "版主和管理员可在发帖后 10 分钟内批准，过时作废。", "10 分钟"),
+    ],
+)
+async def test_how_long_it_may_be_approved_is_told_without_a_time_zone_and_the_card_says_until_when(
+    driver: Driver, tmp_path: Path, text: str, said: str, lapsed: str
+) -> None:
+    scene = make(driver, tmp_path, classes=["move"])
+    async with scene.agent():
+        post = await scene.post("alice", text)
+        asks = await scene.state(post, "waiting")
+        assert said in asks.raw
+        assert not re.search(r"UTC|\d:\d\d|20\d\d-", asks.raw)
+        assert datetime.fromisoformat(asks.card.until) == post.created_at + timedelta(minutes=10)
+    scene.world.clock_offset_s += 601.0
+    async with scene.agent():
+        final = await scene.final(post)
+    assert (final.card.state, final.card.until) == ("expired", "")
+    assert lapsed in final.raw
 
 
 @pytest.mark.parametrize("away", [False, pytest.param(True, marks=pytest.mark.slow)])

@@ -150,7 +150,7 @@ async def test_a_reply_links_its_pictures_and_the_data_and_says_until_when(
     async with scene.agent(store=bucket(s3.url)):
         reply = await scene.final(await scene.post("alice", WALK))
     assert not reply.images
-    assert "UTC; then it is void" in reply.raw
+    assert "Whoever has a link can open it for 1 day; then it is void." in reply.raw
     urls = {name: reply.raw.partition(f"[{name}](")[2].partition(")")[0] for name in ("photo of step 2", "its data")}
     assert (await asyncio.to_thread(fetch, urls["photo of step 2"]))[:2] == (200, "image/jpeg")
     status, _, data = await asyncio.to_thread(fetch, urls["its data"])
@@ -168,7 +168,7 @@ class Faulty:
         self.good -= 1
         if self.good < 0:
             raise ImageStoreError("the image store does not answer")
-        return Link(f"http://127.0.0.1/{name}", datetime.now(UTC))
+        return Link(f"http://127.0.0.1/{name}", datetime.now(UTC), 60.0)
 
 
 @pytest.mark.parametrize(("good", "attached"), [(0, 2), (1, 1)])

@@ -37,7 +37,7 @@ def test_of_very_many_calls_the_first_are_told_and_how_many_more_there_are() -> 
     assert "此处省略 20 行" in told
     assert "@alice" not in told
     assert len(told) < 8_000
-    linked = Picture("step", b"", 1, Link("https://bucket.example/1.jpg", datetime.now(UTC)))
+    linked = Picture("step", b"", 1, Link("https://bucket.example/1.jpg", datetime.now(UTC), 60.0))
     step = ActionResult(Primitive(Op.GET_FRONT_IMAGE), Outcome.DONE)
     assert "done, [picture 1](https://bucket.example/1.jpg)" in table(
         Looked("x", LoopEnd("calls")), (step,), (linked,), "en"
@@ -52,7 +52,7 @@ class Store:
 
     async def keep(self, name: str, data: bytes) -> Link:
         self.kept[name] = data
-        return Link(f"https://bucket.example/{name}", datetime.now(UTC))
+        return Link(f"https://bucket.example/{name}", datetime.now(UTC), 60.0)
 
 
 async def test_with_an_image_store_the_report_links_the_calls(tmp_path: Path) -> None:

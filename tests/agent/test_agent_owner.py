@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -69,24 +70,24 @@ async def test_law_17_the_emergency_stop_button_locks_and_the_owner_s_button_rel
         assert lock["at"]
         stopped = await owned.final(running)
         assert "**Stopped** by `bob`" in stopped.raw
-        assert "Locked by `bob` since " in stopped.raw
+        assert re.search(r"Locked by `bob` \d+ seconds? ago: an emergency stop\.", stopped.raw)
         refused = await owned.final(await owned.post("alice", "@quadruped wave"))
         assert refused.card is not None
         assert refused.card.state == "refused"
+        assert re.search(r"Halted by bob \d+ seconds? ago: an emergency stop\.", refused.raw)
         for said in (
-            "Halted by bob at ",
-            " UTC: an emergency stop.",
             "My owner (`olga`) or an admin releases me with the button Release on [my page](memory:/robots/quadruped), "
             "or with `agentrob release quadruped` on my machine.",
         ):
             assert said in refused.raw
         asked = await owned.final(await owned.post("alice", "@quadruped status"))
-        assert "Locked by `bob` since " in asked.raw
+        assert re.search(r"Locked by `bob` \d+ seconds? ago", asked.raw)
+        assert "UTC" not in stopped.raw + refused.raw + asked.raw
         assert "agentrob release quadruped" in asked.raw
         await owned.world.sign_in("olga").press_release(ROBOT)
         card = await told(owned, "olga")
         assert (card["deed"], card["done"]) == ("release", True)
-        assert "It was locked by bob since " in card["said"]
+        assert re.fullmatch(r"It had been locked by bob for \d+ seconds?\.", card["said"])
         assert owned.world.robots[ROBOT]["lock"] is None
         assert await ended(owned, "alice", "@quadruped wave") == "done"
 

@@ -116,8 +116,11 @@ async def test_a_report_links_to_the_page_of_its_command_only_where_the_forum_sa
 
 
 def test_pictures_that_are_kept_elsewhere_are_sent_as_links() -> None:
-    until = datetime(2026, 11, 22, tzinfo=UTC)
-    pictures = (Picture("path", b""), Picture("recording", b"", link=Link("https://bucket.example/a", until)))
+    kept_at = datetime(2026, 11, 21, tzinfo=UTC)
+    pictures = (
+        Picture("path", b""),
+        Picture("recording", b"", link=Link("https://bucket.example/a", kept_at, 86_400.0)),
+    )
     record = publish.public({"status": "done"}, pictures)
     assert record["pictures"] == [{"kind": "path", "step": 0}]
     assert record["links"] == [

@@ -137,3 +137,4 @@ def test_every_sentence_has_the_same_places_in_both_languages() -> None:
 
     for key, (english, chinese) in _SENTENCES.items():
         assert places(english) == places(chinese), key
+        assert "UTC" not in english + chinese, "a reply says how long: who reads it is in another time zone"

@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -86,7 +87,7 @@ def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) ->
     assert machine.ask("halt").halted
     code, said = machine.type("release", machine.name)
     assert code == 0
-    assert said.startswith(f"{machine.name}: released. It was locked: by bob at 20")
+    assert re.match(rf"{machine.name}: released\. It was locked: by bob \d+ seconds? ago, ", said)
     assert said.endswith("an emergency stop. Nothing moves by that; the next command may move it.")
     assert not machine.ask("").halted
     assert machine.type("release", machine.name) == (

@@ -135,8 +135,8 @@ def upload(robot: Any, picture: Picture) -> str:
 def waits(world: World, topic: str, post: str) -> None:
     """The robot asks for an approval, in its status post."""
     until = datetime.now(UTC) + timedelta(minutes=10)
-    text = words.waits("a backflip", "A risky move needs an approval.", None, ROBOT, until, "en")
-    card = {"robot": ROBOT, "state": "waiting", "trace_id": "77aa01c4"}
+    text = words.waits("a backflip", "A risky move needs an approval.", None, ROBOT, 600.0, "en")
+    card = {"robot": ROBOT, "state": "waiting", "trace_id": "77aa01c4", "until": until.isoformat()}
     told = {"body": text, "reply_to": post, "card": card}
     key = {"Idempotency-Key": f"claim:{post}"}
     world.api(ROBOT).post(f"/topics/{topic}/posts", json=told, headers=key).raise_for_status()

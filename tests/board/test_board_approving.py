@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import httpx2
+import pytest
 from running_board import RunningBoard
 
 from agentrob.model import Role
@@ -12,11 +13,11 @@ from agentrob.model import Role
 BUTTON = 'value="approve"'
 
 
-def waiting(board: RunningBoard) -> tuple[str, str, str]:
-    """A command of op's that the robot waits with: topic, post, status."""
+def waiting(board: RunningBoard, **more: str) -> tuple[str, str, str]:
+    """A command of op's that the robot waits with, `more` on its card: topic, post, status."""
     made = board.client("op").post("/topics", json={"board": "robots", "title": "t", "body": "@quadruped flip"}).json()
     topic, post = made["topic"]["id"], made["post"]["id"]
-    card = {"robot": "quadruped", "state": "waiting"}
+    card = {"robot": "quadruped", "state": "waiting"} | more
     told = {"body": "This waits for an approval.", "reply_to": post, "card": card}
     key = {"Idempotency-Key": f"claim:{post}"}
     answer = board.client("quadruped").post(f"/topics/{topic}/posts", json=told, headers=key)
@@ -46,6 +47,34 @@ def test_approving_stands_in_the_thread_for_those_who_may_until_it_was_done(boar
     assert (said["raw"], said["reply_to"], said["author"]["name"]) == ("@quadruped approve", post, "admin")
     for gone in (path, f"/c/{post}", f"/p/{status}/fragment"):
         assert BUTTON not in chief.get(gone).text, "it is decided, though its agent has not said so yet"
+
+
+def test_until_when_it_may_be_approved_is_shown_as_a_time_of_the_reader_s_zone(board: RunningBoard) -> None:
+    _, post, status = waiting(board, until="2026-11-22T21:14:05+01:00")
+    board.client("quadruped").put("/robots/quadruped", json={"card": {"line": [post]}}).raise_for_status()
+    shown = 'until <time datetime="2026-11-22T20:14:05.000Z"'
+    for path in (f"/p/{status}/fragment", f"/c/{post}", "/robots/quadruped/fragment"):
+        assert board.browser("admin").get(path).text.count(shown) == 1, path
+    card = {"robot": "quadruped", "state": "expired", "until": "2026-11-22T21:14:05+01:00"}
+    board.client("quadruped").patch(f"/posts/{status}", json={"body": "Too late.", "card": card}).raise_for_status()
+    assert shown not in board.browser("admin").get(f"/p/{status}/fragment").text
+
+
+@pytest.mark.parametrize("until", ["", "soon", "2026-11-22T21:14:05", "0001-01-01T00:00:00+14:00", "<b>"])
+def test_a_time_that_is_none_is_not_shown(board: RunningBoard, until: str) -> None:
+    _, _, status = waiting(board, until=until)
+    answer = board.browser("admin").get(f"/p/{status}/fragment")
+    assert (answer.status_code, "until" in answer.text) == (200, False)
+
+
+def test_what_a_newer_agent_says_on_its_card_is_left_out_and_its_post_is_kept(board: RunningBoard) -> None:
+    topic, post, status = waiting(board, until="2026-11-22T20:14:05+00:00", mood="x" * 5_000)
+    kept = board.client("op").get(f"/posts/{status}").json()
+    assert kept["reply_to"] == post
+    assert kept["card"]["until"] == "2026-11-22T20:14:05+00:00"
+    assert "mood" not in kept["card"]
+    told = {"body": "x", "card": {"robot": "quadruped", "state": "waiting", "until": "2" * 41}}
+    assert board.client("quadruped").post(f"/topics/{topic}/posts", json=told).status_code == 422
 
 
 def test_who_may_approve_is_told_while_the_command_waits(board: RunningBoard) -> None:

@@ -185,7 +185,7 @@ def test_cards_come_from_robot_agents_only(board: RunningBoard) -> None:
     topic = new_topic(op)["topic"]["id"]
     card = {"robot": "quadruped", "state": "running", "step": 2, "steps": 4}
     post = robot.post(f"/topics/{topic}/posts", json={"body": "on it", "card": card}).json()["post"]
-    assert post["card"] == card | {"doing": "", "place": None, "trace_id": ""}
+    assert post["card"] == card | {"doing": "", "place": None, "trace_id": "", "until": ""}
     kept = robot.patch(f"/posts/{post['id']}", json={"body": "still"}).json()
     assert kept["card"] == post["card"]
     gone = robot.patch(f"/posts/{post['id']}", json={"body": "done", "card": None}).json()

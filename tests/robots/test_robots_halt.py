@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 import time
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -25,8 +26,9 @@ def test_law_17_who_locked_it_why_and_when_outlives_the_process(tmp_path: Path) 
     assert (lock.by, lock.why) == ("bob", "an emergency stop")
     assert lock.at is not None
     assert abs(datetime.now(UTC) - lock.at) < timedelta(seconds=10)
-    assert sentence(lock).startswith("Halted by bob at 20")
-    assert sentence(lock).endswith(" UTC: an emergency stop")
+    earlier = replace(lock, at=lock.at - timedelta(minutes=12))
+    assert sentence(earlier) == "Halted by bob 12 minutes ago: an emergency stop"
+    assert sentence(replace(lock, at=None)) == "Halted by bob: an emergency stop"
 
 
 @pytest.mark.parametrize(

@@ -84,8 +84,9 @@ class Approvals:
     async def _tell(self, job: Job, understood: str, needed: str, until_at: datetime) -> None:
         """Say in the thread that it waits, for what and for whom."""
         rights = await insist(partial(rights_on, self.forum, job.command, self._terms))
-        text = words.waits(understood, needed, rights, self.called, until_at, job.command.language)
-        card = StatusCard(self.name, "waiting", trace_id=job.command.trace_id)
+        wait_s = (until_at - job.command.posted_at).total_seconds()
+        text = words.waits(understood, needed, rights, self.called, wait_s, job.command.language)
+        card = StatusCard(self.name, "waiting", trace_id=job.command.trace_id, until=until_at.isoformat())
         with contextlib.suppress(ForumDenied, ForumNotFound):
             await job.status.ask(Shown(text, card))
 

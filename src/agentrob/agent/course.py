@@ -43,6 +43,7 @@ from agentrob.errors import ForumError, JournalError, RobotError
 from agentrob.forums.forum import Forum
 from agentrob.images.store import ImageStore
 from agentrob.language.addressing import addresses
+from agentrob.language.durations import duration
 from agentrob.language.help import help_text
 from agentrob.language.phrases import quote
 from agentrob.language.phrases import say as phrase
@@ -300,8 +301,8 @@ class Course:
         """A command that was ended from outside, before it moved or while it did."""
         why, language = job.ended or "before", job.command.language
         if why in ("stale", "expired", LAPSED) and execution is None:
-            minutes = (self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s) / 60
-            limits = {"seconds": self.settings.max_post_age_s, "minutes": minutes}
+            wait = duration(self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s, language)
+            limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
             return self._report(job, "expired", plan, message=say(why, language, **limits))
         if why == DENIED and execution is None and job.decided is not None:
             said = say("denied.by", language, who=quote(job.decided.by.name))

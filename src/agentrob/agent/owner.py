@@ -7,7 +7,7 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Callable
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any, Literal
 
 import structlog
@@ -21,6 +21,7 @@ from agentrob.config import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Keeper, Panel
 from agentrob.judge.rights import may
+from agentrob.language.durations import duration
 from agentrob.language.phrases import quote
 from agentrob.model import EMERGENCY_STOP, Account, Decision, Language, Lock, Report, RobotRights, RobotState
 from agentrob.robots.client import DriverClient
@@ -115,7 +116,7 @@ class Owner:
             return True, "It was not locked."
         self._brake.released(at)  # first: nothing that was posted before it finds the robot free
         lock = await self._driver.release(by, pressed_s)
-        return True, f"It was {_locked_by(lock)}." if lock else "It was not locked."
+        return True, f"It had been {_locked_by(lock)}." if lock else "It was not locked."
 
     # ------------------------------------------------------------------ what a thread is told
     async def learn_page(self) -> None:
@@ -179,9 +180,13 @@ def lock_text(lock: Lock, language: Language) -> str:
     why = say("lock.emergency", language) if lock.why == EMERGENCY_STOP else quote(lock.why.rstrip("."))
     if not lock.by or lock.at is None:
         return say("lock.nobody", language, why=why)
-    return say("lock.by", language, who=quote(lock.by), at=f"{lock.at:%Y-%m-%d %H:%M:%S}", why=why)
+    return say("lock.by", language, who=quote(lock.by), ago=_ago(lock.at, language), why=why)
 
 
 def _locked_by(lock: Lock) -> str:
-    since = f" since {lock.at:%Y-%m-%d %H:%M:%S} UTC" if lock.at else ""
-    return f"locked{f' by {lock.by}' if lock.by else ''}{since}"
+    long = f" for {_ago(lock.at)}" if lock.at else ""
+    return f"locked{f' by {lock.by}' if lock.by else ''}{long}"
+
+
+def _ago(at: datetime, language: Language = "en") -> str:
+    return duration((datetime.now(UTC) - at).total_seconds(), language)

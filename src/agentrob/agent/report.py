@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from datetime import datetime
 
 from agentrob.agent.pictures import Picture
 from agentrob.agent.sentences import known, say
 from agentrob.agent.track import clips
+from agentrob.language.durations import duration
 from agentrob.language.phrases import quote
 from agentrob.model import (
     ActionResult,
@@ -89,16 +89,16 @@ def doing(step: Primitive, language: Language) -> str:
 
 
 def waits(
-    understood: str, needed: str, rights: RobotRights | None, called: str, until_at: datetime, language: Language
+    understood: str, needed: str, rights: RobotRights | None, called: str, wait_s: float, language: Language
 ) -> str:
-    """A command waits for an approval: what it would do, why it waits, for whom and how long."""
+    """A command waits for an approval: what it would do, why it waits, for whom and how long after its post."""
     rights = rights or RobotRights()
     who = say(f"who.{rights.approve}", language) if known(f"who.{rights.approve}") else say("who.moderator", language)
     said = [
         say("waits", language),
         say("waits.plan", language, understood=understood),
         disarmed(needed),
-        say("waits.who", language, who=who, until=f"{until_at:%Y-%m-%d %H:%M:%S}"),
+        say("waits.who", language, who=who, wait=duration(wait_s, language)),
         say("waits.how", language, robot=called),
     ]
     said += [] if rights.approve_own else [say("waits.own", language)]
@@ -261,8 +261,8 @@ def _pictures(pictures: Sequence[Picture], language: Language) -> str:
     if not linked:
         return ""
     said = say("pictures", language, pictures=joint.join(linked))
-    if until := min((p.link.until for p in pictures if p.link), default=None):
-        said += ("" if language == "zh" else " ") + say("pictures.until", language, until=f"{until:%Y-%m-%d %H:%M}")
+    if valid_s := min((p.link.valid_s for p in pictures if p.link), default=None):
+        said += ("" if language == "zh" else " ") + say("pictures.until", language, valid=duration(valid_s, language))
     return said
 
 

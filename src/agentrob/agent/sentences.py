@@ -17,8 +17,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "waits": ("**Waits for approval.**", "**等待批准。**"),
     "waits.plan": ("I understood: {understood}.", "我的理解：{understood}。"),
     "waits.who": (
-        "{who} may approve until {until} UTC; then it lapses.",
-        "{who}可以在 {until}（UTC）前批准，过时作废。",
+        "{who} may approve within {wait} of being asked; then it lapses.",
+        "{who}可在发帖后 {wait}内批准，过时作废。",
     ),
     "waits.how": (
         "They reply here `@{robot} approve` or `@{robot} deny`.",
@@ -32,8 +32,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "approved.by": ("Approved by {who}.", "批准者：{who}。"),
     "denied.by": ("{who} denied it.", "{who} 拒绝了这个命令。"),
     "lapsed": (
-        "**Expired.** Nobody approved it within {minutes:.0f} minutes. Post it again if you still want it.",
-        "**已过期。** {minutes:.0f} 分钟内没有人批准。如仍需要，请重新发帖。",
+        "**Expired.** Nobody approved it within {wait}. Post it again if you still want it.",
+        "**已过期。** {wait}内没有人批准。如仍需要，请重新发帖。",
     ),
     "done": ("**Done.**", "**完成。**"),
     "failed": ("**Failed** at step {step}.", "**失败**：停在第 {step} 步。"),
@@ -64,8 +64,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     ),
     "cancelled": ("**Cancelled.**", "**已取消。**"),
     "expired": (
-        "**Expired.** It waited longer than {minutes:.0f} minutes. Post it again if you still want it.",
-        "**已过期。** 等待超过 {minutes:.0f} 分钟。如仍需要，请重新发帖。",
+        "**Expired.** It waited longer than {wait}. Post it again if you still want it.",
+        "**已过期。** 等待超过 {wait}。如仍需要，请重新发帖。",
     ),
     "stale": (
         "**Too old.** I act only on posts younger than {seconds:.0f} s that came after I was first started. "
@@ -266,8 +266,8 @@ _SENTENCES: dict[str, tuple[str, str]] = {
     "picture.data": ("its data", "录制数据"),
     "picture.calls": ("all calls of the model", "模型的全部调用"),
     "pictures.until": (
-        "Whoever has a link can open it until {until} UTC; then it is void.",
-        "链接在 {until}（UTC）前有效，持有者均可打开。",
+        "Whoever has a link can open it for {valid}; then it is void.",
+        "链接在 {valid}内有效，持有者均可打开。",
     ),
     "slower": (
         "Step {step} was commanded at most {commanded_mps:g} m/s, slower than the {asked_mps:g} m/s asked for.",
@@ -351,7 +351,7 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "我在 {minutes} 分钟内被叫停了 {count} 次，请有人来看看发生了什么。{names}",
     ),
     # ------------------------------------------------------------ the lock, the home, and how each is dealt with
-    "lock.by": ("Locked by {who} since {at} UTC: {why}.", "{who} 于 {at}（UTC）将我锁定：{why}。"),
+    "lock.by": ("Locked by {who} {ago} ago: {why}.", "{who} 在 {ago}前将我锁定：{why}。"),
     "lock.nobody": ("Locked: {why}.", "已锁定：{why}。"),
     "lock.emergency": ("an emergency stop", "急停"),
     "owner.named": ("My owner ({owner}) or an admin", "我的主人（{owner}）或管理员"),

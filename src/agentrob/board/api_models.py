@@ -52,8 +52,10 @@ class _Out(BaseModel):
 
 
 # -------------------------------------------------------------------- in
-class CardIn(_In):
-    """The state of one command; only robot agents send it."""
+class CardIn(BaseModel):
+    """The state of one command; only robot agents send it. What a newer agent says besides is left out."""
+
+    model_config = ConfigDict(extra="ignore", strict=True)
 
     robot: str = Field(max_length=64)
     state: str = Field(max_length=32)
@@ -62,6 +64,7 @@ class CardIn(_In):
     doing: str = Field("", max_length=500)
     place: Count | None = None
     trace_id: str = Field("", max_length=64)
+    until: str = Field("", max_length=40, description="RFC 3339 with a zone: until when it may be approved")
 
 
 class TopicIn(_In):

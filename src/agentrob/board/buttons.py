@@ -15,6 +15,7 @@ from agentrob.board.records import Event, EventKind, from_us
 from agentrob.board.services import Services
 from agentrob.board.writes import now_us
 from agentrob.errors import BoardError
+from agentrob.language.durations import duration
 from agentrob.model import Account, AccountKind, Role
 
 #: A stop is told before it is written when writing takes longer (locked database, full disk): law 15.
@@ -91,8 +92,9 @@ async def reset(services: Services, robot: str, by: Account, key: str | None = N
     kept = rights.settings_of(services.store.reader, name)
     if by.role.rank < Role.OPERATOR.rank or not rights.reaches(by, kept.command["move"], kept.owner):
         raise BoardError(403, "not_operator", "only operators may reset the room", "ask an admin for the role operator")
-    if (until := kept.closed_until(datetime.now(UTC))) is not None:
-        raise BoardError(403, "closed", f"this robot is in maintenance until {until:%Y-%m-%d %H:%M} UTC", "come again")
+    if (until := kept.closed_until(now := datetime.now(UTC))) is not None:
+        left = duration((until - now).total_seconds())
+        raise BoardError(403, "closed", f"this robot is in maintenance for another {left}", "come again")
     return await services.store.record(EventKind.ROBOT_RESET, name, by, key=key)
 
 

@@ -10,7 +10,7 @@ from datetime import datetime, timedelta
 from typing import Any
 
 from agentrob.board.commands import Told
-from agentrob.board.records import Image, Post
+from agentrob.board.records import Image, Post, from_text
 from agentrob.board.robot_view import op_in_words
 
 _UNITS = {
@@ -84,7 +84,7 @@ class CommandView:
     models: tuple[Model, ...]
     calls: tuple[Call, ...]
     pictures: tuple[tuple[str, Image], ...]
-    links: tuple[tuple[str, str, str], ...]
+    links: tuple[tuple[str, str, datetime | None], ...]
 
 
 def command_view(post: Post, told: Told) -> CommandView:
@@ -127,7 +127,7 @@ def _timeline(
     if reply is not None:
         told_at = reply.edited_at or reply.created_at
         moments.append(((told_at - post.created_at).total_seconds() * 1000, "told in the thread"))
-    if (said_at := _time(approval.get("at"))) is not None:
+    if (said_at := from_text(approval.get("at"))) is not None:
         said = "approved" if approval.get("approved") is True else "denied"
         moments.append(((said_at - post.created_at).total_seconds() * 1000, said))
     moments.sort(key=lambda moment: moment[0])
@@ -252,13 +252,13 @@ def _picture(kind: Mapping[str, Any], otherwise: str) -> str:
     return f"{words} {step:.0f}" if step else words
 
 
-def _link(kept: object) -> tuple[str, str, str] | None:
+def _link(kept: object) -> tuple[str, str, datetime | None] | None:
     """A picture that is kept elsewhere; None when that is no address of the web."""
     link = _map(kept)
     address = link.get("url")
     if not isinstance(address, str) or not re.fullmatch(r"https?://[^\s<>\"']{1,2000}", address):
         return None
-    return _picture(link, "Data of the recording"), address, _text(link.get("until"), 32)
+    return _picture(link, "Data of the recording"), address, from_text(link.get("until"))
 
 
 def _map(value: object) -> Mapping[str, Any]:
@@ -276,14 +276,6 @@ def _number(value: object) -> float | None:
     except OverflowError:
         return None
     return float(value)
-
-
-def _time(value: object) -> datetime | None:
-    try:
-        at = datetime.fromisoformat(value) if isinstance(value, str) else None
-    except ValueError:
-        return None
-    return at if at is not None and at.tzinfo is not None else None
 
 
 def _text(value: object, most: int) -> str:

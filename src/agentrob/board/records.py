@@ -20,6 +20,15 @@ SMALL = 960
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
+def from_text(said: object) -> datetime | None:
+    """A time in ISO 8601 with its zone; None for all else, also for those of years that pages cannot show."""
+    try:
+        at = datetime.fromisoformat(said) if isinstance(said, str) else None
+        return at.astimezone(UTC) if at is not None and at.tzinfo is not None else None
+    except (ValueError, OverflowError):
+        return None
+
+
 def from_us(us: int) -> datetime:
     """An aware UTC datetime from microseconds since 1970, exact."""
     return _EPOCH + timedelta(microseconds=us)

@@ -10,7 +10,7 @@ from typing import Any
 
 from agentrob.board import rights
 from agentrob.board.buttons import known_robot
-from agentrob.board.records import Post
+from agentrob.board.records import Post, from_text
 from agentrob.board.services import Services
 from agentrob.board.stage import LIVE_FOR
 from agentrob.model import Account, AccountKind
@@ -138,23 +138,14 @@ def _lock(lock: object) -> LockView | None:
     """Anything that is no mapping is no lock: a card of before says so by its state alone."""
     if not isinstance(lock, Mapping):
         return None
-    return LockView(_words(lock.get("by")), _words(lock.get("why")).rstrip("."), _time(lock.get("at")))
+    return LockView(_words(lock.get("by")), _words(lock.get("why")).rstrip("."), from_text(lock.get("at")))
 
 
 def _told(told: object) -> ToldView | None:
-    if not isinstance(told, Mapping) or (at := _time(told.get("at"))) is None:
+    if not isinstance(told, Mapping) or (at := from_text(told.get("at"))) is None:
         return None
     said = {key: _words(told.get(key)) for key in ("deed", "by", "said")}
     return ToldView(at=at, done=told.get("done") is True, **said)
-
-
-def _time(value: object) -> datetime | None:
-    """A time with its zone; None for all else, also for those of years that pages cannot show."""
-    try:
-        at = datetime.fromisoformat(value) if isinstance(value, str) else None
-        return at.astimezone(UTC) if at is not None and at.tzinfo is not None else None
-    except (ValueError, OverflowError):
-        return None
 
 
 def robots(services: Services) -> tuple[RobotView, ...]:

@@ -22,6 +22,7 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from agentrob.board import access, notices
 from agentrob.board.access import Viewer
 from agentrob.board.reader import Reader
+from agentrob.board.records import from_text
 from agentrob.board.render import unmarked
 from agentrob.board.services import services
 from agentrob.errors import BoardError
@@ -108,6 +109,7 @@ def status_card(card: Mapping[str, Any]) -> StatusCard:
         doing=str(known["doing"] or "")[:200],
         place=_count(known["place"]) or None,
         trace_id=str(known["trace_id"] or "")[:64],
+        until=str(known["until"] or "")[:40],
     )
 
 
@@ -125,7 +127,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
-    made.filters["status_card"] = status_card
+    made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals["parts"] = made.get_template("parts.html").module
     return made

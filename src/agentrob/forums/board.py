@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
-from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import partial
 from typing import Any, TypeVar
@@ -15,7 +14,7 @@ import structlog
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
-from agentrob.forums.cards import card_by, card_of
+from agentrob.forums.cards import card_by, card_of, facts_of
 from agentrob.forums.forum import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.forums.wire import USER_AGENT, retry_after_s, same_origin, text_of, translated, where
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
@@ -299,7 +298,7 @@ def _paging(cursor: str | None, limit: int) -> _JSON:
 
 
 def _card(card: StatusCard | None) -> _JSON:
-    return {"card": asdict(card)} if card else {}
+    return {"card": facts_of(card)} if card else {}
 
 
 def _time(text: str) -> datetime:

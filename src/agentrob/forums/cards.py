@@ -7,7 +7,8 @@ another robot.
 from __future__ import annotations
 
 import re
-from dataclasses import fields
+from dataclasses import asdict, fields
+from typing import Any
 
 from agentrob.model import Account, StatusCard
 
@@ -17,6 +18,11 @@ LARGEST = 1_000_000
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _NUMBERS = frozenset({"step", "steps", "place"})
 _TEXTS = frozenset(f.name for f in fields(StatusCard)) - _NUMBERS
+
+
+def facts_of(card: StatusCard) -> dict[str, Any]:
+    """A card as JSON, without the fields that say nothing: who does not know them yet takes it all the same."""
+    return {name: value for name, value in asdict(card).items() if value not in (None, "", 0)}
 
 
 def card_of(given: object) -> StatusCard | None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 import base64
 import json
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
-from agentrob.forums.cards import card_of
+from agentrob.forums.cards import card_of, facts_of
 from agentrob.model import StatusCard
 
 #: What `coded` makes, as a group of a platform's pattern of its mark.
@@ -35,7 +35,7 @@ def coded(marked: Marked) -> str:
     facts = {
         "k": marked.key,
         "p": len(marked.pictures) or None,
-        "c": {k: v for k, v in asdict(marked.card).items() if v not in (None, "", 0)} if marked.card else None,
+        "c": facts_of(marked.card) if marked.card else None,
     }
     told = json.dumps({k: v for k, v in facts.items() if v is not None}, separators=(",", ":"), ensure_ascii=False)
     return base64.urlsafe_b64encode(told.encode()).decode()

@@ -23,10 +23,15 @@ _TYPES = {b"\xff\xd8": ("jpg", "image/jpeg"), b"\x89P": ("png", "image/png"), b"
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """Whoever has `url` can see the picture until `until` (UTC)."""
+    """Whoever has `url` can see the picture for `valid_s` seconds after `made_at`."""
 
     url: str
-    until: datetime
+    made_at: datetime
+    valid_s: float
+
+    @property
+    def until(self) -> datetime:
+        return self.made_at + timedelta(seconds=self.valid_s)
 
 
 class ImageStore(Protocol):
@@ -62,7 +67,7 @@ class Bucket:
             raise ImageStoreError(f"the image store did not take {name} within {KEEP_S:g} s") from None
         except (BaseError, OSError, ValueError) as e:
             raise ImageStoreError(f"the image store did not take {name}: {_reason(e)}") from None
-        return Link(url, now + timedelta(seconds=self._config.link_s))
+        return Link(url, now, self._config.link_s)
 
 
 def make_store(config: ImagesConfig) -> ImageStore | None:

@@ -7,8 +7,10 @@ an operator, and no agent approves or releases. What needs an approval and may h
 from __future__ import annotations
 
 from collections.abc import Collection
+from datetime import UTC, datetime
 from typing import Literal
 
+from agentrob.language.durations import duration
 from agentrob.language.phrases import say
 from agentrob.model import (
     Account,
@@ -88,8 +90,8 @@ def _objection(account: Account, rights: RobotRights, classes: Collection[str], 
     if account.role.rank < Role.OPERATOR.rank:
         return _refused("rights.operator", "refuse.operator", language)
     if rights.closed_until is not None:
-        until = f"{rights.closed_until:%Y-%m-%d %H:%M} UTC"
-        return _refused("rights.closed", "refuse.closed", language, until=until)
+        left = duration((rights.closed_until - datetime.now(UTC)).total_seconds(), language)
+        return _refused("rights.closed", "refuse.closed", language, left=left)
     if not _reaches(account, rights.board, rights.owner):
         return _refused("rights.board", "refuse.board", language)
     for kind in classes:

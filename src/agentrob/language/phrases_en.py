@@ -111,7 +111,7 @@ PHRASES = {
     "refuse.operator": "Commanding a robot needs the operator role; this account may look and stop.",
     "refuse.owner": "Only the robot's owner and admins may release it and set its home.",
     "refuse.approver": "This account may not approve what others ask of this robot.",
-    "refuse.closed": "This robot is in maintenance until {until}: it does nothing, but it can be stopped.",
+    "refuse.closed": "This robot is in maintenance for another {left}: it does nothing, but it can be stopped.",
     "refuse.board": "This account may not command robots on this board.",
     "refuse.class": "This account may not make this robot do this: {kind}. Its owner decides who may.",
     "refuse.approve_own": "Nobody approves what they asked for themselves.",

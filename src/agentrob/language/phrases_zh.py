@@ -96,7 +96,7 @@ PHRASES = {
     "refuse.operator": "指挥机器人需要 operator 权限；这个账号只能查看和叫停。",
     "refuse.owner": "只有机器人的主人和管理员可以解除锁定、设置原点。",
     "refuse.approver": "这个账号不能批准别人对这台机器人的要求。",
-    "refuse.closed": "这台机器人正在维护，到 {until} 为止：什么都不做，但可以叫停。",
+    "refuse.closed": "这台机器人正在维护，还需 {left}：什么都不做，但可以叫停。",
     "refuse.board": "这个账号不能在这个版块指挥机器人。",
     "refuse.class": "这个账号不能让这台机器人做这件事：{kind}。由它的主人决定谁可以。",
     "refuse.approve_own": "谁都不能批准自己的要求。",

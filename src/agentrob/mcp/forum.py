@@ -14,7 +14,6 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import AsyncIterator, Awaitable, Sequence
-from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TypeVar
 
@@ -30,6 +29,7 @@ from agentrob.errors import (
     ForumUnreachable,
     McpError,
 )
+from agentrob.forums.cards import facts_of
 from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Topic, Written
 from agentrob.mcp import convert, results
 from agentrob.mcp.client import ForumClient, ServerGone, ToolFailed
@@ -230,7 +230,7 @@ def _events(said: results.Changes) -> tuple[Event, ...]:
 
 
 def _card(card: StatusCard | None) -> dict[str, object] | None:
-    return {k: v for k, v in asdict(card).items() if v is not None} if card else None
+    return facts_of(card) if card else None
 
 
 def _status(card: StatusCard | None) -> str | None:

@@ -210,7 +210,8 @@ async def edit_post(call: Call, args: a.EditPost) -> r.Wrote:
 
 def _card(given: dict[str, Any]) -> StatusCard:
     """A card of which each word is of its kind."""
-    words = {"robot": str, "state": str, "doing": str, "trace_id": str, "step": int, "steps": int, "place": int}
+    words: dict[str, type] = dict.fromkeys(("robot", "state", "doing", "trace_id", "until"), str)
+    words |= dict.fromkeys(("step", "steps", "place"), int)
     wrong = [k for k, v in given.items() if k not in words or not (isinstance(v, words[k]) and not isinstance(v, bool))]
     made = card_of(given)
     if wrong or made is None:

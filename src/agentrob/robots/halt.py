@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from agentrob.errors import RobotError
+from agentrob.language.durations import duration
 from agentrob.model import Lock
 
 
@@ -113,8 +114,8 @@ def _monotonic(lock: Lock | None) -> float:
 
 
 def sentence(lock: Lock) -> str:
-    """Who locked it, when and why, in English."""
+    """Who locked it, how long ago and why, in English."""
     if not lock.by:  # of a file that cannot be read, or that an earlier version wrote as a whole sentence
         return lock.why if lock.why.startswith("Halted by ") else f"Halted: {lock.why}"
-    when = f" at {lock.at:%Y-%m-%d %H:%M:%S} UTC" if lock.at else ""
+    when = f" {duration((datetime.now(UTC) - lock.at).total_seconds())} ago" if lock.at else ""
     return f"Halted by {lock.by}{when}: {lock.why}"
