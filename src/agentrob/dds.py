@@ -12,6 +12,10 @@ A callback given to DDS lives as long as the process: an entity that Python's cy
 client of the SDK without closing it) stays in the C library, which goes on calling what was freed (seen: segmentation
 fault in the receiving thread, seconds later). So too everything is deleted before the interpreter takes itself apart,
 and no callback begins from then on: the SDK prints on standard output what comes of taking from what is deleted.
+
+A reader hears as soon as the C library has made it. Python notes it a moment later (on a busy machine: many messages
+later), and cyclonedds calls back with `None` until then: the SDK printed an error, and a request to a simulated world
+lay unread until the next one came. So the first callback of a reader waits until the reader is made.
 """
 
 from __future__ import annotations
@@ -23,9 +27,10 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
-from cyclonedds.core import Entity, Listener
+from cyclonedds.core import Entity, Listener, _data_available_fn
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import _xt_builder
+from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 #: cyclonedds configuration; `{interface}` is `name="lo"` or `autodetermine="true"`. No log file (the SDK's shared one
@@ -50,8 +55,10 @@ _one_topic = threading.Lock()
 _listeners: list[Listener] = []  # a few for each client
 _ended = threading.Event()
 _calling: set[int] = set()  # threads of the C library that are in a callback
-#: Callbacks that have begun get so long before everything is deleted.
-_LAST_CALLS_S = 0.2
+#: Callbacks that have begun get so long before everything is deleted; on a busy machine one may take part of a second.
+_LAST_CALLS_S = 2.0
+#: So long a callback waits for its reader to be made.
+_MADE_S = 2.0
 
 
 def patch() -> None:
@@ -59,7 +66,12 @@ def patch() -> None:
     if isinstance(_xt_builder.xt, _ByteForUint8):
         return
     _xt_builder.xt = _ByteForUint8(_xt_builder.xt)
-    create, listen = Topic.__init__, Listener.__init__
+    create, listen, read, announce = (
+        Topic.__init__,
+        Listener.__init__,
+        DataReader.__init__,
+        Listener.set_on_data_available,
+    )
 
     @wraps(create)
     def one_at_a_time(*args: Any, **kwargs: Any) -> None:
@@ -71,9 +83,33 @@ def patch() -> None:
         listen(self, *args, **{event: _until_the_end(callback) for event, callback in kwargs.items()})
         _listeners.append(self)
 
+    @wraps(read)
+    def made(self: DataReader, *args: Any, **kwargs: Any) -> None:
+        read(self, *args, **kwargs)
+        self.agentrob_made = True
+
+    @wraps(announce)
+    def when_made(self: Listener, callback: Callable[[DataReader], None] | None) -> None:
+        announce(self, callback)
+        if callback is not None:
+            self._on_data_available = _data_available_fn(lambda ref, _: _call_with(ref, callback))
+            self._set_data_available(self._ref, self._on_data_available)
+
     Topic.__init__ = one_at_a_time
     Listener.__init__ = for_good
+    DataReader.__init__ = made
+    Listener.set_on_data_available = when_made
     atexit.register(_end)
+
+
+def _call_with(ref: int, callback: Callable[[DataReader], None]) -> None:
+    """Call back with the reader of this number, unless it is dropped, or its making does not come to an end."""
+    limit_s = time.monotonic() + _MADE_S
+    while not hasattr(reader := Entity.get_entity(ref), "agentrob_made"):
+        if _ended.is_set() or time.monotonic() > limit_s:
+            return
+        time.sleep(0.001)
+    callback(reader)
 
 
 def _until_the_end(callback: Callable[..., None]) -> Callable[..., None]:
