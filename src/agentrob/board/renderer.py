@@ -30,8 +30,9 @@ T = TypeVar("T")
 AT_ONCE_US, AT_ONCE_CHARS = 3_000, 2_000
 #: Shown as it was typed beyond. Prose of 64 KiB is estimated at a quarter of it.
 MOST_US = 1_500_000
-#: And when its HTML is longer: a short text can use a long link again and again.
-MAX_HTML = 1 << 20
+#: And when its HTML has more characters than this, ten times the longest post: a short text can use a long link again
+#: and again or say one name ten thousand times, and a page shows fifty posts. Nothing but links makes seven times.
+MAX_HTML = 10 * 65_536
 #: A longer text that says stop somewhere waits for its turn to be written as any other does.
 STOP_CHARS = 200
 #: Different names after an @ that one text may have: each is looked up.
