@@ -7,7 +7,7 @@ cleaned by nh3 (a real HTML parser) with a short list of what may stay.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from html import escape
 from typing import Any
 
@@ -75,7 +75,7 @@ class Parsed:
         for token in self._tokens:
             for child in token.children or ():
                 for name, _, _ in names_said(child.content) if child.type == "text" else ():
-                    yield from _candidates(name)
+                    yield name
 
     def html(self, is_account: IsAccount) -> str:
         """Once only: safe HTML, as `render` gives it."""
@@ -140,10 +140,9 @@ def _linked(md: MarkdownIt, text: str, is_account: IsAccount) -> Iterator[Token]
             if not md.validateLink(href):
                 continue
         else:
-            name = _known(called, is_account)
-            if not name:
+            if not is_account(called):
                 continue
-            href, shown, css = f"/u/{name}", text[start : start + len(name) + 1], "mention"
+            href, shown, css = f"/u/{called}", text[start : start + len(called) + 1], "mention"
         yield _text(text[done:start])
         yield from _link(href, shown, css)
         done = start + len(shown)
@@ -155,18 +154,6 @@ def unmarked(raw: str) -> str:
     bare = _LINK.sub(r"\1", raw)
     bare = re.sub(r"[*`~]+|[\s|:-]{3,}", lambda m: "" if m[0][0] in "*`~" else " " if "---" in m[0] else m[0], bare)
     return " ".join(re.sub(r"[|>#]+", " ", bare).split())
-
-
-def _known(name: str, is_account: IsAccount) -> str:
-    """The account meant by `name`, also when a dash follows it (`@quadruped- go`); "" when there is none."""
-    for candidate in _candidates(name):
-        if is_account(candidate):
-            return candidate
-    return ""
-
-
-def _candidates(name: str) -> Iterable[str]:
-    return dict.fromkeys((name, name.rstrip("-_")))
 
 
 def _without_tail(url: str) -> str:

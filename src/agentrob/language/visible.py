@@ -46,10 +46,12 @@ _BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 
 # Characters that are drawn as nothing, or that turn the order around in which a line is read. Joiners and selectors
-# stay between letters and emoji that need them, and go where they would stand beside a sign of ASCII.
+# stay between letters and emoji that need them, and go where they would stand beside a sign that is one of ASCII, or
+# becomes one in NFKC.
+_LATIN = "[!-~\u2100-\u218f\u2460-\u24ff\uff01-\uff5e\U0001d400-\U0001d7ff]"
 _UNSEEN = re.compile(
     "[\u00ad\u034f\u061c\u180e\u200b\u200e\u200f\u202a-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f]"
-    "|(?<=[!-~])[\u200c\u200d\ufe00-\ufe0f]+|[\u200c\u200d\ufe00-\ufe0f]+(?=[!-~])"
+    f"|(?<={_LATIN})[\u200c\u200d\ufe00-\ufe0f]+|[\u200c\u200d\ufe00-\ufe0f]+(?={_LATIN})"
 )
 #: A bare address, which is shown as a link.
 ADDRESS = r"(?<![A-Za-z0-9])(?P<url>https?://[^\s<>\"'`|\\^{}\u3000-\u303f\uff00-\uffef]+)"
@@ -109,7 +111,8 @@ def _is_turned(raw: str, shown: str) -> bool:
 
 
 # A handle must not run on in letters that merely look Latin; Chinese, which is written without spaces, may touch it.
-_HANDLE = re.compile(r"@([A-Za-z][A-Za-z0-9_-]{1,31})(?![A-Za-z0-9_@-]|[/\\.][A-Za-z0-9_]|:[0-9])")
+# It ends in a letter or a digit: what is shown as "@robot- walk" links and calls @robot.
+_HANDLE = re.compile(r"@([A-Za-z][A-Za-z0-9_-]{0,30}[A-Za-z0-9])[_-]*+(?![A-Za-z0-9_@-]|[/\\.][A-Za-z0-9_]|:[0-9])")
 _NO_MENTION_AFTER = frozenset("@/\\.+%=&#~-")
 
 
@@ -126,7 +129,7 @@ def mention_spans(visible: str) -> Iterable[tuple[str, int, int]]:
         after = visible[match.end()] if match.end() < len(visible) else " "
         if before in _NO_MENTION_AFTER or _joins_words(before) or _joins_words(after):
             continue
-        yield match[1].lower(), match.start(), match.end()
+        yield match[1].lower(), match.start(), match.end(1)
 
 
 def without_mentions(visible: str) -> str:
@@ -208,9 +211,10 @@ def _run(text: str) -> str:
     """A run of text as it is read: bare addresses left out, and an @ only where the board makes a mention of it."""
     kept, at = [], 0
     for _, start, end in names_said(text):
-        kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end], _ENDS * (end == len(text))]
+        kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end]]
         at = end
-    return "".join([*kept, _disarmed(text[at:])])
+    ends = bool(kept) and not text[at:].strip("_-")
+    return "".join([*kept, _disarmed(text[at:]), _ENDS * ends])
 
 
 def _disarmed(text: str) -> str:
