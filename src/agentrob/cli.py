@@ -156,12 +156,13 @@ def eval_danger(
 @eval_cli.command("stop")
 def eval_stop(
     file: Annotated[Path, typer.Argument(help="Rows of text and stop (true or false), one JSON object a line.")],
+    limit: EvalLimit = None,
     as_json: AsJson = False,
 ) -> None:
     """How many posts stop a robot that moves, and how many stop it falsely."""
     from agentrob import evaluate_stop as measure
 
-    found = measure.stopping(file)
+    found = measure.stopping(file, limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
 
 

@@ -11,13 +11,12 @@ from typing import Any
 from agentrob.agent.perceive import Call, Ears, perceive
 from agentrob.errors import ConfigError
 from agentrob.evaluate import cell, read_rows
+from agentrob.language.visible import mention_spans, visible_text
 from agentrob.model import Account, AccountKind, Post, Role
 
 EXAMPLE = '{"text": "stop right there", "stop": true}'
 _NOW = datetime(2026, 1, 1, tzinfo=UTC)
-_ROBOT = Account("1", "quadruped", AccountKind.ROBOT_AGENT)
 _SOMEBODY = Account("2", "somebody", role=Role.MEMBER)
-_NAMES = frozenset({"quadruped", "robot"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +50,12 @@ def stopping(path: Path, limit: int | None = None) -> Stopping:
 
 
 def stops_it(text: str) -> bool:
-    """Whether a member's post stops the robot whose command moves in its thread."""
-    ears = Ears(_ROBOT, _NAMES, ("robots",), _NOW - timedelta(days=1), _NOW, 120.0, {"thread"}, {"command"})
+    """Whether a member's post stops the robot whose command moves in its thread: the one it mentions first, if any."""
+    named = next((name.lower() for name, _, _ in mention_spans(visible_text(text))), "quadruped")
+    robot = Account("1", named, AccountKind.ROBOT_AGENT)
+    ears = Ears(
+        robot, frozenset({named, "robot"}), ("robots",), _NOW - timedelta(days=1), _NOW, 120.0, {"thread"}, {"command"}
+    )
     return perceive(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), ears).call in (Call.STOP, Call.HALT)
 
 

@@ -27,10 +27,13 @@ _HAN_RUN = re.compile(r"[\u3400-\u9fff]+")
 _EMOJI = re.compile("[🛑✋⛔🚫⚠🆘🚨🤚🙅]")
 _SPELT = re.compile(r"\b[a-z](?:[ .*_-]{1,2}[a-z]){3,10}\b")
 _LEET = str.maketrans("01345@$", "oleasas")
+_AGAIN = re.compile("(stop|wait|halt|no)\\1+")
 _LONG_RUN = re.compile(r"([a-z])\1{2,}")
 _BOUND_JOINT = re.compile(
     r"(?:[\s,，、]|\band\b|\bthen\b|\bafterwards\b|然后|接着|之后|最后|再|并且|并|就)+$", re.IGNORECASE
 )
+_SHOUT = re.compile("[!！]")
+_ANY_MENTION = re.compile(r"@\w+")
 _BOUND_STOP = re.compile(r"\b(?:stop|halt|pause|freeze|brake|wait)\b|停|站住|等", re.IGNORECASE)
 #: What is around a word is looked at this far, in characters; longer clauses are read piece by piece.
 _NEAR = 80
@@ -52,7 +55,7 @@ def stop_while_moving(visible: str, names: Sequence[str] = (), robots: Sequence[
         return Intent.HALT
     if not any(_stops(clause, end) for clause, end in clauses) and not _EMOJI.search(text):
         return None
-    return None if _is_bound(visible, names, robots) else Intent.STOP
+    return None if _is_bound(text) or _is_whole_command(visible, names, robots) else Intent.STOP
 
 
 def _for_me(visible: str, mine: set[str], robots: set[str]) -> str:
@@ -73,13 +76,17 @@ def _for_me(visible: str, mine: set[str], robots: set[str]) -> str:
 
 def _clauses(text: str) -> Iterator[tuple[str, str]]:
     """Clauses in lower case with slips put right, and the mark that ends each."""
-    plain = text.casefold().replace("’", "'").replace("‘", "'").replace(OMITTED, " ").translate(zh.SIMPLIFIED)
+    plain = _plain(text)
     plain = _SPELT.sub(lambda m: word if (word := re.sub("[^a-z]", "", m[0])) in _vocabulary() else m[0], plain)
     pieces = _CLAUSE_END.split(plain)
     for at in range(0, len(pieces), 2):
         end = pieces[at + 1] if at + 1 < len(pieces) else ""
         for cut in range(0, max(1, len(pieces[at])), _LONGEST_CLAUSE):
             yield pieces[at][cut : cut + _LONGEST_CLAUSE + _NEAR].strip(), end
+
+
+def _plain(text: str) -> str:
+    return text.casefold().replace("’", "'").replace("‘", "'").replace(OMITTED, " ").translate(zh.SIMPLIFIED)
 
 
 def _stops(clause: str, end: str) -> bool:
@@ -93,7 +100,9 @@ def _stops(clause: str, end: str) -> bool:
 # ---------------------------------------------------------------------- English
 def _stops_en(words: list[str], clause: str, shouted: bool) -> bool:
     said = " ".join(_right(word) for word in words)
-    if len(said) <= _NEAR and (en.WHOLE.fullmatch(said) or (shouted and en.SHOUTED.fullmatch(said))):
+    again = en.REPEATED.fullmatch(said[:_NEAR]) if len(said) <= _NEAR else None
+    once, shouted = (again[1], True) if again else (said, shouted)
+    if len(said) <= _NEAR and (en.WHOLE.fullmatch(once) or (shouted and en.SHOUTED.fullmatch(once))):
         return True
     if en.SCREAM.search(clause):
         return True
@@ -121,7 +130,7 @@ def _counts(said: str, found: re.Match[str], question: re.Match[str] | None, cry
     """Whether a stop word is a wish."""
     before = said[max(0, found.start() - _NEAR) : found.start()]
     near = said[max(0, found.start() - _NEAR) : found.end() + _NEAR]
-    come = en.COME_TO.search(before + found[0])
+    come = any(n.start() <= len(before) < n.end() for n in en.COME_TO.finditer(near))
     if question and (before.split()[-1:] or [""])[0] in en.GOVERNS:
         return bool(cry)
     if not come and any(n.start() <= len(before) < n.end() for n in en.NOUN.finditer(near)):
@@ -155,6 +164,8 @@ def _right(word: str) -> str:
             return en.SLANG[candidate]
         if candidate in _vocabulary():
             return candidate
+    if again := _AGAIN.fullmatch(word):
+        return again[1]
     short = _LONG_RUN.sub(r"\1", word)
     if len(short) > 12:
         return short
@@ -187,9 +198,13 @@ def _without_one(longer: str, shorter: str) -> bool:
 # ---------------------------------------------------------------------- Chinese
 def _stops_zh(run: str, shouted: bool) -> bool:
     whole = len(run) <= _NEAR and (zh.WHOLE.fullmatch(run) or (shouted and zh.SHOUTED.fullmatch(run)))
-    if whole or zh.CRY.search(run):
+    if (
+        whole
+        or zh.PRESS.search(run)
+        or (zh.CRY.search(run) and not zh.LAUGHTER.search(run) and not zh.WEATHER.search(run))
+    ):
         return True
-    plain = zh.NO_STOP.sub("·", run)
+    plain = zh.LAUGHTER.sub("·", zh.NO_STOP.sub("·", run))
     wishes = zh.NO_WARNING.sub("·", plain)
     if zh.REQUEST.search(run) and zh.STOP.search(plain):
         return True
@@ -201,14 +216,40 @@ def _stops_zh(run: str, shouted: bool) -> bool:
 
 
 # ---------------------------------------------------------------------- a stop that is bound in a command
-def _is_bound(visible: str, names: Sequence[str], robots: Sequence[str]) -> bool:
-    """Whether the post is a whole command that ends in its stop: "walk 1 m and stop". It is one too without it."""
+def _is_bound(text: str) -> bool:
+    """Whether the shape of the post is a command with a goal that has its stop at the end or in between.
+
+    It need not be a command that the grammar understands: it asks back then, which is no reason to stop. Whatever
+    else stops in the post, a warning beside it for example, keeps it from being bound.
+    """
+    if len(text) > _LONGEST_CLAUSE:
+        return False
+    plain = " ".join(_ANY_MENTION.sub(" ", _plain(text)).split()).strip(" .。")
+    if found := en.BOUND_WAIT.fullmatch(plain):
+        return not _any_stops(found["tail"])
+    for words in (en, zh):
+        found = words.BOUND.fullmatch(plain)
+        if found and not _any_stops(found["head"]):
+            goal = words.BOUND_GOAL.search(found["head"]) or words.BOUND_MORE.search(found["tail"])
+            goal = goal or words.BOUND_GOAL.search(found["tail"])
+            joined = not found["joint"] or found["joint"].strip(" ,，、") or found["tail"]
+            if goal and joined and not _any_stops(found["tail"]):
+                return True
+    return False
+
+
+def _any_stops(text: str) -> bool:
+    return any(_stops(clause, end) for clause, end in _clauses(text))
+
+
+def _is_whole_command(visible: str, names: Sequence[str], robots: Sequence[str]) -> bool:
+    """Whether the grammar understands the post as a command that ends in its stop: it is one too without it."""
     if len(visible) > MAX_CHARS:
         return False
     found = list(_BOUND_STOP.finditer(visible))
     head = visible[: found[0].start()] if found else visible
     joint = _BOUND_JOINT.search(head)
-    if found and (joint is None or not joint[0].strip()):
+    if found and (joint is None or not joint[0].strip() or _SHOUT.search(visible, found[0].end())):
         return False
     return _is_command(visible, names, robots) and _is_command(_BOUND_JOINT.sub("", head), names, robots)
 

@@ -50,34 +50,44 @@ STOP = any_of(
 #: A stop in other words.
 IDIOM = any_of(
     """
-    (?:hold|hang) (?:on|up|it|still|your (?:horses|position|ground)|off|fire)
+    (?:hold|hang) (?:on|up|it(?! (?:for (?:<number>)|high|like|with))|still|your (?:horses|position|ground)|off|fire)
     whoa|quit|quit (?:it|that|moving)|(?:cut|knock|pack) (?:it|that|this) (?:out|off|in)
-    kill (?:it|that|this|switch|power|the (?:motors?|power|engine|robot|thing))
+    kill (?:it|that|this|power|the (?:motors?|power|engine|robot|thing))
     (?:shut|turn|switch|power) (?:it|that|this|him|her|everything|(?:the|that|this) \\w+) (?:down|off)
     (?:shut|power|switch) (?:down|off)|(?:shut|power)down|unplug|pull the plug|cut (?:the )?(?:power|motors?|engine)
-    cancel(?:s|led|ling)?|call (?:it|him|her) (?:off|back)|call it a day|terminate|deactivate|disengage|suspend
-    interrupt
-    (?:don't|do not|never|must not|mustn't|shouldn't|should not|cannot|please not) (?:you )?(?:dare )?(?:ever )?<motion>
+    cancel(?:s|ling)?(?! culture)|(?<!i )(?<!we )cancelled|call (?:it|him|her) (?:off|back)|call it a day|terminat(?:e|ed|ing)|discontinued?|deactivate|disengage|suspend
+    interrupt(?! (?:does|handler|routine|request|line))
+    (?<!we )(?<!i )(?<!they )(?:don't|do not|never|must not|mustn't|shouldn't|should not|cannot|please not) (?:you )?(?:dare )?(?:ever )?<motion>
     (?:don't|do not) (?:let|make) (?:it|him|her|the \\w+) <motion>
     no (?:more|further|farther|closer) ?(?:steps?|walking|moving|please)?
     not (?:so fast|any (?:further|farther|closer|more))
+    ^(?:please |pls |no |oh |hey )*(?:don't|do not) (?!<fine>)\\w+(?! (?:it|that) again (?:later|tomorrow))
+    (?:make|have|having|making|get|keep) (?:it|him|her|the \\w+) (?:to )?(?:not|from) <motion>|(?:weren't|wasn't|stopped) (?:moving|walking|running)|(?:not|never) <motion> (?:any ?more|another)
     not (?:another|one more) (?:step|inch|meter|metre|centimeter|cm|move)|not (?:that|this) (?:way|direction|side|far)
     not (?:there|like that|into|onto|my|so close|too close)|not the <thing>|not on (?:the|my)|not through the
-    stay (?:where|there|here|put|still|back|away|right|in place|in position|as you|clear)|remain (?:where|there|still)
+    still (?:going|moving|walking|running|turning|spinning)(?: on)?$|i said (?:\\w+ )?(?:<number>|stop|halt|no|enough)
+    (?:hit|press|push|slam|use|pull|smash|someone hit) (?:the|that|that big) (?:kill|red|big red|emergency)
+    (?:stay|stays|staying) (?:where|there|here|put|still|back|away|right|in place|in position|as you|clear)|remain (?:where|there|still)
     stand (?:still|down|by|there|where|back|fast|your ground|clear)|keep (?:still|away|back|clear|off|your distance|out)
     (?:back|get|step|move|go) (?:off|away|back off)|get (?:back|down|out)|get (?:it|him|her) (?:off|away|out)|get off
     (?:far|close|that's|that is|that was|it's|it is|had|ok|okay|already|quite|more than|just|say|said
     now) (?:enough|plenty)
     enough (?:already|now|is enough|of|please|thanks|thank you|walking|moving|turning|with)
-    that(?:'ll| will) do|time ?out|time-out|red light|let go|give up|down boy|leave (?:it|him|her|me) (?:be|alone|there)
+    that(?:'ll| will) do|(?<!ms )(?<!second )(?<!seconds )(?<!minute )(?<!a )(?<!the )time[ -]?out(?! of| timer| value| in)|break off|red light(?! green)|let go|give up|down boy|leave (?:it|him|her|me) (?:be|alone|there)
     (?:easy|steady) (?:there|boy|girl|now|does it|tiger|buddy|on)|slow(?:er)? down|slow it down
     (?:take|have) a (?:break|rest)|give it a rest|let it (?:be|rest)|hit the (?:brakes?|breaks?)|slam the
+    on second thoughts?|leave (?:the|my|that|his|her|our) (?:\\w+ )?\\w+ (?:alone|be|where)|put (?:it|that|this|him|her) down
+    (?:get|need|call|take|want) a time[ -]?out|(?:standing|sit|sitting) still|can (?:we|you|it) (?:please )?not|put a pause|it's got (?:my|his|her|our|the)
+    drop (?:what|everything|whatever)|(?:ok|okay|just|now|please) park it|(?:a|take) breather|(?:leave|keep) it (?:where|right)
+    never ?mind (?:leave|stay|stop|forget)|forget (?:it|that|about it)|belay (?:that|this|the|my)|(?:zero|null|no) velocity|velocity (?:to )?zero
     (?:be|get it|get him|get her|want it|wants?|needs?) stopped|put (?:an end|a stop) to
     give (?:me|us) (?:a|one) (?:sec|second|moment|minute|min)
     too (?:far|close|fast|near|quick|dangerous|risky|rough|wild)|hands off|no no|nope nope|(?:nono)+(?:no)?|nah nah
     wrong (?:way|direction|side|robot|room|turn)|do nothing|nobody move|stationary
     i (?:said|meant) (?:no|enough)|come back here|that's (?:as )?far
     """,
+    fine="(?:stop|pause|halt|wait|worry|forget|mind|be|bother|think|know|care|ask|tell|say|hesitate|give|quit|abort|cancel|freeze|brake|hold|rush|let|listen|get me|need|have|you|listen|want|like|see|understand|believe|hurry|leave|feel|call|blame|miss|remember|even|cancel|interrupt|break|shut|turn it|make it stop|slow)\\b",
+    number="one|two|three|four|five|six|seven|eight|nine|ten|\\d+",
     motion=_MOTION,
     thing=_THING,
 )
@@ -95,10 +105,12 @@ WARNING = any_of(
     (?:it|you|robot|he|she|dog) (?:hit|hits|bumped|crashed|fell|falls|tips|broke|knocked|ran|stepped|drops|dropped)
     (?:hit|bumped|crashed|ran|fell|stepped|knocked|smashed|broke|crushed) (?:\\w+ )?(?:me|my|into|over|someone
     somebody|him|her)
+    (?:going|goes|heading|heads|walking|walks|running|rolling|sliding|leaning|driving) (?:right |straight )?(?:off|over|towards?|for|into) the (?:<thing>|\\w+ (?:stairs|edge))
+    it's (?:going|heading) (?:for|into|at) (?:the|my|a)|dragging|tangled|caught (?:on|in)|chewing|knocked over
     falling|tipping over|tripping over|collision|toppling|crashing
     (?:there's|there is|there are|i see|it's|is|are) (?:\\w+ ){0,3}<thing> (?:\\w+ )?<where>
     (?:<thing>|something) (?:is |are |just )?<where>
-    in (?:the|its|your|his|her|my|our) (?:way|path)|(?:behind|in front of|right next to) (?:you|it)
+    in (?:the|its|your|his|her|my|our) (?:way|path)|(?:behind|in front of|right next to) you
     out of control|off course|(?:gone|going|went|goes) (?:crazy|mad|wild|haywire|berserk)|malfunction\\w*|haywire
     (?:is|got|it's|am|i'm|gets) stuck|it hurts|hurts|hurting|(?:somebody|someone|please|god) help
     help (?:me|us|him|her|it|someone|somebody|now|please)|call (?:an ambulance|911|112|security)
@@ -127,7 +139,7 @@ WHOLE = re.compile(
     rf"|leave it|drop it|that's all|end|end it|finish|off|undo|retreat|cancelled|stopped|yield|heel|down"
     rf"|relax|(?:just )?(?:one|a|1) (?:sec|second|moment|minute|min)"
     r"|calm down|chill|settle down|wrong|not good|bad dog|bad robot|bad idea|no way|don't|do not|not yet|not now"
-    r"|timeout)"
+    r"|timeout|kill ?switch|oi(?: oi)*)"
     rf"(?: (?:{_TAIL}))*"
 )
 #: A scream.
@@ -137,6 +149,49 @@ SHOUTED = re.compile(
     rf"(?:(?:{_LEAD}) )*(?:help|(?:the|my|your|our|his|her|that|a|watch) (?:\w+ )?(?:{_THING})"
     rf"|{_THING})(?: (?:{_TAIL}))*"
 )
+#: What is said again and again is shouted: "the edge the edge the edge".
+REPEATED = re.compile(r"(.{2,40}?)(?: \1)+")
+
+# ---------------------------------------------------------------------- a stop that is bound in a command
+_NUMBER = (
+    r"\d[\d.,]*|a|an|one|two|three|four|five|six|seven|eight|nine|ten|twelve|fifteen|twenty|thirty|forty|fifty|ninety"
+    r"|half|quarter|couple|few|several|full"
+)
+_ACT = (
+    "walk|trot|run|jog|march|crawl|step|go|move|head|turn|rotate|spin|twirl|back|come|drive|patrol|circle|pace|stroll"
+    "|wave|nod|bow|sit|dance|do|play|take|snap|shoot|raise|lift|hop|jump|shuffle|strafe|sidestep|return|travel|advance"
+    "|wander|creep|tiptoe|roll|climb|look|point|stretch|follow|perform|make"
+)
+_END = (
+    "at|in|by|near|next to|facing|when|once|before|after|for|close to|just|right (?:at|before|in|by|next|behind)"
+    "|there|like|short|beside|under|inside|outside|behind|on|with|so|until|about|and|then|" + _ACT + "|" + _NUMBER
+)
+#: Such a clause before a command says that it is for later: "for the next run: trot forward ...".
+_LATER = (
+    r"\bnext\b|\blater\b|\btomorrow\b|\bafter (?:this|that|the)\b|\bafterwards\b|\bround\b|\bsecond\b|\bonce (?:it|you|this)"
+    r"|\bwhen (?:it|you|he|she|this)(?:'s|'re| is| are)? (?:\w+ )?(?:done|finished|ready|back|there)"
+)
+#: A command with an amount or a place, then a stop as its end or its middle: "trot four steps and halt", "spin and
+#: stop facing the window", "turn left 90 degrees, pause, then turn back".
+BOUND = re.compile(
+    rf"(?:[^!?.;]{{0,60}}?(?:{_LATER})[^!?.;]{{0,40}}?[:,] ?)?(?P<head>(?:(?:please|pls|now|ok|okay|hey|hi|can you|could you|next|first|robot|and then|then),? )*"
+    rf"(?:slowly |quickly |carefully |gently )?(?:{_ACT}|(?:when|once|as soon as) you (?:reach|get|see|arrive|hit|are))\b[^!?.;]*?)"
+    r"(?P<joint>\s*(?:,|\band\b|\bthen\b|\bafterwards\b)(?:\s|,|\band\b|\bthen\b|\bafterwards\b)*)(?P<stop>(?:come to (?:a|an) (?:full |complete )?)?(?:stop|halt|pause|freeze|brake|wait|hold still|stand still|stay still|stopping|halting|pausing))\b[, ]*"
+    rf"(?P<tail>(?:(?:{_END})\b[^!?;]*)?)"
+)
+BOUND_GOAL = re.compile(
+    rf"\b(?:{_NUMBER}) ?(?:m|cm|mm|km|ft|in|metres?|meters?|centimet(?:re|er)s?|steps?|paces?|feet|foot|yards?|inch(?:es)?"
+    r"|degrees?|deg|°|circles?|laps?|rounds?|turns?|times?|seconds?|secs?|minutes?)(?!\w)"
+    r"|\bin place\b|\breach\b|\bto (?:me|us|him|them|[a-z]+'s)\b|\buntil (?:you|it|the)\b|\b(?:to|towards?|up to|into|onto|past|around|across|along|over to|at|facing|near|beside|behind|by|before|next to"
+    r"|in front of) (?:the|a|an|my|your|our|that|this|his|her|room|door|[a-z]+'s)\b"
+)
+#: It goes on after the stop.
+BOUND_MORE = re.compile(rf"(?:,|\band\b|\bthen\b)(?: then)? (?:{_ACT})\b")
+#: "wait 3 seconds and then wave"
+BOUND_WAIT = re.compile(
+    rf"(?:(?:after|when|once) [^!?;]{{3,40}}? )?(?:(?:please|ok|okay|first|robot),? )*(?:wait|pause|hold|stop|freeze|stand|stay)\b[^!?;,]{{0,50}}? (?:{_NUMBER}) ?"
+    rf"(?:s|secs?|seconds?|mins?|minutes?|moments?)[, ]+(?:and |then |afterwards )+(?P<tail>(?:{_ACT})\b[^!?;]*)"
+)
 
 # ---------------------------------------------------------------------- when it does not count
 #: The word is a thing: "the bus stop", "the stop button".
@@ -144,29 +199,33 @@ NOUN = any_of(
     r"""
     (?:bus|tram|train|metro|subway|truck|pit|rest|next|last|first|second|final|door|taxi) (?:stops?|halt)
     (?:non|one|bus|tram)-stop|non ?stop
-    (?:the|a|each|every|which|any|another|my|our) (?:\w+ )?(?:stops?|halt|pause|brakes?)
+    (?:the|a|each|every|which|any|another|my|our|this|that|its|an) (?:<kind> )?(?:stops?|halt|pause|brakes?|freeze|e-?stop)
+    stop[ -]motion|freeze[ -]frame|(?:regenerative|disc|hydraulic|good|bad|its) brakes|brakes (?:would|are|were)
     (?:sudden|abrupt|nice|good|great|perfect|clean|smooth|lovely|short) (?:stops?|halt|pause|brakes?)
-    (?:stop|brake|pause|abort|halt|wait|cancel)[ -](?:signs?|buttons?|lights?|watch|words?|pads?|pedals?|keys?)
-    (?:stop|brake|pause|abort|halt|cancel)[ -](?:distances?|functions?|features?|commands?|times?|lines?|posts?|rules?)
-    stopping distances?
-    """
+    (?:stop|brake|pause|abort|halt|wait|cancel)[ -](?:signs?|buttons?|lights?|watch|words?|pads?|pedals?|keys?|marks?|bars?|points?|positions?)
+    (?:stop|brake|pause|abort|halt|cancel)[ -](?:distances?|functions?|features?|commands?|times?|lines?|posts?|rules?|modes?|states?)
+    (?:halting|stopping) (?:states?|problems?|points?|conditions?|criteri\w+)|freeze[ -]dr\w+|early stopping|(?:code|pip|hiring|budget|feature|deep) freeze|docker stop|category \w+ stop|heart-stopping|call(?:ing|s|ed)? abort|freezing (?:cold|weather|rain|here|point|outside)|(?:hard|mechanical|end) stops?|full stops? (?:is|are|means?)
+    stopping distances?|one stop
+    """,
+    kind="next|last|first|second|final|emergency|soft|hard|full|whole|new|old|red|big|wireless|physical|software|hardware|remote|other|same|cool|sudden",
 )
 #: … but here the thing is the wish: "come to a stop", "hit the brakes".
 COME_TO = any_of(
     r"""
     (?:to|make|into|bring|bring it|need|want|take|have|hit|use|pull|press|push
-    apply) (?:it )?(?:to )?<a> (?:\w+ )?<stop>
+    apply) (?:it )?(?:to )?<a> (?:<how> )?<stop>
     """,
+    how="full|complete|sudden|quick|immediate|hard|dead|proper|total|gentle|smooth|slow|screeching|emergency|hand|bloody|damn",
     a="a|an|the|your",
-    stop="stop|halt|standstill|pause|brakes?|handbrake|break",
+    stop="(?:stop|halt|standstill|pause|brakes?|handbrake|break|e-?stop)(?! (?:signs?|buttons?|marks?|lines?|lights?|states?|modes?|function))",
 )
 #: Right before the word, at most these beside it: it is denied.
 DENIED = re.compile(
-    r"\b(?:don't|do not|never|no need(?: for (?:you|it))? to|needn't|need not|not to|without|no reason to|(?:don't"
+    r"\b(?:don't|do not|never|no need(?: for (?:you|it))? to|needn't|need not|not to|without|(?:i|we) wouldn't|no reason to|(?:don't"
     r"|doesn't"
-    r"|do not|not) (?:have|need|want (?:it|you)) to|mustn't|must not|shouldn't|should not|not|can't|cannot"
+    r"|do not|not) (?:have|need|want(?:ed)? (?:it|you)) to|mustn't|must not|shouldn't|should not|not|can't|cannot"
     r"|couldn't|can not"
-    r"|didn't|hasn't|doesn't|instead of|nobody said|won't)"
+    r"|didn't|hasn't|doesn't|instead of|(?:never|didn't|did not) say|never said|(?:nobody|no one) (?:asked|wanted|told|wants|said)(?: for)?(?: it| you| him| her)?(?: to)?|nobody|no one|noone|won't|(?:shame|pity|silly|stupid|sad|too (?:early|soon)|sin|waste) to)"
     r"(?: (?:you|it|him|her|dare|ever|even|please|yet|now|just|let|make|want|to|think|about|be|suddenly|say"
     r"|there))*\s*$"
 )
@@ -180,7 +239,9 @@ CRY = any_of(
 SMILE = any_of(r"(?:can't|cannot|couldn't) stop (?:myself )?\w+ing")
 #: "It stops at walls" tells what it does.
 HABIT = re.compile(
-    r"\b(?:it|he|she|robot|dog|that|who|which|always|usually|never|only|then|and|really|often|music|one"
+    r"(?<!it )(?<!you )(?<!he )(?<!she )\bwould (?:stop|halt|abort|freeze|pause)$|"
+    r"\b(?:until|till|when|once|unless) (?:i|we|somebody|someone|they|he|she) (?:say|says|tell|tells|ask|asks|give|gives)(?: \w+){0,2}(?: to)? (?:stop|halt|pause|freeze)$|"
+    r"\b(?:it|he|she|robot|dog|watchdog|system|controller|firmware|software|guard|driver|button|timer|code|that|who|which|always|usually|never|only|then|and|really|often|music|one"
     r"|sometimes) stops$"
 )
 PRAISE = any_of(
@@ -194,14 +255,15 @@ PRAISE = any_of(
 SELF_WAIT = any_of(
     r"""
     (?:can't|cannot|couldn't|can not|hardly|barely) wait|(?:i|we|i'll|we'll|they|people|who|i'd|let's) (?:\w+ )?wait
-    (?:worth the|long|the|a|minute|hour) wait|(?:don't|do not|never|not|always) wait|(?:did|does|do) (?:\w+ )?wait
-    (?:have|had|has|used) to wait|wait (?:times?|list)|wait (?:till|until) (?:you|they) (?:see|hear)
+    (?:worth the|long|the|a|minute|hour|needn't|not|asyncio) wait|(?:don't|do not|never|not|always) wait|(?:did|does|do) (?:\w+ )?wait
+    (?:have|had|has|used) to wait|wait (?:times?|list)|wait (?:till|until) (?:you|they|he|she|everyone|people|my \w+|the \w+) (?:sees?|hears?|finds?|gets?|tr(?:y|ies))
     """
 )
 PAST = any_of(
     r"""
-    yesterday|last (?:time|week|night|run|round|month|year|try|demo)|earlier|ago|previously|the other day|this morning
-    in the (?:video|demo|film|movie)|used to|back then|first time
+    (?<!like )yesterday|last (?:time|week|night|run|round|month|year|try|demo)|earlier|ago|previously|the other day|this morning
+    in the (?:video|demo|film|movie)|used to|back then|first time|(?:i|we|he|she|they|it) had to
+    on (?:monday|tuesday|wednesday|thursday|friday|saturday|sunday)
     """
 )
 #: A warning that is denied: "it won't fall".
@@ -209,7 +271,8 @@ NO_WARNING = any_of(
     r"""
     (?:won't|not|never|didn't|doesn't|don't|without|no|isn't|hasn't|can't|couldn't|wouldn't) (?:\w+ ){0,3}<harm>
     (?:no|not|isn't|without|any|never|how|is it|is that|is this) (?:\w+ )?<danger>
-    (?:fire|emergency) (?:exit|door|engine)
+    (?:nobody(?:'s)?|no one(?:'s)?|nothing(?:'s)?|not|isn't|aren't) (?:\w+ ){0,2}in (?:the|its|your|his|her|my|our) (?:way|path)
+    (?:fire|emergency) (?:exit|door|engine)|(?:stopped|quit|no|gave up) smoking
     (?:smoking|crash|fire|blood|emergency) (?:hot|test|tests|course|truck|type|area|exit|contact|number)
     (?:love|like|nice|cool|great) .{0,30}<harm>|fall (?:asleep|in love|for|season|term|semester)
     falling (?:asleep|in love)
@@ -232,7 +295,7 @@ _FILLED = (
 QUESTION = re.compile(
     rf"^(?:(?:{_FILLED}) )*(?:(?P<wh>why|why's|how|how's|when|where|where's|what|what's|who|who's|whose|which|if"
     rf"|whether)"
-    r"|(?P<aux>did|didn't|does|do(?! not)|was|were|has|have|had|can (?:it|he|she|this|that|the|i|we|people|anyone"
+    r"|(?P<aux>did|can (?:a|an)|didn't|does|do (?=you|we|they|i|robots|these|those|all)|was|were|has|have|had|can (?:it|he|she|this|that|the|i|we|people|anyone"
     r"|robots)"
     r"|could (?:it|he|she|this|that|the|i)|should i|may i|am i|doesn't)"
     r"|(?P<be>is|are|will (?:it|he|she|this|that|the)|would (?:it|he|she|this|that|the|a)|isn't))\b"
@@ -251,7 +314,8 @@ GOVERNS = frozenset(
     """
     it you i we they he she to robot dog this that one thing machine humanoid quadruped him her them suddenly just
     really always ever even actually automatically never not did does do would will can could should must the a
-    press emergency immediately early there so push call use anything robots everything usually mean manually
+    press emergency immediately early there so push call use anything robots everything usually mean manually still
+    write wrote typed reply answer post send writing typing saying
     remotely sometimes normally properly sudden quickly gently say said type post safely by of for on before
     gradually after when is was were are been being got again only fully or and about with its first go
     """.split()
@@ -278,14 +342,14 @@ OTHERS = frozenset(
     """.split()
 )
 SLANG = {
-    "stahp": "stop", "stawp": "stop", "stap": "stop", "shtop": "stop", "stob": "stop", "stp": "stop", "hlt": "halt", "frz": "freeze", "staph": "stop",
+    "stahp": "stop", "stawp": "stop", "stap": "stop", "shtop": "stop", "stob": "stop", "stp": "stop", "hlt": "halt", "frz": "freeze", "staph": "stop", "dun": "don't", "dunt": "don't", "wen": "when",
     "sthap": "stop", "w8": "wait", "holup": "hold up", "hollup": "hold up", "holdup": "hold up", "hol": "hold",
     "gimme": "give me", "woah": "whoa", "wo": "whoa", "woh": "whoa", "whoah": "whoa", "pls": "please", "plz": "please", "plss": "please",
     "dont": "don't", "doesnt": "doesn't", "cant": "can't", "wont": "won't", "isnt": "isn't", "didnt": "didn't",
     "thats": "that's", "theres": "there's", "its": "it's", "gona": "gonna", "goin": "going", "im": "i'm", "youre": "you're",
     "shouldnt": "shouldn't", "mustnt": "mustn't", "hlep": "help", "hepl": "help", "carefull": "careful", "enuf": "enough",
     "enuff": "enough", "nuff": "enough", "u": "you", "ur": "your", "goddamn": "god", "damn": "god", "noo": "no",
-    "stopit": "stop it", "stopnow": "stop now", "holdit": "hold it", "holdon": "hold on", "hangon": "hang on",
+    "gie": "give", "haud": "hold", "yer": "your", "gonnae": "gonna", "stopit": "stop it", "stoppit": "stop it", "stopnow": "stop now", "holdit": "hold it", "holdon": "hold on", "hangon": "hang on",
     "waitwait": "wait", "plzstop": "stop", "pleasestop": "stop", "stopplease": "stop", "stopstop": "stop",
     "stopstopstop": "stop", "nonono": "no no", "nono": "no no", "lookout": "look out", "watchout": "watch out",
     "emergancy": "emergency", 
