@@ -53,8 +53,10 @@ def test_until_when_it_may_be_approved_is_shown_as_a_time_of_the_reader_s_zone(b
     _, post, status = waiting(board, until="2026-11-22T21:14:05+01:00")
     board.client("quadruped").put("/robots/quadruped", json={"card": {"line": [post]}}).raise_for_status()
     shown = 'until <time datetime="2026-11-22T20:14:05.000Z"'
-    for path in (f"/p/{status}/fragment", f"/c/{post}", "/robots/quadruped/fragment"):
+    for path in (f"/p/{status}/fragment", f"/c/{post}", "/robots/quadruped/fragment", "/notices"):
         assert board.browser("admin").get(path).text.count(shown) == 1, path
+    queue = board.browser("admin").get("/robots/quadruped/fragment").text.partition("<h2>Queue</h2>")[2]
+    assert "waits for approval" in queue
     card = {"robot": "quadruped", "state": "expired", "until": "2026-11-22T21:14:05+01:00"}
     board.client("quadruped").patch(f"/posts/{status}", json={"body": "Too late.", "card": card}).raise_for_status()
     assert shown not in board.browser("admin").get(f"/p/{status}/fragment").text

@@ -17,6 +17,7 @@ from playwright.sync_api import Browser, expect
 from agentrob.board.templating import STATES
 
 pytestmark = pytest.mark.browser
+UNTIL = {"until": "2026-11-22T20:14:05+00:00"}
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +77,8 @@ STRUCTURE = """() => {
     const name = control.textContent.trim() || control.getAttribute('aria-label') || control.querySelector('img')?.alt;
     if (!name) wrong.push('no name: ' + control.outerHTML);
   }
+  for (const time of document.querySelectorAll('time'))
+    if (time.getClientRects().length > 1) wrong.push('a time on two lines: ' + time.textContent);
   let level = 1;
   for (const heading of document.querySelectorAll('main h1, main h2, main h3')) {
     const here = Number(heading.tagName[1]);
@@ -90,13 +93,15 @@ STRUCTURE = """() => {
 def paths(world: World) -> list[str]:
     """Every page, with a thread that has everything in it."""
     topic = new_topic(world, replies=2)
+    world.board.add("owner-of-robots")
+    world.chief().patch("/admin/robots/quadruped", json={"owner": "owner-of-robots"}).raise_for_status()
     long = "a" * 150
     robot_posts(
         world, topic, f"| step | asked | measured |\n|---|--:|--:|\n| {long} | 1 m | 1 m |\n\n```\n{long} {long}\n```"
     )
     robot_posts(world, topic, f"{long} https://example.org/{long}\n\n> quoted\n\n`{long}`", RUNNING)
     for state in STATES:
-        robot_posts(world, topic, state, RUNNING | {"state": state, "doing": "a rather long description " * 4})
+        robot_posts(world, topic, state, RUNNING | {"state": state, "doing": "a rather long description " * 4} | UNTIL)
     robot = world.api("quadruped")
     image = robot.post("/images", files={"file": ("a.jpg", jpeg(50), "image/jpeg")}).json()["id"]
     robot.post(f"/topics/{topic}/posts", json={"body": "wide", "images": [image]}).raise_for_status()
