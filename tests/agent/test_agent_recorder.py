@@ -279,6 +279,31 @@ async def test_a_drawing_that_takes_long_does_not_delay_the_reply_and_follows_it
     assert later.card == first.card
 
 
+class ToldByAnother(MemoryForum):
+    """A forum on which another agent of the same account has told the end while this one drew."""
+
+    looks = 0
+
+    async def post(self, post_id: str) -> Post:
+        found = await super().post(post_id)
+        if found.card is None or found.card.state != "running":
+            return found
+        self.looks += 1
+        return replace(found, card=replace(found.card, state="done", trace_id="of another"))
+
+
+async def test_a_drawing_that_no_reply_will_show_is_given_up(
+    slow: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, "DRAW_S", 0.0)
+    scene = make_scene(slow, tmp_path)
+    forum = ToldByAnother(scene.world, "quadruped")
+    async with scene.agent(forum=forum) as agent:
+        await scene.post("alice", "@quadruped walk forward 0.8 m")
+        await scene.until(lambda: forum.looks)
+        await scene.until(lambda: not agent.recorder._drawing)
+
+
 class Stills(MemoryForum):
     """A forum that knows no moving pictures."""
 

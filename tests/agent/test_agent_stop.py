@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
+from agentrob.agent import stops as stopping
 from agentrob.errors import RobotUnreachable
 from agentrob.model import AccountKind, Role, StopResult
 from agentrob.robots.client import DriverClient
@@ -118,6 +119,17 @@ async def test_law_15_many_stops_get_one_folded_reply_and_do_not_block_the_next_
         assert [len(scene.replies(s)) for s in stops] == [1] + [0] * 10
         later = await scene.post("alice", "@quadruped turn left 30 degrees", topic=post.topic_id)
         assert (await scene.final(later)).card.state == "done"
+
+
+async def test_law_15_stops_in_many_threads_are_all_answered_and_few_threads_are_remembered(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stopping, "THREADS", 3)
+    async with scene.agent() as agent:
+        for _ in range(8):
+            said = await scene.post("bob", "@quadruped stop")
+            await scene.until(lambda said=said: scene.replies(said))
+        assert len(agent.stops._replies) <= 3
 
 
 async def test_law_14_what_is_still_being_read_is_cancelled_too_and_a_later_post_moves(scene: Scene) -> None:

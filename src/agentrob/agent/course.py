@@ -117,7 +117,10 @@ class Course:
         finally:
             self.line.leave(job)
         if report is not None:
-            await self._tell(job, report)
+            try:
+                await self._tell(job, report)
+            finally:
+                self.recorder.forget(job.command.post_id)
 
     async def _faulted(self, job: Job, error: Exception) -> Report:
         """The report of a command that a fault ended: with all that was measured until then (law 18)."""

@@ -145,6 +145,12 @@ class Recorder:
         """The animation that was not ready for the reply, when it is; None when there is none."""
         return await self._ready(post_id, LATE_S, last=True)
 
+    def forget(self, post_id: str) -> None:
+        """The command's report is told, or cannot be: nobody asks for its pictures or its animation any more."""
+        self._films.pop(post_id, None)
+        if (drawing := self._drawing.pop(post_id, None)) is not None:
+            drawing.cancel()
+
     async def _ready(self, post_id: str, limit_s: float, *, last: bool = False) -> bytes | None:
         if (drawing := self._drawing.get(post_id)) is None:
             return None
@@ -156,7 +162,7 @@ class Recorder:
         finally:
             if last or drawing.done():
                 drawing.cancel()
-                del self._drawing[post_id]
+                self._drawing.pop(post_id, None)
         return drawing.result() if drawing.done() and not drawing.cancelled() else None
 
     async def _draw(self, post_id: str, scene: bytes) -> bytes | None:

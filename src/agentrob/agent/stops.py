@@ -16,6 +16,7 @@ import structlog
 from agentrob.agent.status import SOON_S, insist, until_allowed
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumError, RobotError
+from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.forum import Forum, Written
 from agentrob.model import Language, Post, StopResult
 from agentrob.robots.client import DriverClient
@@ -25,6 +26,8 @@ from agentrob.robots.stop import stop_robot
 FOLD_S = 1.0
 #: A forum that fails so often (for some 50 s) is left without the reply to a stop.
 TRIES = 9
+#: Threads whose reply to a stop is remembered, until a new command comes; a stop in another one is answered anew.
+THREADS = 100
 _log = structlog.get_logger()
 #: What the second channel's answer to a halt says: it can only stop.
 ONLY_STOPPED = "only stopped"
@@ -61,7 +64,7 @@ class Stops:
         self._render = render
         self._under_way: set[asyncio.Future[None]] = set()
         self._ended_s = -math.inf
-        self._replies: dict[str, asyncio.Task[_Reply | None]] = {}
+        self._replies = BoundedDict[str, asyncio.Task[_Reply | None]](THREADS)
 
     async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
         """Stop or halt the robot; the result's latency counts from `at`, when the stop was accepted by the forum.

@@ -16,6 +16,7 @@ from typing import Any
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumMalformed, ForumNotFound, ForumUnreachable
 from agentrob.forums import discourse_settings as settings_of
+from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.cards import card_by
 from agentrob.forums.discourse_admin import Admin, notices_of
 from agentrob.forums.discourse_bus import listen
@@ -52,12 +53,12 @@ class DiscourseForum:
         self.options = DiscourseOptions.of(settings.options)
         self._wire = Wire(settings.url, Credentials.of(token))
         self._set_pace()
-        self._remembered: dict[str, tuple[float, Account]] = {}
-        self._numbers: dict[tuple[int, int], str] = {}
-        self._places: dict[str, int] = {}
+        self._remembered = BoundedDict[str, tuple[float, Account]](MOST_KNOWN)
+        self._numbers = BoundedDict[tuple[int, int], str](_KEPT)
+        self._places = BoundedDict[str, int](_KEPT)
         self._versions = Versions()
         self._boards: dict[int, Board] = {}
-        self._topic_boards: dict[int, int] = {}
+        self._topic_boards = BoundedDict[int, int](_KEPT)
         self._me: Account | None = None
         self._watch = Watch(self)
         self._desk = Desk(self, self._wire, self.options)
@@ -362,10 +363,6 @@ class DiscourseForum:
     def _remember(self, topic_id: int, number: int, post_id: str) -> None:
         self._numbers[topic_id, number] = post_id
         self._places[post_id] = number
-        if len(self._numbers) > _KEPT:
-            del self._numbers[next(iter(self._numbers))]
-        if len(self._places) > _KEPT:
-            del self._places[next(iter(self._places))]
 
     async def _answered(self, topic_id: int, number: int | None) -> str | None:
         """The post that a reply answers: Discourse says its place in the topic."""

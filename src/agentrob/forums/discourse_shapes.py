@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from agentrob.errors import ForumNotFound
+from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.forum import Board
 from agentrob.model import Account, AccountKind
 
@@ -19,7 +20,7 @@ class Versions:
     changed since it was seen, or was touched after it was written, is no first version (law 4)."""
 
     def __init__(self) -> None:
-        self._known: dict[int, tuple[str, int]] = {}
+        self._known = BoundedDict[int, tuple[str, int]](_KEPT)
 
     def of(self, raw: _JSON) -> int:
         post_id, text = int(raw["id"]), str(raw["raw"])
@@ -28,8 +29,6 @@ class Versions:
         if (known := self._known.get(post_id)) is not None:
             version = max(version, known[1] + (known[0] != text))
         self._known[post_id] = (text, version)
-        if len(self._known) > _KEPT:
-            del self._known[next(iter(self._known))]
         return version
 
 

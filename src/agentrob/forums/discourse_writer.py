@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
 from agentrob.forums import discourse_marks as marks
+from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.discourse_settings import DiscourseOptions
 from agentrob.forums.discourse_wire import Refused, Wire
 from agentrob.forums.forum import Written
@@ -24,7 +25,7 @@ SEARCHED_POSTS, SEARCHED_TOPICS = 300, 20
 #: How often to ask whether a moderator has approved a post.
 APPROVAL_S = 30.0
 _JSON = Mapping[str, Any]
-_KEPT_TURNS = 500
+_KEPT, _KEPT_TURNS = 2_000, 500
 _KINDS = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}
 
 
@@ -50,6 +51,30 @@ class Library(Protocol):
     async def build(self, raw: _JSON, fresh: bool = False) -> Post: ...
 
 
+class ReadPosts(BoundedDict[int, str | None]):
+    """Posts that were read already, each with its key when it is our own; of a key's posts `first` is the oldest.
+
+    What is dropped counts as not read, so that its key is found on the forum again.
+    """
+
+    def __init__(self, most: int) -> None:
+        super().__init__(most)
+        self._first: dict[str, int] = {}
+
+    def first(self, key: str) -> int | None:
+        return self._first.get(key)
+
+    def __setitem__(self, post_id: int, key: str | None) -> None:
+        self.dropped(post_id, self.get(post_id))
+        if key is not None:
+            self._first[key] = min(post_id, self._first.get(key, post_id))
+        super().__setitem__(post_id, key)
+
+    def dropped(self, key: int, value: str | None) -> None:
+        if value is not None and self._first.get(value) == key:
+            del self._first[value]
+
+
 class Desk:
     """Where one account writes. Writes of the same key take turns."""
 
@@ -58,9 +83,7 @@ class Desk:
         self._wire = wire
         self._prefix = options.key_prefix
         self._turns: OrderedDict[str, asyncio.Lock] = OrderedDict()
-        #: Keys of own posts that were read or written, and posts that were looked at already.
-        self._written: dict[str, int] = {}
-        self._read: set[int] = set()
+        self._read = ReadPosts(_KEPT)
         #: Keys of posts that wait for a moderator; None: not asked for yet.
         self._waiting: set[str] | None = None
 
@@ -99,7 +122,7 @@ class Desk:
         with translated():
             number = next(int(p) for p in led.partition("?")[0].removesuffix(".json").split("/")[::-1] if p.isdigit())
             first = (await self._library.topic_json(number))["post_stream"]["stream"][0]
-            self._written[key] = int(first)
+            self._read[int(first)] = key
         return await self._library.post(str(first))
 
     async def _external_id(self, key: str) -> str:
@@ -135,7 +158,7 @@ class Desk:
                 raise
             if int(sent["post_number"]) > highest + 1:
                 await self._search(topic_id)
-                if (first := self._written.get(key, int(sent["id"]))) != int(sent["id"]):
+                if (first := self._read.first(key)) not in (None, int(sent["id"])):
                     await self._wire.ask("DELETE", f"/posts/{sent['id']}.json")
                     return Written(await self._library.post(str(first)), created=False)
             return Written(await self._noted(key, {**sent, "raw": raw}))
@@ -145,12 +168,11 @@ class Desk:
         me = await self._library.myself()
         topic = await self._library.topic_json(topic_id, username_filters=me.name)
         with translated():
-            unread = [int(n) for n in topic["post_stream"]["stream"] if int(n) not in self._read][-SEARCHED_POSTS:]
+            newest = [int(n) for n in topic["post_stream"]["stream"][-SEARCHED_POSTS:]]
+            unread = [number for number in newest if number not in self._read]
             for post_id, raw in (await self._library.raw_posts(topic_id, unread)).items():
-                self._read.add(post_id)
                 own = str(raw["user_id"]) == me.id
-                if own and (key := self.own_key(marks.unmark(text_of(raw["raw"])).key)) is not None:
-                    self._written[key] = min(post_id, self._written.get(key, post_id))
+                self._read[post_id] = self.own_key(marks.unmark(text_of(raw["raw"])).key) if own else None
             return int(topic["highest_post_number"] or 0)
 
     async def _explain(self, topic_id: int, refused: Refused) -> None:
@@ -198,12 +220,15 @@ class Desk:
         return None
 
     async def _old(self, key: str) -> Post | None:
-        post_id = self._written.get(key)
-        return None if post_id is None else await self._library.post(str(post_id))
+        post_id = self._read.first(key)
+        if post_id is None:
+            return None
+        if self._waiting is not None:  # a moderator let it pass
+            self._waiting.discard(key)
+        return await self._library.post(str(post_id))
 
     async def _noted(self, key: str, sent: _JSON) -> Post:
-        self._written[key] = int(sent["id"])
-        self._read.add(int(sent["id"]))
+        self._read[int(sent["id"])] = key
         return await self._library.build(sent)
 
     # ---------------------------------------------------------------- inside

@@ -14,6 +14,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
+from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.forum import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
 from agentrob.forums.nodebb_accounts import Registry
 from agentrob.forums.nodebb_events import Ledger, Source
@@ -70,8 +71,9 @@ class NodeBBForum:
         source = Source(self._shelf.recent, self._shelf.post, self._shelf.stored, self._wire.clock.now)
         self._ledger = Ledger(source)
         self._writing = asyncio.Lock()
-        self._own: dict[str, str] = {}
-        self._uploaded: dict[str, str] = {}
+        #: Posts by their keys, pictures by their digests: what was dropped is looked for on the forum, or sent again.
+        self._own = BoundedDict[str, str](MOST_KNOWN)
+        self._uploaded = BoundedDict[str, str](MOST_KNOWN)
         self._checked_s = -CHECK_S
 
     async def close(self) -> None:
@@ -249,15 +251,16 @@ class NodeBBForum:
         """Send pictures first; the text then names them. What was sent before is not sent again."""
         if images and not self._wire.credentials.by_session:
             raise ForumError("this forum takes pictures only from who signed in by password: login:name:password")
+        places = []
         for number, image in enumerate(images, 1):
             digest = hashlib.sha256(image).hexdigest()
-            if digest in self._uploaded:
-                continue
-            kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
-            files = {"files[]": (f"{number}.{kind}", image, f"image/{kind}")}
-            answer = await self._wire.ask("POST", "/api/post/upload", files=files)
-            self._uploaded[digest] = str(answer.json()["response"]["images"][0]["url"])
-        return tuple(self._uploaded[hashlib.sha256(image).hexdigest()] for image in images)
+            if (place := self._uploaded.get(digest)) is None:
+                kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
+                files = {"files[]": (f"{number}.{kind}", image, f"image/{kind}")}
+                answer = await self._wire.ask("POST", "/api/post/upload", files=files)
+                place = self._uploaded[digest] = str(answer.json()["response"]["images"][0]["url"])
+            places.append(place)
+        return tuple(places)
 
     # ---------------------------------------------------------------- Accounts
     @_in_our_errors

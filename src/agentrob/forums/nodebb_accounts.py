@@ -7,6 +7,7 @@ from typing import Any
 from urllib.parse import quote
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
+from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.nodebb_settings import NodeBBOptions, account
 from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.model import Account, AccountKind, Role
@@ -24,7 +25,7 @@ class Registry:
         self._wire = wire
         self._options = options
         self._me: Account | None = None
-        self._lately: dict[str, tuple[float, Account]] = {}
+        self._lately = BoundedDict[str, tuple[float, Account]](MOST_KNOWN)
         self._private = False
         self._asked_s = -SETTING_AGE_S
 

@@ -16,6 +16,7 @@ from urllib.parse import quote, unquote
 import structlog
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
+from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.cards import card_by
 from agentrob.forums.forum import Board, Page, Topic
 from agentrob.forums.nodebb_accounts import Registry, former
@@ -28,7 +29,6 @@ _JSON = dict[str, Any]
 BOARDS_AGE_S = 60.0
 #: Posts of a page that are asked for at once.
 AT_ONCE = 6
-MOST_KNOWN = 1_000
 _UPLOADS = "/assets/uploads/"
 _log = structlog.get_logger()
 
@@ -41,8 +41,8 @@ class Shelf:
         self._registry = registry
         self._boards: list[tuple[int, Board]] = []
         self._boards_s = -BOARDS_AGE_S
-        self._known: dict[str, Post] = {}
-        self._keys: dict[str, str | None] = {}
+        self._known = BoundedDict[str, Post](MOST_KNOWN)
+        self._keys = BoundedDict[str, str | None](MOST_KNOWN)
         self._sizes: dict[str, int] = {}
 
     # ---------------------------------------------------------------- boards
@@ -121,7 +121,7 @@ class Shelf:
         user = shown.get("user") or {}
         author = await self._registry.writer(stored["uid"], str(user.get("userslug") or ""), listed)
         made = await self._post(stored, shown, author)
-        self._remember(made)
+        self._known[made.id] = made
         return made
 
     async def stored(self, post_id: str) -> _JSON:
@@ -178,12 +178,6 @@ class Shelf:
         except (ForumDenied, ForumNotFound):
             return 2
 
-    def _remember(self, post: Post) -> None:
-        self._known.pop(post.id, None)
-        self._known[post.id] = post
-        while len(self._known) > MOST_KNOWN:
-            del self._known[next(iter(self._known))]
-
     # ---------------------------------------------------------------- latest
     async def recent(self, page: int) -> list[_JSON]:
         """The forum's latest posts that we may read, newest first, 20 a page; deleted ones for moderators only."""
@@ -196,7 +190,7 @@ class Shelf:
                 continue  # it came from another server
             try:
                 if (pid := str(p["pid"])) not in self._known:
-                    self._remember(await self._unread(pid, p))
+                    self._known[pid] = await self._unread(pid, p)
             except ForumError:
                 raise
             except Exception as e:  # what one post says keeps nobody from the others
@@ -245,7 +239,7 @@ class Shelf:
         return str(min(found)) if found else None
 
     async def _key_of(self, pid: str) -> str | None:
-        """The key that a post of ours was written under. It never changes, so it is asked for once."""
+        """The key that a post of ours was written under. It never changes, so it is seldom asked for twice."""
         if pid not in self._keys:
             try:
                 self._keys[pid] = unmark(str((await self.stored(pid)).get("content") or "")).key

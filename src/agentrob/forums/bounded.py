@@ -1,0 +1,29 @@
+"""A dictionary that cannot grow without end."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, UserDict
+from typing import TypeVar
+
+#: Entries that an adapter remembers of posts, topics, keys or accounts, unless it says otherwise.
+MOST_KNOWN = 1_000
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+class BoundedDict(UserDict[K, V]):
+    """At most `most` entries: one more, and the entry that was set longest ago is dropped. Reading renews nothing."""
+
+    def __init__(self, most: int) -> None:
+        super().__init__()
+        self.data: OrderedDict[K, V] = OrderedDict()
+        self._most = most
+
+    def __setitem__(self, key: K, value: V) -> None:
+        self.data[key] = value
+        self.data.move_to_end(key)
+        if len(self.data) > self._most:
+            self.dropped(*self.data.popitem(last=False))
+
+    def dropped(self, key: K, value: V) -> None:
+        """Called for each entry that is dropped; for subclasses."""
