@@ -1,117 +1,233 @@
-"""What grows while one agent carries out many commands: rows of its journal, files, bytes on disk, memory, threads.
+"""What grows while one agent carries out many commands: rows, files, bytes on disk, memory, threads and open files.
 
-    python benchmarks/growth.py [--commands 1000] [--every 200]
+    nice -n 15 python benchmarks/growth.py [--commands 10000] [--every 500] [--together 3]
 
-A fake robot in its driver process, whose time runs as fast as it can, and a forum in this process's memory: its posts
-are in the memory that is told. The agent keeps 100 commands, and lets go of the rest before each line is told, the
-engine's rows without the hour that they are kept otherwise; claims are kept for a day whatever their number.
+Agent, driver (a fake robot whose time runs as fast as it can) and embedded forum (SQLite) are each a process of its
+own, as they are in use; this process writes the posts, and reads the others' memory in /proc.
+So that what is kept reaches its limit early, the agent keeps 100 commands and 2 MB of recordings, the forum 1,000
+events, and both look every few seconds instead of once an hour. What is kept for a time whatever its number (claims and
+events for days, the engine's rows for an hour) is let go of at once here: the run is shorter than that. Posts are kept
+for ever, so the forum's own file grows with them.
 """
 
 from __future__ import annotations
 
 import argparse
 import asyncio
-import json
+import multiprocessing
 import os
 import sqlite3
-import subprocess
 import sys
 import tempfile
-import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
-from agentrob.agent import leftovers, retention
+from agentrob.agent import journal as journals
+from agentrob.agent import leftovers, presence, retention
+from agentrob.agent.status import is_final
 from agentrob.agent.turn import RobotAgent
-from agentrob.config import RobotConfig
-from agentrob.forums.memory import MemoryForum, MemoryWorld
+from agentrob.board import admin, server
+from agentrob.board import retention as board_retention
+from agentrob.board.settings import BoardSettings
+from agentrob.config import ForumConfig, RobotConfig
+from agentrob.config_board import BoardConfig, BoardRetentionConfig
+from agentrob.errors import ForumUnreachable
+from agentrob.forums.board import BoardForum
+from agentrob.logs import log_to_stderr
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, Post, Role
+from agentrob.model import AccountKind, Role
 from agentrob.robots.client import DriverClient
-
-ROBOT = "quadruped"
-DRIVER = """
-import json, sys
-from pathlib import Path
-from agentrob.config import RobotConfig
 from agentrob.robots.driver import run_driver
-name, settings, socket, data = sys.argv[1:]
-run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
-"""
-SETTINGS = {
-    "model": "fake", "simulated": True, "home_on_start": True, "domain": 1 + os.getpid() % 230,
-    "options": {"time_scale": "inf"}, "fence": {"x_min_m": -90, "x_max_m": 90, "y_min_m": -90, "y_max_m": 90},
-    "rates": {"commands_per_hour": 0, "cooldown_s": 0, "waiting": 0}, "retention": {"commands": 100},
-}  # fmt: skip
+
+ROBOT, EVENTS, LIMIT_S = "quadruped", 1000, 120.0
+#: How often the agent and the forum let go of what is kept too long; a line may see what came since.
+PRUNED_EVERY_S = 5.0
+#: How soon the robot's page shows a change: commands come faster here than anywhere, and the page's are most requests.
+SHOWN_EVERY_S = 2.0
+_spawned = multiprocessing.get_context("spawn")
 
 
-async def _final(world: MemoryWorld, post: Post) -> Post:
-    """The robot's last word on a post; no command here takes half a minute."""
-    async with asyncio.timeout(30.0):
-        while True:
-            for said in reversed(list(world.posts.values())):
-                if said.reply_to == post.id and said.card is not None and said.card.state in ("done", "failed"):
-                    return said
-            await world.wait(0.05)
+def _settings() -> RobotConfig:
+    return RobotConfig.model_validate({
+        "model": "fake", "simulated": True, "home_on_start": True, "domain": 1 + os.getpid() % 230,
+        "options": {"time_scale": "inf"}, "fence": {"x_min_m": -90, "x_max_m": 90, "y_min_m": -90, "y_max_m": 90},
+        "rates": {"commands_per_hour": 0, "cooldown_s": 0, "waiting": 0},
+        "retention": {"commands": 100}, "recording": {"keep_mb": 2},
+    })  # fmt: skip
 
 
-def _line(folder: Path, commands: int, done: int) -> str:
-    db = sqlite3.connect(folder / "journal.sqlite")
-    counts = [
-        db.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
-        for table in ("claim", "workflow_status", "operation_outputs")
-    ]
+# -------------------------------------------------------------------- the processes
+def _board(folder: Path, told: Connection) -> None:
+    log_to_stderr()
+    board_retention.EVERY_S = PRUNED_EVERY_S
+    keep = BoardRetentionConfig.model_construct(event_days=0.0, events=EVENTS)
+    settings = replace(BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0"), folder), retention=keep)
+    admin.bootstrap(settings)
+    robot = admin.create_account(settings, ROBOT, kind=AccountKind.ROBOT_AGENT)
+    alice = admin.create_account(settings, "alice", role=Role.OPERATOR)
+    tokens = [admin.issue_token(settings, account) for account in (robot, alice)]
+    server.serve(settings, lambda served: told.send((served.base_url, *tokens)))
+
+
+def _driver(settings: RobotConfig, folder: Path) -> None:
+    log_to_stderr()
+    run_driver(ROBOT, settings, folder / "d.sock", folder)
+
+
+def _agent(settings: RobotConfig, folder: Path, url: str, token: str, told: Connection) -> None:
+    log_to_stderr()
+    retention.EVERY_S, leftovers.KEEP_S, journals.AT_LEAST_S = PRUNED_EVERY_S, -1.0, 0.0
+    presence.DEBOUNCE_S = SHOWN_EVERY_S
+
+    async def run() -> None:
+        forum = BoardForum(ForumConfig(url=url), token)
+        driver = DriverClient(ROBOT, folder / "d.sock")
+        agent = RobotAgent(ROBOT, settings, forum, driver, RulesMind(), folder)
+        try:
+            await agent.run(lambda: told.send(True))
+        finally:
+            await agent.close()
+
+    asyncio.run(run())
+
+
+@contextmanager
+def _running(work: Callable[..., None], *args: Any) -> Iterator[int]:
+    """A process; its id. It is ended afterwards."""
+    process = _spawned.Process(target=work, args=args, daemon=True)
+    process.start()
+    assert process.pid is not None
+    try:
+        yield process.pid
+    finally:
+        process.terminate()
+        process.join(10.0)
+        if process.is_alive():
+            process.kill()
+
+
+def _answer(pipe: Connection) -> Any:
+    if not pipe.poll(LIMIT_S):
+        sys.exit("a process did not start")
+    return pipe.recv()
+
+
+# -------------------------------------------------------------------- what is measured
+COLUMNS = (
+    "commands", "done", "claims", "workflows", "records", "files", "agent MB on disk", "agent MB", "agent threads",
+    "agent open files", "driver MB", "events", "posts", "board MB on disk", "board MB", "board threads",
+    "s per command",
+)  # fmt: skip
+
+
+def _counts(path: Path, *tables: str) -> list[int]:
+    db = sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=30.0)
+    found = [db.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in tables]
     db.close()
-    files = [path for path in folder.rglob("*") if path.is_file()]
-    records = sum(path.parent.name == "records" for path in files)
-    memory = next(x for x in Path("/proc/self/status").read_text().splitlines() if x.startswith("VmRSS"))
-    mb = sum(path.stat().st_size for path in files) / 2**20
-    shown = (commands, done, *counts, records, len(files), f"{mb:.1f}", int(memory.split()[1]) // 1024)
-    return " | ".join(map(str, (*shown, threading.active_count(), len(os.listdir("/proc/self/task")))))
+    return found
 
 
-async def _measure(socket: Path, folder: Path, commands: int, every: int) -> None:
-    world = MemoryForum.world()
-    forum = world.sign_in(ROBOT, role=Role.MEMBER, kind=AccountKind.ROBOT_AGENT)
-    alice = world.sign_in("alice", role=Role.OPERATOR)
-    agent = RobotAgent(
-        ROBOT, RobotConfig.model_validate(SETTINGS), forum, DriverClient(ROBOT, socket), RulesMind(), folder
-    )
-    serving = asyncio.create_task(agent.run())
-    ready = asyncio.create_task(agent.ready.wait())
-    await asyncio.wait({serving, ready}, return_when=asyncio.FIRST_COMPLETED, timeout=60.0)
-    print("commands | done | claims | workflows | outputs | records | files | MB on disk | MB of memory", end="")
-    print(" | Python threads | threads")
-    done = 0
-    for n in range(commands):
-        text = f"@{ROBOT} turn {'left' if n % 2 else 'right'} 20 degrees"
-        written = await alice.create_topic("robots", "A topic", text, key=f"k{n}")
-        final = await _final(world, written.post)
-        done += final.card is not None and final.card.state == "done"
-        if (n + 1) % every == 0 or n == 0:
-            await retention.prune(agent.journal, agent.records, agent.settings.retention)
-            print(_line(agent.folder, n + 1, done), flush=True)
-    serving.cancel()
-    await asyncio.wait({serving})
-    await agent.close()
+def _memory(pid: int) -> int:
+    """What a process takes for itself in MB: what it shares with files on disk is left out."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("RssAnon")).split()[1]) // 1024
+
+
+def _of(folder: Path) -> tuple[int, int, float]:
+    """Files, those of them that are records of commands, and MB."""
+    files, records, size = 0, 0, 0
+    for path in folder.rglob("*"):
+        with suppress(FileNotFoundError):
+            if path.is_file():
+                files, size = files + 1, size + path.stat().st_size
+                records += path.parent.name == "records"
+    return files, records, size / 2**20
+
+
+def _line(folder: Path, pids: tuple[int, int, int], sent: int, done: int, each_s: float) -> str:
+    agent, driver, board = pids
+    claims, workflows = _counts(folder / "agents" / ROBOT / "journal.sqlite", "claim", "workflow_status")
+    events, posts = _counts(folder / "board" / "board.sqlite3", "events", "posts")
+    files, records, mb = _of(folder / "agents")
+    shown = (
+        sent, done, claims, workflows, records, files, f"{mb:.1f}", _memory(agent),
+        len(os.listdir(f"/proc/{agent}/task")), len(os.listdir(f"/proc/{agent}/fd")), _memory(driver), events, posts,
+        f"{_of(folder / 'board')[2]:.1f}",
+        _memory(board), len(os.listdir(f"/proc/{board}/task")), f"{each_s:.2f}",
+    )  # fmt: skip
+    return " | ".join(map(str, shown))
+
+
+def _command(number: int) -> str:
+    """Mostly gestures, which have no pictures; every 10th a turn, of which the path is drawn, and every 50th a walk, of
+    which there is an animation as well."""
+    if number % 50 == 0:
+        return f"@{ROBOT} walk 1 metre {'forward' if number % 100 else 'backward'}"
+    if number % 10 == 0:
+        return f"@{ROBOT} turn {'left' if number % 20 else 'right'} 20 degrees"
+    return f"@{ROBOT} wave"
+
+
+async def _measure(options: argparse.Namespace, url: str, token: str, folder: Path, pids: tuple[int, int, int]) -> None:
+    alice = BoardForum(ForumConfig(url=url), token)
+    finals: asyncio.Queue[tuple[str, str]] = asyncio.Queue()
+
+    async def listen(after: str) -> None:
+        while True:
+            with suppress(ForumUnreachable):  # a machine so busy that the forum falls silent
+                async for event in alice.stream(after):
+                    after, post = event.id or after, event.post
+                    if post is not None and post.reply_to and is_final(post.card):
+                        assert post.card is not None
+                        finals.put_nowait((post.reply_to, post.card.state))
+
+    listening = asyncio.create_task(listen((await alice.now())[0]))
+    print(" | ".join(COLUMNS), flush=True)
+    sent, done, begun, before = 0, 0, time.monotonic(), 0
+    waiting: set[str] = set()
+    for n in range(1, options.commands + 1):
+        while len(waiting) < options.together and sent < options.commands:
+            sent += 1
+            written = await alice.create_topic("robots", f"Topic {sent}", _command(sent), key=f"k{sent}")
+            waiting.add(written.post.id)
+        async with asyncio.timeout(LIMIT_S):
+            while (final := await finals.get())[0] not in waiting:
+                pass
+        waiting.remove(final[0])
+        done += final[1] == "done"
+        if n % options.every == 0 or n == 1:
+            each_s = (time.monotonic() - begun) / (n - before)
+            print(_line(folder, pids, n, done, each_s), flush=True)
+            begun, before = time.monotonic(), n
+    listening.cancel()
+    await asyncio.wait({listening})
+    await alice.close()
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--commands", type=int, default=1000)
-    parser.add_argument("--every", type=int, default=200)
+    parser.add_argument("--commands", type=int, default=10_000)
+    parser.add_argument("--every", type=int, default=500)
+    parser.add_argument("--together", type=int, default=3, help="so many commands are open at once")
     options = parser.parse_args()
-    leftovers.KEEP_S = -1.0
+    settings = _settings()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        command = [sys.executable, "-c", DRIVER, ROBOT, json.dumps(SETTINGS), str(folder / "d.sock"), str(folder)]
-        driver = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        try:
-            assert driver.stdout is not None
-            driver.stdout.readline()
-            asyncio.run(_measure(folder / "d.sock", folder / "data", options.commands, options.every))
-        finally:
-            driver.terminate()
-            driver.wait(10.0)
+        (mine, board_s), (also_mine, agent_s) = _spawned.Pipe(), _spawned.Pipe()
+        with _running(_board, folder, board_s) as board:
+            url, robots_token, token = _answer(mine)
+            with _running(_driver, settings, folder) as driver:
+                while not (folder / "d.sock").exists():
+                    time.sleep(0.1)
+                with _running(_agent, settings, folder, url, robots_token, agent_s) as agent:
+                    _answer(also_mine)
+                    pids = agent, driver, board
+                    asyncio.run(_measure(options, url, token, folder, pids))
 
 
 if __name__ == "__main__":

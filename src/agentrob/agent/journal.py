@@ -45,6 +45,8 @@ Deed = Callable[[], Awaitable[str]]
 VERSION = "agentrob-1"
 #: So many answers are written at once, or made anew after a restart.
 KEEPING = 8
+#: A claim is kept so long whatever their number: a post that is younger must be known again (law 6).
+AT_LEAST_S = 86400.0
 #: What `move` answers when the motion had begun before and its end is not known.
 INTERRUPTED = "interrupted"
 #: What `move` answers when it was cancelled before it began.
@@ -257,10 +259,10 @@ class Journal(Rows):
         ago, and of what the engine kept of commands that are told. `JournalError` when that cannot be done."""
 
         def rows() -> list[str]:
-            now, day_s = time.time(), 86400.0
+            now = time.time()
             with self._together():
                 assert self._db is not None
-                db.prune(self._db, now - days * day_s, commands, now - day_s)
+                db.prune(self._db, now - days * 86400.0, commands, now - AT_LEAST_S)
             return [row[0] for row in self._all("SELECT post FROM claim WHERE final IS NULL")]
 
         open_posts = await self._in_rows(rows)

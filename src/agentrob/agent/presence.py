@@ -19,6 +19,8 @@ from agentrob.model import Capabilities, Lock, RobotState
 from agentrob.robots.client import DriverClient
 
 LOOK_S = 1.0
+#: Several changes within this time are shown as one.
+DEBOUNCE_S = 0.1
 #: So many of those that wait are told.
 LINE = 20
 REFRESH_S = 5.0
@@ -67,7 +69,7 @@ class Presence:
             try:
                 async with asyncio.timeout(LOOK_S):
                     await self._changed.wait()
-                await asyncio.sleep(0.1)  # several changes at once are one
+                await asyncio.sleep(DEBOUNCE_S)
             except TimeoutError:
                 continue
 
