@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.agent.perceive import Call, Ears, language_of, perceive
+from agentrob.language.visible import OMITTED, mentions, visible_text
 from agentrob.model import Account, AccountKind, Post, Role
 
 NOW = datetime(2026, 1, 1, 12, 0, tzinfo=UTC)
@@ -21,7 +22,9 @@ EARS = Ears(
 
 
 def post(text: str, author: Account = ALICE, topic: str = "t", age_s: float = 1.0, board: str = "robots") -> Post:
-    return Post("7", topic, board, author, text, NOW - timedelta(seconds=age_s))
+    """As our board delivers it, where all who are mentioned here have an account, but @dog."""
+    linked = tuple(name for name in mentions(visible_text(text)) if name != "dog")
+    return Post("7", topic, board, author, text, NOW - timedelta(seconds=age_s), mentions=linked)
 
 
 @pytest.mark.parametrize(
@@ -168,3 +171,26 @@ def test_law_13_a_command_under_way_does_not_stop_itself_but_an_edit_of_it_may()
     command = replace(post("@quadruped wait for the door, then walk", topic="running"), id="9")
     assert perceive(command, BUSY).call is Call.READ
     assert perceive(command, BUSY, edited=True).call is Call.STOP
+
+
+def test_law_3_a_name_that_the_page_does_not_link_commands_nothing_and_may_stop() -> None:
+    """Zero-width signs in a name: another forum shows it, and makes no mention of it."""
+    unlinked = replace(post("@quad\u200bruped walk forward 1 m"), mentions=())
+    assert perceive(unlinked, EARS).call is Call.NOTHING
+    assert perceive(replace(unlinked, mentions=("quadruped",)), EARS).call is Call.READ
+    assert perceive(replace(post("@quad\u200bruped stop"), mentions=()), EARS).call is Call.STOP
+    assert perceive(post("@quadruped- stop"), EARS).call is Call.STOP
+    assert perceive(post("@quadruped- walk forward 1 m"), EARS).call is Call.NOTHING
+    # The page links it where it is not read: in a heading, perhaps.
+    assert perceive(replace(post("# @quadruped\n\nstop"), mentions=("quadruped",)), EARS).call is Call.STOP
+    assert perceive(replace(post("# @quadruped\n\nwalk forward"), mentions=("quadruped",)), EARS).call is Call.NOTHING
+
+
+def test_law_3_a_post_that_is_shown_otherwise_leaves_a_mark_approves_nothing_and_stops() -> None:
+    def heard(text: str) -> tuple[Call, bool]:
+        found = perceive(replace(post(text), shown_otherwise=True), EARS)
+        return found.call, OMITTED in found.text
+
+    assert heard("@quadruped walk forward 1 m") == (Call.READ, True)
+    assert heard("@quadruped approve") == (Call.READ, True)
+    assert heard("@quadruped stop") == (Call.STOP, True)

@@ -314,9 +314,7 @@ def test_a_name_is_ascii_or_refused(name: str) -> None:
     assert taken == "bad_name" or re.fullmatch(r"[a-z][a-z0-9_-]{1,31}", taken)
 
 
-@pytest.mark.parametrize(
-    "name", ["оp", "ｏｐ", "o", "1op", "op op", "a" * 33, "op\u200b", "\u212aelvin", "", "bob-", "bob_"]
-)
+@pytest.mark.parametrize("name", ["оp", "ｏｐ", "o", "1op", "op op", "a" * 33, "op\u200b", "\u212aelvin", ""])
 def test_look_alikes_are_refused(name: str) -> None:
     with pytest.raises(BoardError):
         accounts.checked_name(name)

@@ -104,7 +104,8 @@ def test_names_of_accounts_are_links() -> None:
     link = '<a href="/u/quadruped" class="mention" rel="nofollow noopener ugc">{}</a>'
     assert html("@quadruped walk") == f"<p>{link.format('@quadruped')} walk</p>"
     assert html("请@Quadruped前进1米") == f"<p>请{link.format('@Quadruped')}前进1米</p>"
-    assert html("＠quadruped- go") == f"<p>{link.format('＠quadruped')}- go</p>"
+    assert html("＠quadruped: go") == f"<p>{link.format('＠quadruped')}: go</p>"
+    assert html("＠quadruped- go") == "<p>＠quadruped- go</p>", "no robot reads it as a mention"
     assert "/u/my_robot-2" in html("*@my_robot-2*, go")
 
 

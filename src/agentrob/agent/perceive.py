@@ -9,9 +9,10 @@ from enum import StrEnum
 
 from agentrob.language import languages
 from agentrob.language.approval import Said, approval_in
+from agentrob.language.shown import text_in
 from agentrob.language.stop import stop_intent
 from agentrob.language.stop_moving import stop_while_moving
-from agentrob.language.visible import mentions, visible_text
+from agentrob.language.visible import mentions
 from agentrob.model import Account, AccountKind, Intent, Language, Post
 
 #: Never obeyed, whatever they write.
@@ -71,9 +72,12 @@ def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
     """`edited`: the post was seen before and has changed; then only a stop counts (law 4)."""
     if post.removed or not obeyed(post.author, ears.me):
         return Heard(Call.NOTHING)
-    text = visible_text(post.raw)
+    text = text_in(post)
     named = mentions(text)
-    mine = any(name in ears.names for name in named)
+    # In doubt it stops: by a name that another forum does not link, links where it is not read, or that ends in a slip.
+    mine = ears.me.name in post.mentions or any({name, name.rstrip("-_")} & set(ears.names) for name in named)
+    # Only a name that is read and that the page links commands; further names of `mentions` need be no accounts.
+    called = any(name in ears.names and (name in post.mentions or name != ears.me.name) for name in named)
     others = tuple(name for name in named if name not in ears.names)
     # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot, but only
     # where it is known to be one: "@alice stop it!" may be a warning to a person who never wrote here.
@@ -85,7 +89,7 @@ def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
     doubted = here and ears.running_topics and (edited or post.id not in ears.commands) and approval_in(text) is None
     if doubted and (stop := stop_while_moving(text, tuple(ears.names), robots)):
         return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others, taken_as_stop=True)
-    if edited or not mine or post.board_id not in ears.boards:
+    if edited or not called or post.board_id not in ears.boards:
         return Heard(Call.NOTHING, text, others)
     fresh = _fresh(post, ears)
     if (said := approval_in(text)) is not None:

@@ -73,10 +73,10 @@ def create(
 
 
 def checked_name(name: str) -> str:
-    """The name, case-folded. 422 when it is none, or could not be mentioned: a mention ends in a letter or a digit."""
+    """The name, case-folded. 422 when it is none."""
     folded = name.strip().lower()
-    if not name.isascii() or not NAME.fullmatch(folded) or folded.endswith(("-", "_")):
-        hint = "2 to 32 of a-z, 0-9, _ and -, a letter first, no _ or - last"
+    if not name.isascii() or not NAME.fullmatch(folded):
+        hint = "2 to 32 of a-z, 0-9, _ and -, a letter first"
         raise BoardError(422, "bad_name", f"{name[:64]!r} cannot be a name", hint)
     return folded
 

@@ -18,6 +18,8 @@ import pytest
 
 from agentrob.errors import ForumDenied, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.forum import Event, EventKind, Forum, Notices, Permissions, Registrar, Searcher
+from agentrob.language.shown import text_in
+from agentrob.language.visible import OMITTED, mentions
 from agentrob.model import AccountKind, Post, Role, StatusCard
 
 #: The smallest PNG that decoders accept: one grey pixel.
@@ -220,6 +222,27 @@ class ForumContract:
             return  # the forum itself refuses it
         assert (said.raw.strip(), said.card) == ("done", None)
         assert (await alice.post(said.id)).card is None
+
+    async def test_law_3_what_counts_of_a_post_is_what_its_page_shows(self, world: World) -> None:
+        """A robot is called where its name is read and linked; a mark says that something is not as it reads."""
+        await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
+        alice = await world.sign_in("alice")
+        hidden = "`@quadruped` walk\n\n> @quadruped walk\n\n[@quadruped](https://example.org) walk"
+        first = await _topic(alice, hidden)
+        bodies = (
+            "@quadruped walk **1** m",
+            "@quadruped- walk 1 m",
+            "@quad**rup**ed walk 1 m",
+            "@quadruped turn left \u202e09\u202c degrees",
+        )
+        posts = [first]
+        for n, body in enumerate(bodies):
+            posts.append((await alice.reply(first.topic_id, body, key=f"r{n}", reply_to=first.id)).post)
+        texts = [text_in(post) for post in posts]
+        called = ["quadruped" in mentions(t) and "quadruped" in p.mentions for t, p in zip(texts, posts, strict=True)]
+        assert called == [False, True, False, False, True]
+        assert [OMITTED in text for text in texts] == [True, False, False, True, True]
+        assert "walk 1 m" in texts[1]
 
     async def test_what_is_not_there_is_said_so(self, world: World) -> None:
         alice = await world.sign_in("alice")

@@ -30,6 +30,7 @@ from agentrob.forums.discourse_wire import Wire
 from agentrob.forums.discourse_writer import Desk
 from agentrob.forums.forum import Board, Event, Notice, Page, Registered, Topic, Written
 from agentrob.forums.wire import text_of, translated
+from agentrob.language.shown import shows_otherwise
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 #: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.
@@ -308,8 +309,9 @@ class DiscourseForum:
             self._remember(number, int(raw["post_number"]), str(post_id))
             created_at, version, gone = time_of(raw["created_at"]), self._versions.of(raw), removed(raw)
             me = await self.myself()
-            ours = author.id == me.id or author.kind is AccountKind.ROBOT_AGENT
-            marked, (mentioned, pictures) = unmark(text_of(raw["raw"]), ours), seen_in(str(raw["cooked"]))
+            cooked, robots = str(raw["cooked"]), author.kind is AccountKind.ROBOT_AGENT
+            ours = author.id == me.id or robots
+            marked, (mentioned, pictures) = unmark(text_of(raw["raw"]), ours), seen_in(cooked)
             return Post(
                 id=str(post_id),
                 topic_id=str(number),
@@ -326,6 +328,7 @@ class DiscourseForum:
                 url=str(self._wire.base.join(f"/t/{raw.get('topic_slug') or '-'}/{number}/{raw['post_number']}")),
                 images=() if gone else tuple(str(self._wire.base.join(p)) for p in pictures),
                 card=None if gone else card_by(author, marked.card),
+                shown_otherwise=not gone and not robots and shows_otherwise(marked.text, cooked),
             )
 
     # ---------------------------------------------------------------- inside

@@ -178,7 +178,9 @@ class Watch:
         if raw is None or removed(raw):
             if seen is not None and not seen.gone:
                 seen.gone = True
-                gone = replace(seen.post, raw="", removed=True, images=(), mentions=(), card=None)
+                gone = replace(
+                    seen.post, raw="", removed=True, images=(), mentions=(), card=None, shown_otherwise=False
+                )
                 self._note(EventKind.POST_REMOVED, gone, self._source.clock())
             return
         stamp = _stamp(raw)

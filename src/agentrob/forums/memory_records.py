@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
@@ -12,10 +11,9 @@ from typing import Any
 from agentrob.errors import ForumNotFound
 from agentrob.forums.cards import card_by
 from agentrob.forums.forum import Board, Event, EventKind, Topic
+from agentrob.language.visible import mentions, visible_text
 from agentrob.meaning import Encodes
 from agentrob.model import Account, AccountKind, Post, Role
-
-_MENTION = re.compile(r"(?<![\w@])@([a-z][a-z0-9_-]*)", re.IGNORECASE)
 
 
 @dataclass
@@ -120,8 +118,7 @@ class MemoryRecords:
         return names
 
     def mentioned(self, body: str) -> tuple[str, ...]:
-        names = (m.group(1).lower() for m in _MENTION.finditer(body))
-        return tuple(dict.fromkeys(n for n in names if n in self.accounts))
+        return tuple(name for name in mentions(visible_text(body)) if name in self.accounts)
 
     def emit(self, kind: EventKind, **more: Any) -> None:
         self.events.append(Event(str(len(self.events) + 1), kind, self.now(), **more))

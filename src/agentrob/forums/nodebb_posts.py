@@ -11,7 +11,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from html.parser import HTMLParser
 from typing import Any
-from urllib.parse import quote, unquote
+from urllib.parse import quote
 
 import structlog
 
@@ -23,6 +23,7 @@ from agentrob.forums.nodebb_accounts import Registry, former
 from agentrob.forums.nodebb_marks import pictures_in, unmark
 from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.forums.wire import text_of
+from agentrob.language.shown import is_mention, mention_of, shows_otherwise
 from agentrob.model import Account, AccountKind, Post
 
 _JSON = dict[str, Any]
@@ -137,7 +138,7 @@ class Shelf:
         known = self._known.get(post_id)
         if known is None or await self._is_there(post_id):
             raise ForumNotFound(f"there is no post {post_id}")
-        return replace(known, raw="", removed=True, mentions=(), images=(), card=None)
+        return replace(known, raw="", removed=True, mentions=(), images=(), card=None, shown_otherwise=False)
 
     async def _is_there(self, post_id: str) -> bool:
         try:
@@ -150,7 +151,7 @@ class Shelf:
         me = await self._registry.me()
         ours = author.id == me.id or author.kind is AccountKind.ROBOT_AGENT
         marked = unmark(text_of(stored.get("content") or ""), ours)
-        removed, pid = bool(stored.get("deleted")), str(stored["pid"])
+        removed, pid, html = bool(stored.get("deleted")), str(stored["pid"]), str(shown.get("content") or "")
         edited_ms, board_id = int(stored.get("edited") or 0), await self._board_of(int(shown["topic"]["cid"]))
         post = Post(
             id=pid,
@@ -161,14 +162,19 @@ class Shelf:
             created_at=_time(stored["timestamp"]),
             version=await self._version(pid) if edited_ms else 1,
             edited_at=_time(edited_ms) if edited_ms else None,
-            mentions=mentions_in(str(shown.get("content") or "")),
+            mentions=mentions_in(html),
             reply_to=str(stored["toPid"]) if stored.get("toPid") else None,
             key=marked.key if author.id == me.id else None,
             url=f"{self._wire.url}/post/{pid}",
             images=tuple(u for u in (*pictures_in(marked.text), *marked.pictures) if _UPLOADS in u),
             card=card_by(author, marked.card),
+            shown_otherwise=author.kind is not AccountKind.ROBOT_AGENT and shows_otherwise(marked.text, html),
         )
-        return replace(post, raw="", removed=True, mentions=(), images=(), card=None) if removed else post
+        return (
+            replace(post, raw="", removed=True, mentions=(), images=(), card=None, shown_otherwise=False)
+            if removed
+            else post
+        )
 
     async def _version(self, pid: str) -> int:
         """How often it was edited is in the history, where that is kept and shown to us; else it is 2."""
@@ -289,15 +295,22 @@ class _Mentions(HTMLParser):
         super().__init__()
         self.names: list[str] = []
         self._quoted = 0
+        self._unnamed = False
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        has = dict(attrs)
+        has = {name: value or "" for name, value in attrs}
         self._quoted += tag == "blockquote"
-        if tag == "a" and not self._quoted and "plugin-mentions-user" in (has.get("class") or "").split():
-            self.names.append(unquote((has.get("href") or "").rstrip("/").rpartition("/")[2]).lower())
+        if tag == "a" and not self._quoted and is_mention(has):
+            self.names.append(name := mention_of(has))
+            self._unnamed = not name
+
+    def handle_data(self, data: str) -> None:
+        if self._unnamed:  # before plugin 5 the link has a number
+            self.names[-1] += data.strip().lstrip("@").lower()
 
     def handle_endtag(self, tag: str) -> None:
         self._quoted -= tag == "blockquote" and self._quoted > 0
+        self._unnamed = self._unnamed and tag != "a"
 
 
 def mentions_in(content: str) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ OMITTED = "\ufffc"
 _MARKDOWN = MarkdownIt("commonmark", {"html": True}).enable(["strikethrough", "table"])
 _PARAGRAPHS = ("paragraph_open",)
 _HIDING_BLOCKS = ("blockquote", "table", "heading")
-_VOID_TAGS = frozenset(
+VOID_TAGS = frozenset(
     ["area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"]
 )
 _BBCODE = re.compile(
@@ -100,7 +100,7 @@ def _visible(raw: str) -> str:
     text = _JOINED.sub(OMITTED, "".join(walker.out))
     if len(nfkc(text)) > MAX_CHARS:  # some characters are up to 18 in NFKC
         return ""
-    shown = _without_bbcode(_plain(text)).strip()
+    shown = _without_bbcode(folded(text)).strip()
     return f"{shown} {OMITTED}" if _is_turned(raw, shown) else shown
 
 
@@ -111,8 +111,7 @@ def _is_turned(raw: str, shown: str) -> bool:
 
 
 # A handle must not run on in letters that merely look Latin; Chinese, which is written without spaces, may touch it.
-# It ends in a letter or a digit: what is shown as "@robot- walk" links and calls @robot.
-_HANDLE = re.compile(r"@([A-Za-z][A-Za-z0-9_-]{0,30}[A-Za-z0-9])[_-]*+(?![A-Za-z0-9_@-]|[/\\.][A-Za-z0-9_]|:[0-9])")
+_HANDLE = re.compile(r"@([A-Za-z][A-Za-z0-9_-]{1,31})(?![A-Za-z0-9_@-]|[/\\.][A-Za-z0-9_]|:[0-9])")
 _NO_MENTION_AFTER = frozenset("@/\\.+%=&#~-")
 
 
@@ -129,7 +128,7 @@ def mention_spans(visible: str) -> Iterable[tuple[str, int, int]]:
         after = visible[match.end()] if match.end() < len(visible) else " "
         if before in _NO_MENTION_AFTER or _joins_words(before) or _joins_words(after):
             continue
-        yield match[1].lower(), match.start(), match.end(1)
+        yield match[1].lower(), match.start(), match.end()
 
 
 def without_mentions(visible: str) -> str:
@@ -200,7 +199,7 @@ class _Walker:
         """Words of a link are no command; but a link reference named "quote" would swallow the brackets of a [quote]:
         put them back."""
         text = "".join(self.out[link_start:])
-        bracketed = f"[{_plain(text).strip()}]"
+        bracketed = f"[{folded(text).strip()}]"
         if _BBCODE.fullmatch(bracketed):
             self.out[link_start:] = [bracketed]
         elif text.strip():
@@ -211,10 +210,9 @@ def _run(text: str) -> str:
     """A run of text as it is read: bare addresses left out, and an @ only where the board makes a mention of it."""
     kept, at = [], 0
     for _, start, end in names_said(text):
-        kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end]]
+        kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end], _ENDS * (end == len(text))]
         at = end
-    ends = bool(kept) and not text[at:].strip("_-")
-    return "".join([*kept, _disarmed(text[at:]), _ENDS * ends])
+    return "".join([*kept, _disarmed(text[at:])])
 
 
 def _disarmed(text: str) -> str:
@@ -244,7 +242,7 @@ class _OpenElements(HTMLParser):
             self._lost = True
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag not in _VOID_TAGS:
+        if tag not in VOID_TAGS:
             self._open.append(tag)
 
     def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -256,7 +254,7 @@ class _OpenElements(HTMLParser):
             del self._open[last:]
 
 
-def _plain(text: str) -> str:
+def folded(text: str) -> str:
     """NFKC without invisible and bidirectional characters; spaces become plain spaces, line ends `\\n`."""
     # NFKC would make 11⁄2 of 1½ and 22 of 2²: such digits stay apart from their neighbours.
     text = "".join(f" {c} " if not c.isascii() and _is_compound_digit(c) else c for c in text)

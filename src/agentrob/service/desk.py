@@ -142,7 +142,9 @@ class Desk:
     async def _thought(self, text: str, author: Account) -> Thought:
         agent = self.agent
         now, board = agent.channel.now(), next(iter(agent.settings.boards), "")
-        heard = agent.perceive(Post("preview", "preview", board, author, text, now))
+        heard = agent.perceive(
+            Post("preview", "preview", board, author, text, now, mentions=mentions(visible_text(text)))
+        )
         if heard.call is not Call.READ:
             intents = {Call.STOP: Intent.STOP, Call.HALT: Intent.HALT}
             return Thought(Understanding(intents.get(heard.call, Intent.NOTHING), heard.language), "rules")
