@@ -18,7 +18,8 @@ from agentrob.robots.walk import REST_LIMIT_S
 
 #: Commands of velocity and stops are written, not asked: they must never wait long for a robot that is not there.
 WRITE_TIMEOUT_S = 0.15
-IMAGE_TIMEOUT_S = 3.0
+#: A real camera answers in a tenth of a second; a simulated one is drawn by the processor, which may be busy.
+IMAGE_TIMEOUT_S = 10.0
 IMAGE_MAX_BYTES = 8 * 1024 * 1024
 #: Cosine of the tilt below which it lies rather than stands (60 degrees).
 UPRIGHT = 0.5
