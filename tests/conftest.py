@@ -7,6 +7,7 @@ import os
 import sys
 
 import pytest
+from hypothesis import settings
 
 from agentrob.errors import RobotBusy
 from agentrob.hostlock import HostLock
@@ -25,6 +26,10 @@ def _take(what: str, among: range) -> tuple[int, HostLock]:
             continue
     raise RuntimeError(f"every {what} of {among} is taken by other test processes")
 
+
+# An example has no time limit of its own: how long one takes depends on what else the machine does.
+settings.register_profile("agentrob", deadline=None, print_blob=True)
+settings.load_profile("agentrob")
 
 # Processes that tests start by the hundred would each compile all that they import.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

@@ -85,7 +85,7 @@ class Poster:
         items = (await asyncio.to_thread(self._http.get, f"/topics/{topic}/posts")).json()["items"]
         return str([item["raw"] for item in items if item["card"]][-1])
 
-    async def final(self, topic: str, limit_s: float = 20.0) -> list[str]:
+    async def final(self, topic: str, limit_s: float = 60.0) -> list[str]:
         """The states once one of them is final."""
         async with asyncio.timeout(limit_s):
             while not set(states := await self.states(topic)) & FINAL:  # noqa: ASYNC110 (another process)
@@ -99,7 +99,7 @@ class Poster:
         self._http.close()
 
 
-async def until(driver: Driver, condition: Callable[[Any], bool], limit_s: float = 20.0) -> None:
+async def until(driver: Driver, condition: Callable[[Any], bool], limit_s: float = 60.0) -> None:
     """Look at the robot until its state is so."""
     async with asyncio.timeout(limit_s), driver.client() as client:
         while not condition(await client.state()):  # noqa: ASYNC110 (another process)

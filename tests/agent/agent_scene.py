@@ -71,7 +71,7 @@ class Driver:
 
     def end(self) -> None:
         self.process.terminate()
-        self.process.wait(10)
+        self.process.wait(60)
         if self.process.stdout:
             self.process.stdout.close()
 
@@ -117,14 +117,14 @@ class Scene:
         """What the robot wrote in answer to a post."""
         return [p for p in self.world.posts.values() if p.reply_to == post.id and p.author.name == ROBOT]
 
-    async def until(self, condition: Callable[[], Any], limit_s: float = 10.0) -> Any:
+    async def until(self, condition: Callable[[], Any], limit_s: float = 60.0) -> Any:
         """Wait for something to be so on the forum."""
         async with asyncio.timeout(limit_s):
             while not (found := condition()):
                 await self.world.wait(0.05)
         return found
 
-    async def final(self, post: Post, limit_s: float = 15.0) -> Post:
+    async def final(self, post: Post, limit_s: float = 60.0) -> Post:
         """The robot's final answer to a post."""
         return await self.until(
             lambda: next((p for p in self.replies(post) if p.card and p.card.state in FINAL), None), limit_s

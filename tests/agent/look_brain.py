@@ -44,7 +44,7 @@ class Driving(Brain):
 
         def answer(handler: Any) -> None:
             self.hanging.set()
-            self.go.wait(20)
+            self.go.wait(60)
             handler.send(200, json.dumps(called(*step)).encode())
 
         return answer

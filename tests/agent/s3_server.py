@@ -21,7 +21,7 @@ _OWNER = ("owner-key", "owner-secret")
 BUCKET = "robot-pictures"
 #: Buckets are also subdomains of this, as Volcengine TOS wants it.
 DOMAIN = "tos-s3-cn-test.example"
-START_S = 60.0
+START_S = 100.0
 
 
 def free_ports(count: int) -> list[int]:

@@ -47,7 +47,7 @@ async def asked(board: RunningBoard, driver: Driver, folder: Path) -> AsyncItera
     agent = RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), folder)
     running = asyncio.create_task(agent.run())
     try:
-        await asyncio.wait_for(agent.ready.wait(), 20)
+        await asyncio.wait_for(agent.ready.wait(), 60)
         with Poster(board, "op") as op:
             topic = await op.post(WAVE)
             await states(op, topic, "waiting")
@@ -60,7 +60,7 @@ async def asked(board: RunningBoard, driver: Driver, folder: Path) -> AsyncItera
 
 
 async def states(poster: Poster, topic: str, wanted: str) -> None:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while await poster.states(topic) != [wanted]:  # noqa: ASYNC110 (another process is waited for)
             await asyncio.sleep(0.02)
 
@@ -117,7 +117,7 @@ async def test_law_2_the_api_approves_for_who_may_and_for_nobody_else(
         assert await said("mod") == 201
         assert await op.final(topic) == ["done"]
         assert await said("mod") == 409
-        async with asyncio.timeout(20):  # the record comes after the reply
+        async with asyncio.timeout(60):  # the record comes after the reply
             while "Approved by" not in (await asyncio.to_thread(surfer(board, "op").get, f"/c/{post}")).text:  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
 
@@ -161,13 +161,13 @@ async def test_law_7_the_owner_s_settings_let_an_author_approve_alone(
 
 async def _line(board: RunningBoard, post: str) -> None:
     """Until the robot's page knows of its line."""
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while post not in board.services.stage.robot(ROBOT).card.get("line", ()):  # noqa: ASYNC110 (the board's thread)
             await asyncio.sleep(0.02)
 
 
 async def _answered(poster: Poster, topic: str, post: str) -> None:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while True:
             items = (await asyncio.to_thread(poster._http.get, f"/topics/{topic}/posts")).json()["items"]
             if any(item["reply_to"] == post for item in items):

@@ -47,7 +47,7 @@ async def told(scene: Scene, text: str) -> Post:
 
 async def until(scene: Scene, true: Callable[[float], bool]) -> None:
     """Until the robot's speed is so."""
-    async with asyncio.timeout(10), scene.driver.client() as robot:
+    async with asyncio.timeout(60), scene.driver.client() as robot:
         while not true(((await robot.state()).velocity_mps or (0.0, 0.0))[0]):  # noqa: ASYNC110 (another process)
             await asyncio.sleep(0.02)
 

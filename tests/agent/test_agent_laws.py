@@ -69,8 +69,9 @@ async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
         topic = await alice.post(f"@{ROBOT} walk forward 4 m, then walk backward 3 m")
         await until_robot(slow_driver, lambda state: state.pose.x_m > 0.5)
         end_agent(agent)
-        await until_robot(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0), limit_s=5)
+        await until_robot(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0))
         stood = await position(slow_driver)
+        assert stood[0] < 3.0, "its walk was not ended"
         async with serving(agent_on(board, slow_driver, tmp_path)):
             assert await alice.final(topic) == ["interrupted"]
             assert await position(slow_driver) == pytest.approx(stood, abs=0.01)
@@ -307,7 +308,7 @@ async def test_law_16_a_silent_forum_stops_a_moving_robot(tmp_path: Path, slow_d
         post = await scene.post("alice", "@quadruped walk forward 5 metres")
         await scene.state(post, "running")
         scene.world.reachable = False
-        async with asyncio.timeout(5), slow_driver.client() as client:
+        async with asyncio.timeout(60), slow_driver.client() as client:
             await until(client, lambda state: state.velocity_mps[0] > 0.1)
             await until(client, lambda state: state.velocity_mps == (0.0, 0.0))
         scene.world.reachable = True
@@ -367,7 +368,7 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
         return "never"
 
     stuck = asyncio.create_task(journal.move("3", hang))
-    await asyncio.wait_for(begun.wait(), 10)
+    await asyncio.wait_for(begun.wait(), 60)
     await journal.close()
     await asyncio.gather(stuck, return_exceptions=True)
     journal = await Journal.open(tmp_path, ROBOT)

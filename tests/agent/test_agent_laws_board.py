@@ -118,7 +118,7 @@ async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_
     async with serving_on(board, client, tmp_path):
         with Poster(board, "op") as op:
             first = await op.post(f"@{ROBOT} turn right 20 degrees")
-            await asyncio.wait_for(client.busy.wait(), 20)
+            await asyncio.wait_for(client.busy.wait(), 60)
             topic = await pilot.post(WALK)
             await queued(op, topic)
             await asyncio.to_thread(change, board, what, topic)
@@ -135,7 +135,7 @@ async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_
     client = Gated(driver)
     async with serving_on(board, client, tmp_path):
         topic = await pilot.post(WALK)
-        await asyncio.wait_for(client.busy.wait(), 20)
+        await asyncio.wait_for(client.busy.wait(), 60)
         await asyncio.to_thread(change, board, what, topic)
         client.let.set()
         with Poster(board, "op") as op:
@@ -145,6 +145,6 @@ async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_
 
 
 async def queued(poster: Poster, topic: str) -> None:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while await poster.states(topic) != ["queued"]:  # noqa: ASYNC110 (another process is waited for)
             await asyncio.sleep(0.02)

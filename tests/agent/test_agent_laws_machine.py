@@ -593,9 +593,7 @@ def prove(stand: Stand, folder: Path, approval: bool = False, **how: Any) -> Non
     numbers = itertools.count()
     run_state_machine_as_test(
         lambda: Laws(stand, folder / f"example-{next(numbers)}", approval),
-        settings=settings(
-            deadline=None, database=None, suppress_health_check=list(HealthCheck), report_multiple_bugs=False, **how
-        ),
+        settings=settings(database=None, suppress_health_check=list(HealthCheck), report_multiple_bugs=False, **how),
     )
 
 

@@ -21,7 +21,7 @@ from agentrob.minds.rules import RulesMind
 sys.path.append(str(Path(__file__).parents[1] / "board"))
 from board_processes import Forum, forum_of, fresh_postgres
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ async def walking(forum: Forum, driver: Driver, folder: Path) -> AsyncIterator[s
     agent = RobotAgent(ROBOT, driver.settings, own, driver.client(), RulesMind(), folder)
     running = asyncio.create_task(agent.run())
     try:
-        await asyncio.wait_for(agent.ready.wait(), 20)
+        await asyncio.wait_for(agent.ready.wait(), 60)
         content = {"board": "robots", "title": "Walk", "body": f"@{ROBOT} walk forward 4 m, then walk backward 4 m"}
         made = await asyncio.to_thread(forum.as_("op", forum.a).post, "/topics", json=content)
         await until(driver, lambda state: state.pose.x_m > 0.5)
@@ -61,7 +61,7 @@ async def states(forum: Forum, topic: str) -> list[str]:
 
 
 async def stands(driver: Driver) -> None:
-    await until(driver, lambda state: state.velocity_mps == (0.0, 0.0), limit_s=10)
+    await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
 
 
 async def test_law_14_a_stop_pressed_on_one_process_stops_the_robot_whose_agent_is_on_another(
@@ -73,7 +73,7 @@ async def test_law_14_a_stop_pressed_on_one_process_stops_the_robot_whose_agent_
         await asyncio.to_thread(member.post, f"/robots/{ROBOT}/stop")
         await stands(slow_driver)
         assert time.monotonic() - pressed_s < 3.0, "the stop and the braking, on a busy machine"
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while await states(forum, topic) != ["stopped"]:  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.05)
 

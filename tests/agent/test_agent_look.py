@@ -54,7 +54,7 @@ def guard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Guard]:
 async def run(guard: Guard, *turns: Any, **more: Any) -> tuple[Execution, LocalDriver, Script]:
     held = more.pop("reins", None) or reins()
     model, driver = Script(list(turns)), LocalDriver(guard)
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         execution = await look(driver, COMMAND, errand(model, **more), held)  # type: ignore[arg-type]
     return execution, driver, model
 
@@ -125,7 +125,7 @@ MOSTS = st.builds(
 
 
 @settings(
-    max_examples=40, deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate],
+    max_examples=40, phases=[Phase.explicit, Phase.reuse, Phase.generate],
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )  # fmt: skip
 @given(st.lists(ASKED, min_size=6, max_size=14), GOALS, MOSTS)
@@ -222,9 +222,9 @@ async def test_law_14_a_stop_in_mid_thought_ends_the_thought_at_once(guard: Guar
     looking = asyncio.create_task(
         look(driver, COMMAND, errand(model), reins(ended=lambda: ended[0] if ended else None))  # type: ignore[arg-type]
     )
-    await asyncio.wait_for(model.thinking.wait(), 10)
+    await asyncio.wait_for(model.thinking.wait(), 60)
     ended.append("stop")
-    async with asyncio.timeout(1):
+    async with asyncio.timeout(10):
         execution = await looking
     assert execution.status == "stopped"
     assert execution.looked is not None
@@ -235,9 +235,9 @@ async def test_law_14_a_stop_in_mid_thought_ends_the_thought_at_once(guard: Guar
 async def test_law_13_a_stop_past_the_forum_ends_the_thought_too(guard: Guard) -> None:
     model, driver = Script([[WALK], asyncio.Event()]), LocalDriver(guard)
     looking = asyncio.create_task(look(driver, COMMAND, errand(model), reins()))  # type: ignore[arg-type]
-    await asyncio.wait_for(model.thinking.wait(), 10)
+    await asyncio.wait_for(model.thinking.wait(), 60)
     driver.ended = LeaseLost("stopped", "stop", "root at the shell")
-    async with asyncio.timeout(2):
+    async with asyncio.timeout(10):
         execution = await looking
     assert (execution.status, execution.stopped_by) == ("stopped", "root at the shell")
 

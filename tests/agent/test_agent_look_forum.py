@@ -248,7 +248,7 @@ async def test_law_14_a_stop_post_ends_a_walk_that_a_model_called(looking: Scene
     brain.drives = [("act_move", {"direction": "forward", "distance_m": 4, "speed_mps": 0.1}), DONE]
     async with looking.agent(mind=brain.mind(looking.folder)), looking.driver.client() as client:
         post = await looking.post("alice", GOAL)
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.05:  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.01)
         await looking.post("bob", "stop", topic=post.topic_id)

@@ -66,7 +66,7 @@ def towards_red(shown: list[Any]) -> tuple[str, Any]:
 
 
 async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(world: Served, scene: Scene) -> None:
-    async with httpx2.AsyncClient(base_url=world.url, timeout=10, trust_env=False) as room:
+    async with httpx2.AsyncClient(base_url=world.url, timeout=100, trust_env=False) as room:
         ball = (2.7, 0.75)
 
         async def away_m() -> float:

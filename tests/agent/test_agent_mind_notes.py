@@ -76,10 +76,10 @@ async def test_law_14_nobody_thinks_about_what_is_ended_and_nobody_waits_for_who
         return "a thought"
 
     thinking = asyncio.create_task(job.unless_ended(think()))
-    await asyncio.wait_for(begun.wait(), 5)
+    await asyncio.wait_for(begun.wait(), 60)
     assert not thinking.done()
     job.end("stop")
-    assert await asyncio.wait_for(thinking, 5) is None
+    assert await asyncio.wait_for(thinking, 60) is None
     begun.clear()
     assert await job.unless_ended(think()) is None
     assert not begun.is_set()

@@ -88,7 +88,7 @@ async def test_law_6_who_does_not_hold_the_claim_writes_nothing_over_the_end_of_
         await other(scene).edit(status_post.id, "**Done.** walk forward 1 m | 0.98 m", card=card)
         await scene.final(first)
         await scene.final(third)
-        async with asyncio.timeout(15):
+        async with asyncio.timeout(60):
             while not (claim := await agent.journal.claimed(post.id)) or claim.final is None:
                 await scene.world.wait(0.1)
     (reply,) = scene.replies(post)
@@ -162,9 +162,9 @@ async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_
         agents = [await asyncio.to_thread(start_agent, slow_driver, folder, board) for folder in folders]
         topics = [await alice.post(f"@{ROBOT} walk forward 0.5 m, then turn left 20 degrees") for _ in range(3)]
         for topic in topics:
-            await alice.final(topic, limit_s=60)
+            await alice.final(topic)
         last = await alice.post(f"@{ROBOT} turn right 20 degrees")
-        await alice.final(last, limit_s=60)
+        await alice.final(last)
         ends = [await alice.told(topic) for topic in topics]
         states = [await alice.states(topic) for topic in topics]
         for agent in agents:
@@ -181,7 +181,6 @@ async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(240)
 async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_them(
     tmp_path: Path, slow_driver: Driver
 ) -> None:
@@ -196,11 +195,11 @@ async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_t
             for agent in agents:
                 end_agent(agent)
             agents = [await asyncio.to_thread(start_agent, slow_driver, folder, board) for folder in folders]
-            assert await alice.final(topic, limit_s=40) == ["interrupted"]
+            assert await alice.final(topic) == ["interrupted"]
             told = await alice.told(topic)
             last = await alice.post(f"@{ROBOT} turn right 20 degrees")
-            await alice.final(last, limit_s=40)
-            async with asyncio.timeout(30):
+            await alice.final(last)
+            async with asyncio.timeout(60):
                 while len(await ends(folders, "final IS NULL")):  # noqa: ASYNC110 (other processes)
                     await asyncio.sleep(0.1)
             for agent in agents:
@@ -289,11 +288,11 @@ async def test_a_single_run_leaves_what_it_may_not_tell_to_the_next_one(scene: S
     post = await scene.post("alice", WALK)
     async with suspended(scene):
         agent = scene.make()
-        await asyncio.wait_for(agent.once(), 20)
+        await asyncio.wait_for(agent.once(), 60)
         await agent.close()
         assert not scene.replies(post)
     agent = scene.make()
-    await asyncio.wait_for(agent.once(), 20)
+    await asyncio.wait_for(agent.once(), 60)
     await agent.close()
     assert (await scene.final(post)).card.state == "done"  # type: ignore[union-attr]
 
@@ -332,7 +331,7 @@ async def test_law_18_on_the_board_a_robot_suspended_in_a_walk_tells_its_end_whe
             topic = await alice.post(f"@{ROBOT} walk forward 1 m, then walk backward 1 m")
             await until(slow_driver, lambda state: state.pose.x_m > 0.3)
             await asyncio.to_thread(suspend, board, True)
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(60):
                 while agent.line.moving or not agent.course.denied:  # noqa: ASYNC110 (no event tells it)
                     await asyncio.sleep(0.05)
             await asyncio.to_thread(suspend, board, False)

@@ -10,6 +10,7 @@ from agent_scene import ROBOT, Driver, Scene, make_scene
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.agent import pace
 from agentrob.agent.pace import Pace, Wait
 from agentrob.config import RatesConfig
 from agentrob.model import Post
@@ -69,7 +70,7 @@ async def test_a_stop_ends_what_waits_for_its_cooldown(driver: Driver, tmp_path:
         second = await scene.post("alice", TURN)
         await scene.state(second, "queued")
         await scene.post("bob", f"@{ROBOT} stop")
-        assert state(await scene.final(second, limit_s=5)) == "cancelled"
+        assert state(await scene.final(second)) == "cancelled"
 
 
 async def test_one_account_cannot_fill_the_line(driver: Driver, tmp_path: Path) -> None:
@@ -86,14 +87,17 @@ async def test_one_account_cannot_fill_the_line(driver: Driver, tmp_path: Path) 
     assert {state(end) for end in ends if end not in full} <= {"done", "cancelled"}
 
 
-async def test_a_restart_begins_to_count_anew_and_loses_nothing_that_waits(driver: Driver, tmp_path: Path) -> None:
-    scene = make_scene(driver, tmp_path, rates=FREE | {"cooldown_s": 25})
+async def test_a_restart_begins_to_count_anew_and_loses_nothing_that_waits(
+    driver: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pace, "SHORT_S", 3600.0)
+    scene = make_scene(driver, tmp_path, rates=FREE | {"cooldown_s": 3600})
     async with scene.agent():
         await scene.final(await scene.post("alice", TURN))
         second = await scene.post("alice", TURN)
         await scene.state(second, "queued")
     async with scene.agent():
-        assert state(await scene.final(second, limit_s=20)) == "done"
+        assert state(await scene.final(second)) == "done"
 
 
 @pytest.mark.parametrize(

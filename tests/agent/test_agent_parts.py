@@ -89,7 +89,7 @@ async def test_progress_never_waits_and_the_end_is_told_when_the_forum_is_back()
     await asyncio.sleep(0.05)
     assert not closing.done()
     robot._world.reachable = True
-    await asyncio.wait_for(closing, 5)
+    await asyncio.wait_for(closing, 60)
     assert await written(robot, command) == [("report", 2, "done", 0)]
 
 
@@ -123,7 +123,7 @@ async def test_the_channel_brings_every_event_once_although_the_forum_comes_and_
         world.reachable = False
         await asyncio.sleep(0.02)
     world.reachable = True
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         while len(seen) < 6:  # noqa: ASYNC110 (a list is waited for)
             await asyncio.sleep(0.01)
     assert await channel.prove()
@@ -203,7 +203,7 @@ async def test_the_camera_looks_only_while_somebody_watches_or_it_moves() -> Non
         assert lens.asked == 0
         world.watch(ROBOT, 1)
         camera.wake()
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while lens.asked < 15:  # noqa: ASYNC110 (a camera is waited for)
                 await asyncio.sleep(0.02)
         assert world.frames[ROBOT].startswith(b"jpeg")
@@ -230,7 +230,7 @@ async def test_the_robot_page_is_kept_and_a_reset_puts_the_room_back(driver: Dri
 async def test_once_handles_what_is_new_and_returns(scene: Scene) -> None:
     async def once() -> None:
         agent = scene.make()
-        await asyncio.wait_for(agent.once(), 20)
+        await asyncio.wait_for(agent.once(), 60)
         await agent.close()
 
     await once()
@@ -288,7 +288,7 @@ async def test_an_unreachable_forum_is_waited_for_at_the_start(scene: Scene) -> 
     with pytest.raises(ForumUnreachable):
         await agent.forum.me()
     scene.world.reachable = True
-    await asyncio.wait_for(agent.ready.wait(), 10)
+    await asyncio.wait_for(agent.ready.wait(), 60)
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)
     await agent.close()

@@ -33,7 +33,7 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
 async def told(board: RunningBoard, post: str) -> list[dict[str, Any]]:
     """The records of a command, once there are any: they come after the report."""
     reader = board.client("op")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while not (items := (await asyncio.to_thread(reader.get, f"/commands/{post}")).json()["items"]):  # noqa: ASYNC110
             await asyncio.sleep(0.05)
     return list(items)

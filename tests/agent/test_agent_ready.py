@@ -28,7 +28,7 @@ async def main():
     async with scene.agent():
         known = set(sys.modules)
         for text in ("walk forward 1 m, then take a photo", "前进一千零五厘米", "walk a hundred and five centimetres"):
-            await scene.final(await scene.post("alice", "@quadruped " + text), 30)
+            await scene.final(await scene.post("alice", "@quadruped " + text))
         print("\\n".join(sorted(set(sys.modules) - known)))
 
 asyncio.run(main())
@@ -41,7 +41,7 @@ def test_law_15_no_library_is_first_imported_while_an_agent_serves(tmp_path: Pat
     try:
         ended = subprocess.run(
             [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), str(driver.socket), str(tmp_path / "agent")],
-            capture_output=True, text=True, timeout=60, env=dict(os.environ), check=False,
+            capture_output=True, text=True, timeout=100, env=dict(os.environ), check=False,
         )  # fmt: skip
     finally:
         driver.end()

@@ -131,7 +131,7 @@ async def test_an_agent_lets_go_of_what_ended_while_it_serves(scene: Scene, monk
         for _ in range(3):
             final = await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))
             assert final.card.state == "done"
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while left() != (1, 0, 3):  # of today all claims are kept
                 await rounds.acquire()
 
@@ -145,5 +145,5 @@ async def test_a_disk_that_fails_does_not_end_the_agent(scene: Scene, monkeypatc
 
     monkeypatch.setattr(Records, "prune", fails)
     async with scene.agent():
-        await asyncio.wait_for(tried.wait(), 10)
+        await asyncio.wait_for(tried.wait(), 60)
         assert (await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))).card.state == "done"

@@ -34,7 +34,7 @@ async def running(scene: Scene) -> str:
     """Start a walk and return the id of its post once the robot moves."""
     post = await scene.post("alice", "@quadruped walk forward 5 metres")
     await scene.state(post, "running")
-    async with asyncio.timeout(5), scene.driver.client() as client:
+    async with asyncio.timeout(60), scene.driver.client() as client:
         while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
             await asyncio.sleep(0.01)
     return post.id
@@ -153,7 +153,7 @@ async def test_law_14_a_stop_at_the_robot_while_it_comes_to_rest_ends_what_was_p
         async with scene.agent(), slow.client() as other:
             first = scene.world.posts[await running(scene)]
             await scene.post("bob", "@quadruped stop")
-            async with asyncio.timeout(5):
+            async with asyncio.timeout(60):
                 while await other.holder() is not None:  # noqa: ASYNC110 (another process)
                     await asyncio.sleep(0.01)
             second = await scene.post("alice", "@quadruped turn left 90 degrees")
@@ -186,7 +186,7 @@ async def test_law_15_a_stop_goes_past_a_journal_that_cannot_be_written(scene: S
         post = scene.world.posts[await running(scene)]
         await agent.journal._in_rows(agent.journal._db.close)  # as a disk that is gone
         await scene.post("bob", "@quadruped stop", topic=post.topic_id)
-        async with asyncio.timeout(5), scene.driver.client() as client:
+        async with asyncio.timeout(60), scene.driver.client() as client:
             while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.01)
         reply = await scene.final(post)
@@ -229,7 +229,7 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
 
     def second(*_: object) -> StopResult:
         if hangs:
-            over.wait(20)
+            over.wait(60)
         raise RobotUnreachable("no answer")
 
     monkeypatch.setattr("agentrob.agent.stops.stop_robot", second)
@@ -237,7 +237,7 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
         post = await running(scene)
         stop = await scene.post("bob", "stop", topic=scene.world.posts[post].topic_id)
         asked_s = time.monotonic()
-        async with asyncio.timeout(5), scene.driver.client() as client:
+        async with asyncio.timeout(60), scene.driver.client() as client:
             while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.01)
         assert time.monotonic() - asked_s < LAPSE_S + REST_S

@@ -26,7 +26,7 @@ from agentrob.robots.lease import Leases
 from agentrob.robots.service import Service
 from agentrob.robots.stop import halt_robot, stop_robot
 
-LIMIT_S = 15.0
+LIMIT_S = 60.0
 #: What people do on the forum, and what somebody at the robot's machine does without it.
 ON_THE_FORUM = ("mention", "bare", "edit", "button", "halt")
 AT_THE_MACHINE = ("driver", "second channel", "second channel halts")

@@ -332,7 +332,7 @@ async def test_where_no_model_is_configured_none_is_missed(scene: Scene) -> None
 
     async with scene.agent(mind=Stuck()):
         post = await scene.post("alice", TWO_STEPS)
-        await asyncio.wait_for(asked.wait(), 10)
+        await asyncio.wait_for(asked.wait(), 60)
         await scene.post("bob", "stop", topic=post.topic_id)
         reply = await scene.final(post)
     assert reply.card is not None

@@ -20,7 +20,7 @@ from agentrob import app
 from agentrob.child import Child, end_all
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 DOMAIN = int(os.environ["AGENTROB_TEST_DOMAIN"])
 CONFIG = """
 data = "{data}"
@@ -90,7 +90,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     person = in_process.agentrob(folder, "board", "account", "add", "ann", "--role", "operator")
     assert person.stdout.startswith(url + "/enter/"), person.stderr
     token = in_process.agentrob(folder, "board", "account", "token", "ann").stdout.strip()
-    with httpx2.Client(base_url=url + "/api/v1", headers={"Authorization": f"Bearer {token}"}) as operator:
+    with httpx2.Client(base_url=url + "/api/v1", headers={"Authorization": f"Bearer {token}"}, timeout=60) as operator:
         yield Lab(folder, url, str(runtime), robot.stdout.strip(), operator)
     end_all([driver, board])
 
@@ -145,7 +145,7 @@ def test_an_account_is_changed_suspended_and_its_tokens_made_void(lab: Lab) -> N
     token = in_process.agentrob(
         lab.folder, "board", "account", "add", "eve", "--kind", "commanding_agent"
     ).stdout.strip()
-    with httpx2.Client(base_url=lab.url + "/api/v1", headers={"Authorization": f"Bearer {token}"}) as eve:
+    with httpx2.Client(base_url=lab.url + "/api/v1", headers={"Authorization": f"Bearer {token}"}, timeout=60) as eve:
         assert eve.get("/boards").status_code == 200
         changed = in_process.agentrob(
             lab.folder, "board", "account", "change", "eve", "--role", "operator", "--suspend"
@@ -241,4 +241,4 @@ def test_an_agent_that_serves_ends_on_sigterm(lab: Lab) -> None:
         with lab.operator.stream("GET", "/events", params={"heartbeat": 0.25}) as events:
             next(events.iter_lines())
     agent.process.send_signal(signal.SIGTERM)
-    assert agent.process.wait(10) == 0
+    assert agent.process.wait(60) == 0

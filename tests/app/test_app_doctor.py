@@ -171,7 +171,7 @@ class Told(NamedTuple):
 
 
 def told(process: subprocess.Popen[str]) -> Told:
-    out, err = process.communicate(timeout=90)
+    out, err = process.communicate(timeout=100)
     assert out, err
     return Told(process.returncode, json.loads(out))
 
@@ -200,7 +200,7 @@ def test_a_robot_that_a_driver_holds_is_asked_through_it(tmp_path: Path, monkeyp
 
 def test_read_only_and_move_contradict_each_other(tmp_path: Path) -> None:
     run = spawn("doctor", "fake", "--read-only", "--move")
-    _, err = run.communicate(timeout=30)
+    _, err = run.communicate(timeout=100)
     assert (run.returncode, "leave one of the two out" in err) == (2, True)
 
 
@@ -233,10 +233,10 @@ def field(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
         assert world.stdout is not None
         if line := world.stdout.readline():
             break
-    with httpx2.Client(base_url=json.loads(line)["http"], timeout=20) as room:
+    with httpx2.Client(base_url=json.loads(line)["http"], timeout=100) as room:
         yield Field(room, go2, g1, tmp_path_factory.mktemp("doctor"))
     world.terminate()
-    world.communicate(timeout=10)
+    world.communicate(timeout=100)
 
 
 @pytest.mark.sim

@@ -154,7 +154,7 @@ def test_an_evaluation_that_is_ended_prints_what_it_has(tmp_path: Path, brain: B
     def answer(handler: Any) -> None:
         if len(brain.questions("read")) > 1:
             asked.set()
-            over.wait(30)
+            over.wait(60)
         handler.send(200, json.dumps(called("answer", FREE_READ)).encode())
 
     brain.reads = answer
@@ -168,9 +168,9 @@ def test_an_evaluation_that_is_ended_prints_what_it_has(tmp_path: Path, brain: B
         text=True,
         env={**os.environ, "TEST_KEY": "sk-test-0123456789"},
     )
-    assert asked.wait(30)
+    assert asked.wait(60)
     process.send_signal(signal.SIGINT)
-    told, said = process.communicate(timeout=30)
+    told, said = process.communicate(timeout=100)
     over.set()
     assert process.returncode == 0, said
     assert json.loads(told)["n"] == 1

@@ -31,7 +31,7 @@ from agentrob.robots.client import DriverClient
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 #: A robot that stands keeps so close to its mean place for so long, and the mean places of both halves differ by less:
 #: it may sway, but goes nowhere.
 REST_M, REST_S = 0.02, 0.8
@@ -142,7 +142,7 @@ def field(ground: Field) -> Iterator[Field]:
 def kill(*children: Child) -> None:
     for child in children:
         child.process.kill()
-        assert child.process.wait(10) == -signal.SIGKILL
+        assert child.process.wait(60) == -signal.SIGKILL
 
 
 async def until(robot: DriverClient, true: Callable[[Any], bool]) -> None:

@@ -16,6 +16,7 @@ CHROMIUM_ARGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networki
 WATCH = (
     "addEventListener('securitypolicyviolation', e => console.error('policy: ' + e.violatedDirective + e.blockedURI))"
 )
+expect.set_options(timeout=60_000)
 RUNNING = {"robot": "quadruped", "state": "running", "step": 2, "steps": 4, "doing": "turning", "trace_id": "4f1c"}
 
 
@@ -41,7 +42,7 @@ class Windows:
         how.setdefault("viewport", {"width": 1280, "height": 800})
         how.setdefault("reduced_motion", "reduce")
         context = self.chromium.new_context(base_url=self.world.base, **how)
-        context.set_default_timeout(10_000)
+        context.set_default_timeout(60_000)
         context.add_init_script(WATCH)
         self.contexts.append(context)
         page = context.new_page()

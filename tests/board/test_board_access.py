@@ -126,9 +126,9 @@ def test_under_https_only_the_https_pages_write(fresh_board: Callable[..., Runni
     board = fresh_board(base_url="https://localhost")
     path = f"http://127.0.0.1:{board.settings.port}/api/v1/topics"
     headers = {"Host": "localhost", "Origin": "http://localhost"}
-    assert httpx2.post(path, headers=headers).json()["code"] == "foreign_origin"
-    assert httpx2.post(path, headers=headers | {"Origin": "https://localhost"}).status_code == 401
-    assert "Strict-Transport-Security" in httpx2.get(path, headers=headers).headers
+    assert httpx2.post(path, headers=headers, timeout=60).json()["code"] == "foreign_origin"
+    assert httpx2.post(path, headers=headers | {"Origin": "https://localhost"}, timeout=60).status_code == 401
+    assert "Strict-Transport-Security" in httpx2.get(path, headers=headers, timeout=60).headers
 
 
 @pytest.mark.parametrize("host", ["evil.example", "", "127.0.0.1.evil.example", "[", "x:y"])

@@ -61,7 +61,7 @@ def test_a_backup_holds_everything_and_comes_back(tmp_path: Path) -> None:
         tokens, before = board.tokens, told(board)
         counts = backup.backup(board.settings, tmp_path / "file")
         image = board.client("op").get("/topics/1/posts").json()["items"][0]["images"][0]["url"].removeprefix(board.url)
-        picture = httpx2.get(board.url + image, headers=board.client("op").headers).content
+        picture = httpx2.get(board.url + image, headers=board.client("op").headers, timeout=60).content
     assert counts["posts"] == 3
     assert (tmp_path / "file").stat().st_mode & 0o777 == 0o600
     fresh = BoardSettings.from_config(BoardConfig(), tmp_path / "two")
@@ -69,10 +69,12 @@ def test_a_backup_holds_everything_and_comes_back(tmp_path: Path) -> None:
     with running_board(tmp_path / "two", database=fresh.database) as board:
         assert told(board) == before
         headers = {"Authorization": f"Bearer {tokens['op']}"}
-        assert httpx2.get(board.url + image, headers=headers).content == picture, "tokens of before are good"
+        assert httpx2.get(board.url + image, headers=headers, timeout=60).content == picture, (
+            "tokens of before are good"
+        )
         key = {"Idempotency-Key": "k"} | headers
         body = {"board": "talk", "title": "x", "body": "y"}
-        again = httpx2.post(board.url + "/api/v1/topics", json=body, headers=key)
+        again = httpx2.post(board.url + "/api/v1/topics", json=body, headers=key, timeout=60)
         assert (again.status_code, again.json()["post"]["id"]) == (200, "1")
         assert topic_on(board, "talk")[1] == "4", "new ids come after the old ones"
 
@@ -186,7 +188,9 @@ def test_migrations_lead_back_and_forth_with_everything_kept(tmp_path: Path) -> 
         roles = [admin.find_account(board.settings, n).role for n in ("modest", "keeper", "op")]
         assert roles == [Role.MEMBER, Role.OPERATOR, Role.OPERATOR]
         headers = {"Authorization": f"Bearer {reading}"}
-        assert httpx2.get(board.url + "/api/v1/me", headers=headers).status_code == 401, "narrow tokens become void"
+        assert httpx2.get(board.url + "/api/v1/me", headers=headers, timeout=60).status_code == 401, (
+            "narrow tokens become void"
+        )
 
 
 def test_going_back_is_refused_where_it_would_open_a_board(fresh_board: Callable[..., RunningBoard]) -> None:

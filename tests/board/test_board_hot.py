@@ -226,7 +226,7 @@ def test_what_is_kept_of_answers_has_a_bound_whatever_is_asked_with(fresh_board:
     """Cookies, queries and sessions of any size and number: keys are kept too, and count."""
     board = fresh_board(public_read=True)
     topic, _ = topic_on(board, "talk")
-    stranger, path = httpx2.Client(base_url=board.url), f"/api/v1/topics/{topic}/posts"
+    stranger, path = httpx2.Client(base_url=board.url, timeout=60), f"/api/v1/topics/{topic}/posts"
     kept = kept_answers(board)
 
     def ask(n: int, **headers: str) -> None:
@@ -260,7 +260,7 @@ def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBo
     kept = kept_answers(board)
     for n in range(3):
         cookie = f"{board.settings.cookie}={session}; other={n}"
-        assert httpx2.get(board.url + path, headers={"Cookie": cookie}).status_code == 200
+        assert httpx2.get(board.url + path, headers={"Cookie": cookie}, timeout=60).status_code == 200
     assert len(kept._answers) == 1
 
 

@@ -54,7 +54,7 @@ def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: Gen
     unsaid = operation.path.endswith(("/images", "/frame", *named))
     excluded = [positive_data_acceptance] if unsaid else []
 
-    @settings(max_examples=examples, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=examples, derandomize=True, suppress_health_check=list(HealthCheck))
     @given(case=operation.as_strategy(generation_mode=mode))
     def gets_what_it_says(case: schemathesis.Case) -> None:
         # Broken HTTP is refused before anything that the document could speak of.

@@ -250,7 +250,7 @@ def test_a_lone_surrogate_is_refused(board: RunningBoard) -> None:
     assert answer.status_code == 422
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(body=st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=200))
 def test_what_is_posted_comes_back_unchanged(board: RunningBoard, body: str) -> None:
     op = board.client("op")

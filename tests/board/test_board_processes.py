@@ -29,7 +29,7 @@ from agentrob.board.database import WRITING_LOCK, migrate
 from agentrob.board.events import PROVEN_S
 from agentrob.errors import BoardError
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.slow
 #: A stop must reach the agent within so much.
 STOP_S = 0.25
 
@@ -299,7 +299,7 @@ def test_a_picture_of_a_post_on_one_is_shown_by_the_other(forum: Forum) -> None:
     image = op.post("/images", files={"file": ("x.jpg", jpeg(7), "image/jpeg")}).json()["id"]
     op.post("/topics", json={"board": "talk", "title": "t", "body": "see", "images": [image]}).raise_for_status()
     headers = {"Authorization": f"Bearer {forum.tokens['member']}"}
-    got = [httpx2.get(f"{p.url}/images/{image}", headers=headers) for p in forum.processes]
+    got = [httpx2.get(f"{p.url}/images/{image}", headers=headers, timeout=60) for p in forum.processes]
     assert [g.status_code for g in got] == [200, 200]
     assert got[0].content == got[1].content
 

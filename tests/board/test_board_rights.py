@@ -186,11 +186,14 @@ def test_pictures_of_a_robot_s_camera_are_for_those_it_is_set_to(board: RunningB
     for name, status in {"member": 403, "op": 200, "quadruped": 200}.items():
         client = board.client(name)
         found = [client.get(f"/robots/quadruped/{p}").status_code for p in ("frame.jpg",)]
-        found.append(httpx2.get(f"{board.url}/images/{image['id']}", headers=client.headers).status_code)
+        found.append(httpx2.get(f"{board.url}/images/{image['id']}", headers=client.headers, timeout=60).status_code)
         assert found == [status] * 2, name
     assert board.client("member").get("/robots/quadruped/camera.mjpg").status_code == 403
     boss.patch("/admin/robots/quadruped", json={"camera_role": "guest"}).raise_for_status()
-    assert httpx2.get(f"{board.url}/images/{image['id']}", headers=board.client("member").headers).status_code == 200
+    assert (
+        httpx2.get(f"{board.url}/images/{image['id']}", headers=board.client("member").headers, timeout=60).status_code
+        == 200
+    )
 
 
 def test_camera_pictures_are_gone_when_they_are_older_than_they_are_kept(board: RunningBoard) -> None:
@@ -211,7 +214,7 @@ def test_camera_pictures_are_gone_when_they_are_older_than_they_are_kept(board: 
     assert path.exists()
     expire(timedelta(hours=49))
     assert not path.exists()
-    assert httpx2.get(f"{board.url}/images/{image}", headers=robot.headers).status_code == 404
+    assert httpx2.get(f"{board.url}/images/{image}", headers=robot.headers, timeout=60).status_code == 404
     assert robot.get(f"/posts/{post}").json()["images"] == []
     gone = robot.patch(f"/posts/{post}", json={"body": "look", "images": [image]})
     assert (gone.status_code, gone.json()["code"]) == (404, "no_such_image")

@@ -76,7 +76,7 @@ def test_closing_waits_for_nobody_and_ends_the_process() -> None:
     asking = threading.Thread(target=ask)
     asking.start()
     encoder.close()
-    asking.join(10)
+    asking.join(60)
     assert said
     assert process.poll() is not None
     with pytest.raises(MeaningError, match="ended"):
@@ -98,14 +98,14 @@ def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.Mon
     class Late(subprocess.Popen[bytes]):
         def __init__(self, *args: Any, **kwargs: Any) -> None:
             closing.start()
-            assert shut.wait(10)
+            assert shut.wait(60)
             super().__init__(*args, **kwargs)
             started.append(self)
 
     monkeypatch.setattr(subprocess, "Popen", Late)
     with pytest.raises(MeaningError, match="ended"):
         encoder.encode(["wait"])
-    closing.join(10)
+    closing.join(60)
     assert not closing.is_alive()
     assert [process.poll() is not None for process in started] == [True]
 

@@ -250,7 +250,7 @@ plain = st.recursive(
 )
 
 
-@settings(deadline=None, suppress_health_check=list(HealthCheck), max_examples=60)
+@settings(suppress_health_check=list(HealthCheck), max_examples=60)
 @given(st.fixed_dictionaries({}, optional=dict.fromkeys(RECORD, plain)), st.sampled_from(["steps", "models", "looked"]))
 def test_any_record_of_a_robot_has_a_view(record: dict[str, Any], wrapped: str) -> None:
     author = Account("1", "alice", AccountKind.HUMAN, Role.OPERATOR)

@@ -75,7 +75,7 @@ def linked(html: str) -> set[str]:
     return set(re.findall(r'<a href="/u/([^"]+)" class="mention"', html))
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(st.lists(st.sampled_from(_PIECES), max_size=12).map("".join))
 @example("@quadruped²")
 @example("@quadruped- walk")
@@ -90,7 +90,7 @@ def test_law_3_a_robot_reads_those_mentions_that_the_board_links(raw: str) -> No
         assert read == shown, raw
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.lists(st.sampled_from(["walk", "93", "39", " ", "m", "\u202e", "\u202c", "\u2066", "\u2069", "\u200f",
        "&#x202e;", "&#8237;", "\u061c", "前进", "é", "**", "*", "."]), max_size=12).map("".join))  # fmt: skip
 def test_law_3_text_is_read_as_it_is_shown(words: str) -> None:

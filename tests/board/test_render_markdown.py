@@ -131,19 +131,19 @@ markup = st.lists(
 ).map("".join)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(markup)
 def test_any_text_gives_safe_html(raw: str) -> None:
     assert Audit(render(raw, lambda _: True)).bad == []
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.text(alphabet=st.characters(exclude_categories=[]), max_size=200))
 def test_any_unicode_even_half_surrogates_is_taken(raw: str) -> None:
     assert Audit(render(raw, known)).bad == []
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(markup)
 def test_cleaning_again_changes_nothing(raw: str) -> None:
     """What came out is read by a browser as it was meant: a second reading finds the same."""
@@ -166,6 +166,7 @@ def test_an_address_with_an_endless_tail_does_not_hold_up_the_writer() -> None:
 @pytest.mark.parametrize(
     "nasty", ["[", "![", "*a ", "`a", "~~a", "> ", "@a-", "&", "<", "a_*", "http://", "[a](<", "|a"]
 )
-@pytest.mark.timeout(5)
 def test_long_nonsense_does_not_take_long(nasty: str) -> None:
+    started = time.thread_time()
     assert Audit(render(nasty * (20_000 // len(nasty)), lambda _: True)).bad == []
+    assert time.thread_time() - started < 5

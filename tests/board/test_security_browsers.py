@@ -73,7 +73,9 @@ def test_every_form_needs_its_token_and_comes_from_this_site(world: World) -> No
             assert answer.status_code == 403, (action, header)
         token = {"Authorization": f"Bearer {world.board.tokens['root']}"}
         for csrf in ("", mine):
-            assert httpx2.post(world.base + action, data={"csrf": csrf}, headers=token).status_code == 403, action
+            assert (
+                httpx2.post(world.base + action, data={"csrf": csrf}, headers=token, timeout=60).status_code == 403
+            ), action
     assert world.api("root").get("/changes").json()["now"]["id"] == newest, "nothing happened"
     assert _audit_rows(world) == rows
 
@@ -93,7 +95,7 @@ def test_a_session_that_somebody_else_chose_is_not_the_one_that_is_signed_in(wor
     browser.send("/sign-in", name="bob", password=PASSWORD)
     assert browser.client.get("/api/v1/me").json()["name"] == "bob"
     assert chosen not in [c.value for c in browser.client.cookies.jar if c.path == "/"]
-    thief = httpx2.Client(base_url=world.base, cookies={name: chosen})
+    thief = httpx2.Client(base_url=world.base, cookies={name: chosen}, timeout=60)
     assert thief.get("/api/v1/me").status_code == 401
 
 
@@ -101,7 +103,7 @@ def test_signing_out_voids_the_cookie_and_not_only_forgets_it(world: World) -> N
     browser, name = world.browser("bob"), world.settings.cookie
     (secret,) = {str(c.value) for c in browser.client.cookies.jar if c.name == name}
     browser.send("/sign-out", "/u/bob")
-    assert httpx2.get(world.base + "/api/v1/me", cookies={name: secret}).status_code == 401
+    assert httpx2.get(world.base + "/api/v1/me", cookies={name: secret}, timeout=60).status_code == 401
 
 
 def test_guessing_a_password_at_the_page_is_stopped_also_for_who_is_signed_in(world: World) -> None:
@@ -122,7 +124,7 @@ def test_a_revoked_token_and_a_narrow_one_do_no_more_than_they_say(world: World)
     account = admin.find_account(world.settings, "root")
     made = {s: admin.issue_token(world.settings, account, s, s.split("+")) for s in ("read", "write", "read+admin")}
     ask = lambda token, method, path, **more: httpx2.request(  # noqa: E731
-        method, f"{world.base}/api/v1{path}", headers={"Authorization": f"Bearer {token}"}, **more
+        method, f"{world.base}/api/v1{path}", headers={"Authorization": f"Bearer {token}"}, **more, timeout=60
     )
     topic = {"board": "talk", "title": "t", "body": "b"}
     assert [ask(t, "POST", "/topics", json=topic).status_code for t in made.values()] == [403, 201, 403]
@@ -146,7 +148,7 @@ ELSEWHERE = [
 
 @pytest.mark.parametrize("where", ELSEWHERE)
 def test_no_address_of_ours_sends_anybody_elsewhere_or_adds_a_header(world: World, where: str) -> None:
-    signed_in, client = world.browser("bob"), httpx2.Client(base_url=world.base)
+    signed_in, client = world.browser("bob"), httpx2.Client(base_url=world.base, timeout=60)
     csrf = signed_in.csrf("/u/bob")
     answers = [signed_in.client.get("/sign-in", params={"next": where}, follow_redirects=False)]
     form = {"csrf": csrf, "back": where}
@@ -240,7 +242,7 @@ def test_a_file_s_name_is_nothing_and_its_type_is_what_it_is(world: World, name:
     answer = world.api("alice").post("/images", files={"file": (name, picture, "text/html")})
     assert answer.status_code in (201, 400), answer.text
     if answer.status_code == 201:
-        served = httpx2.get(answer.json()["url"], headers=world.api("alice").headers)
+        served = httpx2.get(answer.json()["url"], headers=world.api("alice").headers, timeout=60)
         assert (served.headers["content-type"], served.headers["x-content-type-options"]) == ("image/jpeg", "nosniff")
         assert "filename" not in served.headers.get("content-disposition", "")
         assert "script-src 'self'" in served.headers["content-security-policy"]

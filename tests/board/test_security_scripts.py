@@ -23,7 +23,7 @@ from playwright.async_api import Browser, Page, async_playwright
 from test_board_rights import jpeg
 from test_render_attacks import TRAP, payloads
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+pytestmark = pytest.mark.browser
 #: Windows that look at once: while one waits for what may run late, another loads.
 WINDOWS = 2
 #: What an attack may still do after a page is shown: timers, pictures that fail.

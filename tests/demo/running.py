@@ -12,7 +12,7 @@ import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 
-START_S = 60.0
+START_S = 100.0
 #: Every demo that was started; `end_left` ends those that a failed test left behind.
 RUNNING: list[RunningDemo] = []
 ROOT = Path(__file__).parents[2]
@@ -47,7 +47,7 @@ class RunningDemo:
     def agentrob(self, *args: str) -> subprocess.CompletedProcess[str]:
         env = {**os.environ, "AGENTROB_DATA": str(self.data.parent)}
         return subprocess.run(
-            [AGENTROB, *args], env=env, capture_output=True, text=True, timeout=60, check=False, cwd=self.data.parent
+            [AGENTROB, *args], env=env, capture_output=True, text=True, timeout=100, check=False, cwd=self.data.parent
         )
 
 
@@ -75,4 +75,4 @@ def end_left(since: int = 0) -> None:
     for demo in RUNNING[since:]:
         if demo.process.poll() is None:
             os.killpg(demo.process.pid, signal.SIGTERM)  # a Ctrl-C is ignored by what a shell began in the background
-            demo.process.wait(10)
+            demo.process.wait(60)

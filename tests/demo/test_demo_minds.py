@@ -11,7 +11,7 @@ from running import AGENTROB
 
 from agentrob.config import load
 
-pytestmark = [pytest.mark.sim, pytest.mark.timeout(150)]
+pytestmark = pytest.mark.sim
 MIND = """
 [minds.clever]
 provider = "compatible"

@@ -20,7 +20,7 @@ from running import AGENTROB, RUNNING, RunningDemo, end_left, start_demo
 
 from agentrob import hostlock
 
-pytestmark = [pytest.mark.sim, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.sim
 
 
 def descendants(pid: int) -> set[int]:
@@ -64,7 +64,7 @@ def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_
     port = urlsplit(demo.url).port
     began = time.monotonic()
     os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
-    assert demo.process.wait(10) == 0
+    assert demo.process.wait(60) == 0
     assert time.monotonic() - began < 3.0
     assert not [c for c in children if Path(f"/proc/{c}").exists()]
     assert not locks & set(hostlock.held())
@@ -80,7 +80,7 @@ def test_a_second_demo_with_the_same_data_is_refused_in_one_line(demo: RunningDe
         [AGENTROB, "demo", "--port", "0", "--data", str(demo.data)],
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=100,
         check=False,
     )
     assert second.returncode == 1
@@ -97,7 +97,7 @@ def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
             [AGENTROB, "demo", "--port", str(port), "--data", str(tmp_path / "data")],
             capture_output=True,
             text=True,
-            timeout=30,
+            timeout=100,
             check=False,
         )
     assert refused.returncode == 1
@@ -109,7 +109,7 @@ def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
     assert printed.returncode == 0, printed.stderr
     link = printed.stdout.strip()
     assert link.startswith(demo.url + "/enter/")
-    with httpx2.Client() as browser, httpx2.Client() as thief:
+    with httpx2.Client(timeout=60) as browser, httpx2.Client(timeout=60) as thief:
         for _ in range(2):  # a prefetch does not spend it
             page = browser.get(link)
             assert page.status_code == 200
@@ -140,7 +140,7 @@ def test_the_visitor_owns_the_demo_and_a_restart_works_whatever_was_changed(tmp_
     assert "suspended" not in accounts
     owned = again.agentrob("board", "robot", "show", "quadruped", "--config", config).stdout
     assert "owner: olga\n" in owned, "an owner whom somebody chose stays"
-    with httpx2.Client() as browser:
+    with httpx2.Client(timeout=60) as browser:
         page = browser.get(again.link)
         assert browser.post(again.link, data={"csrf": form_token(page.text)}).status_code == 303
         assert browser.get(again.url + "/admin/accounts").status_code == 200
@@ -167,8 +167,8 @@ def test_a_demo_that_was_killed_leaves_no_process_and_gives_no_link(tmp_path: Pa
     demo = start_demo(tmp_path / "data")
     children = descendants(demo.process.pid)
     demo.process.kill()
-    demo.process.wait(5)
-    deadline = time.monotonic() + 10
+    demo.process.wait(60)
+    deadline = time.monotonic() + 60
     while left := [c for c in children if alive(c)]:
         assert time.monotonic() < deadline, left
     link = demo.agentrob("demo", "link", "--data", str(demo.data))
@@ -176,7 +176,7 @@ def test_a_demo_that_was_killed_leaves_no_process_and_gives_no_link(tmp_path: Pa
     assert "no demo runs" in link.stderr
     again = start_demo(tmp_path / "data")
     os.killpg(again.process.pid, signal.SIGINT)
-    assert again.process.wait(10) == 0
+    assert again.process.wait(60) == 0
 
 
 def alive(pid: int) -> bool:
@@ -188,7 +188,7 @@ def alive(pid: int) -> bool:
 
 def test_without_a_demo_the_link_command_says_how_to_start_one(tmp_path: Path) -> None:
     done = subprocess.run(
-        [AGENTROB, "demo", "link", "--data", str(tmp_path)], capture_output=True, text=True, timeout=30, check=False
+        [AGENTROB, "demo", "link", "--data", str(tmp_path)], capture_output=True, text=True, timeout=100, check=False
     )
     assert done.returncode == 1
     assert "start one with: agentrob demo" in done.stderr

@@ -20,8 +20,7 @@ GUIDE = (ROOT / "docs/add-a-forum.md").read_text(encoding="utf-8")
 INSTALL, SIGN_UP, DRIVER, AGENT, ASK, CONTRACT = [
     line for block in re.findall(r"^```sh\n(.*?)^```", GUIDE, re.MULTILINE | re.DOTALL) for line in block.splitlines()
 ]
-LIMIT_S = 60
-pytestmark = pytest.mark.timeout(2 * LIMIT_S)
+LIMIT_S = 100
 
 
 def program(line: str) -> tuple[list[str | Path], dict[str, str]]:
@@ -103,7 +102,7 @@ def processes() -> Iterator[list[subprocess.Popen[str]]]:
     yield found
     for process in reversed(found):
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=20)
+        process.communicate(timeout=LIMIT_S)
 
 
 def test_the_notebook_is_a_package_of_one_file(installed: Path) -> None:

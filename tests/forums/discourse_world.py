@@ -316,7 +316,7 @@ def told(events: tuple[Event, ...]) -> list[tuple[EventKind, str]]:
 
 
 async def first(stream: AsyncIterator[Event], kind: EventKind) -> Event:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         async for event in stream:
             if event.kind is kind:
                 return event

@@ -70,11 +70,11 @@ def _process(what: tuple[str, ...], config: Path, env: dict[str, str], folder: P
             yield
         finally:
             process.terminate()
-            process.wait(20)
+            process.wait(60)
             process.stdout.close()
 
 
-async def final(world: NodeBBWorld, post: Post, limit_s: float = 40.0) -> Post:
+async def final(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
     """The robot's final answer to a post, read as anybody would."""
     reader = world.forums[0]
     async with asyncio.timeout(limit_s):
@@ -85,7 +85,7 @@ async def final(world: NodeBBWorld, post: Post, limit_s: float = 40.0) -> Post:
             await asyncio.sleep(0.3)
 
 
-async def answer(world: NodeBBWorld, post: Post, limit_s: float = 40.0) -> Post:
+async def answer(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
     """What the robot replied to a post that is no command."""
     reader = world.forums[0]
     async with asyncio.timeout(limit_s):
@@ -96,7 +96,7 @@ async def answer(world: NodeBBWorld, post: Post, limit_s: float = 40.0) -> Post:
             await asyncio.sleep(0.3)
 
 
-async def state(world: NodeBBWorld, post: Post, wanted: str, limit_s: float = 40.0) -> float:
+async def state(world: NodeBBWorld, post: Post, wanted: str, limit_s: float = 60.0) -> float:
     """Wait until the robot's status shows a state; when, in monotonic seconds."""
     reader = world.forums[0]
     async with asyncio.timeout(limit_s):

@@ -197,7 +197,7 @@ class Recorder(_Server):
     def __init__(self, target: str) -> None:
         super().__init__(Tape(_now_ms()))
         self._target = target
-        self._http = httpx2.AsyncClient(base_url=target, trust_env=False, timeout=20)
+        self._http = httpx2.AsyncClient(base_url=target, trust_env=False, timeout=100)
         self._names: dict[str, str] = {}
         self._under_way = 0
 
@@ -360,7 +360,7 @@ async def serving(application: Any) -> AsyncIterator[str]:
         uvicorn.Config(application, host="127.0.0.1", port=0, log_level="error", lifespan="off", date_header=False)
     )
     task = asyncio.create_task(server.serve())
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while not server.started:  # noqa: ASYNC110 - uvicorn has no event for it
             await asyncio.sleep(0.01)
     try:

@@ -162,7 +162,7 @@ async def test_the_stream_ends_with_unreachable_when_the_board_goes_away(tmp_pat
         await anext(stream)
         board.server.should_exit = True
         with pytest.raises(ForumUnreachable):
-            await asyncio.wait_for(_drain(stream), 10)
+            await asyncio.wait_for(_drain(stream), 60)
     await forum.close()
 
 

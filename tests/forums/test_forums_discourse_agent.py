@@ -40,7 +40,7 @@ async def served(world: DiscourseWorld, driver: Driver, folder: Path) -> AsyncIt
         yield forum
 
 
-async def answer(reader: DiscourseForum, post: Post, states: set[str], limit_s: float = 30.0) -> Post:
+async def answer(reader: DiscourseForum, post: Post, states: set[str], limit_s: float = 60.0) -> Post:
     """The robot's answer to a post when it shows one of those states."""
     after, _ = await reader.now()
     async with asyncio.timeout(limit_s):

@@ -75,7 +75,6 @@ def test_the_extract_is_small_and_says_whose_it_is() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(120)
 def test_the_contract_runs_against_a_discourse_that_is_named_by_its_address() -> None:
     command = [sys.executable, "-m", "agentrob.forums.discourse_double", "--lifted", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as double:

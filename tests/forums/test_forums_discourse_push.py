@@ -23,12 +23,12 @@ from agentrob.model import AccountKind
 
 # ---------------------------------------------------------------- push
 async def test_push_brings_posts_edits_and_removals_at_once(robot: DiscourseForum, double: Double, topic: int) -> None:
-    """With a heartbeat of five seconds nothing but a message can be in time."""
+    """With a heartbeat each two minutes nothing but a message can be in time."""
     after, _ = await robot.now()
-    stream = robot.stream(after, 5.0)
+    stream = robot.stream(after, 120.0)
     assert (await anext(stream)).kind is EventKind.HEARTBEAT
     post = write(double.site, topic_id=topic, raw="@quadruped walk")
-    async with asyncio.timeout(4):
+    async with asyncio.timeout(60):
         assert told((await anext(stream),)) == [(CREATED, str(post.id))]
         double.site.revise(double.site.users[1], post, "@quadruped stop")
         assert (await first(stream, EDITED)).post is not None
@@ -60,7 +60,7 @@ async def test_law_16_each_heartbeat_is_an_answer_of_the_message_bus(
 ) -> None:
     after, _ = await robot.now()
     stream = robot.stream(after, 0.05)
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         for _ in range(4):
             assert (await anext(stream)).kind is EventKind.HEARTBEAT
     assert double.count("POST", "/message-bus/[0-9a-f]+/poll") >= 4
@@ -125,7 +125,7 @@ async def test_held_requests_that_end_are_held_anew(
     double.site.settings["long_polling_interval_s"] = interval_s
     after, _ = await robot.now()
     stream = robot.stream(after, 0.1)
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         for _ in range(5):
             assert (await anext(stream)).kind is EventKind.HEARTBEAT
         for n in range(3):
@@ -178,7 +178,7 @@ async def test_the_bus_is_read_in_pieces_as_they_come() -> None:
 
     wire.stream = stream  # type: ignore[method-assign, assignment]
     held = asyncio.create_task(bus.hold())
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await bus.rang.wait()
     assert asked[0] == {"/latest": -1, "/topic/7": -1, "__seq": 1}
     assert bus.hints() == {12}

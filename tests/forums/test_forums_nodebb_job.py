@@ -49,7 +49,7 @@ async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:
 
 async def _written(nodebb: NodeBBWorld, wanted: Callable[[Marked], bool]) -> Marked:
     """The first of what the robot's account wrote that is wanted."""
-    async with asyncio.timeout(40):
+    async with asyncio.timeout(60):
         while True:
             for who, what, body in nodebb.server.sent:
                 if (

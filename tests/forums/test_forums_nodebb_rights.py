@@ -82,7 +82,7 @@ async def test_law_2_a_right_by_a_group_that_is_open_is_not_said_to_be_given(nod
 # ---------------------------------------------------------------------- notices
 async def told(forum: NodeBBForum, number: int) -> tuple[Notice, ...]:
     """So many notices; NodeBB makes them a moment after the post."""
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while len(found := (await forum.notices()).items) < number:  # noqa: ASYNC110 - it has no event of its own
             await asyncio.sleep(0.2)
     return found

@@ -14,7 +14,7 @@ from agentrob import config, hostlock
 from agentrob.child import Child, ChildError, end_all
 from agentrob.errors import ConfigError, RobotBusy
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 def test_an_unknown_setting_is_refused_with_what_is_valid() -> None:

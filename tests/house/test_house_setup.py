@@ -33,7 +33,7 @@ def set_up(checkout: Path, ending: str) -> subprocess.CompletedProcess[str]:
     python.write_text(PYTHON.format(ending=ending))
     python.chmod(0o755)
     return subprocess.run(
-        ["scripts/setup", "requirements.lock"], cwd=checkout, capture_output=True, text=True, timeout=30, check=False
+        ["scripts/setup", "requirements.lock"], cwd=checkout, capture_output=True, text=True, timeout=100, check=False
     )
 
 

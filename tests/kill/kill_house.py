@@ -30,7 +30,7 @@ DRIVER_AWAY = frozenset({"failed"})
 #: How one may end whose driver was killed with a step: its agent knows that it does not know what happened.
 DRIVER_DIED = frozenset({"interrupted"})
 #: An agent, a driver or a board is back within seconds; what waits longest is the agent for a board, with its backoff.
-END_S = 45.0
+END_S = 90.0
 ENTRY = "[agentrob.robots]\nfar = kill_robot:FarRobot\n"
 
 
@@ -154,7 +154,7 @@ class House:
             "AGENTROB_TOKEN": self.tokens[ROBOT],
         }
 
-    def second(self, kind: str, limit_s: float = 30.0) -> subprocess.CompletedProcess[str]:
+    def second(self, kind: str, limit_s: float = 60.0) -> subprocess.CompletedProcess[str]:
         """Start another of what runs already, and wait for its end."""
         args = [sys.executable, *self.words(kind)]
         env = environment(self.folder, self.env())
@@ -165,13 +165,13 @@ class House:
     def arm(self, kind: str, point: Mapping[str, Any]) -> None:
         self.running[kind].arm(point)
 
-    def died(self, kind: str, limit_s: float = 30.0) -> float:
+    def died(self, kind: str, limit_s: float = 60.0) -> float:
         return self.running[kind].died(limit_s)
 
     def release(self) -> None:
         """As the owner does after a look: a driver that comes back while the robot still moves halts it (law 12)."""
         transport = httpx2.HTTPTransport(uds=str(self.runtime / "agentrob" / f"{ROBOT}.sock"))
-        with httpx2.Client(transport=transport, base_url="http://driver", timeout=5.0) as driver:
+        with httpx2.Client(transport=transport, base_url="http://driver", timeout=60.0) as driver:
             if driver.get("/state").json()["halted"]:
                 assert driver.post("/release", json={"by": PERSON}).is_success
 
@@ -207,7 +207,7 @@ class House:
             assert answer.is_success, answer.text
             return [answer.json()]
 
-        return wait_for(f"{method} {path}", tried, 30.0)[0]
+        return wait_for(f"{method} {path}", tried, 60.0)[0]
 
     def stop(self, asked: Asked) -> None:
         """Write "stop" under a command."""
@@ -216,7 +216,7 @@ class House:
         self._insist("POST", path, json={"body": f"@{ROBOT} stop"}, headers=key)
 
     def posted(self, asked: Asked) -> dict[str, Any]:
-        return dict(wait_for("the command is posted", lambda: asked.post, 30.0))
+        return dict(wait_for("the command is posted", lambda: asked.post, 60.0))
 
     def answers(self, asked: Asked) -> list[dict[str, Any]]:
         """The robot's posts that answer the command, oldest first."""
@@ -231,8 +231,8 @@ class House:
             return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in visit.FINAL]
 
         wait_for(f"a final reply to {asked.text!r}", told, END_S)
-        wait_for("the journal is closed over the command", lambda: self.journal(asked), 15.0)
-        wait_for("the robot stands", lambda: not self.moves(asked.began), 10.0)
+        wait_for("the journal is closed over the command", lambda: self.journal(asked), 60.0)
+        wait_for("the robot stands", lambda: not self.moves(asked.began), 60.0)
         finals = told()
         assert len(finals) == 1, finals
         return finals[0]

@@ -18,7 +18,7 @@ from agentrob import app
 from agentrob.board import admin, administration
 from agentrob.board.audit import SHELL
 
-pytestmark = [pytest.mark.timeout(120), pytest.mark.slow]
+pytestmark = pytest.mark.slow
 JOURNAL, APPROVALS, FORUM = "agent.journal:Journal.", "agent.approvals:Approvals.", "forums.board:BoardForum."
 
 

@@ -13,7 +13,6 @@ from kill_backup import Backup, delete
 from kill_house import LONG_WALK, WALK, Asked, House, check
 from kill_process import wait_for
 
-pytestmark = pytest.mark.timeout(120)
 THINKING, JOURNAL = "agentrob.agent.thinking:", "agentrob.agent.journal:Journal."
 #: Where an agent is killed with a command that waits, and with one that walks.
 SCREENED = {"target": THINKING + "judge", "when": "after"}
@@ -42,7 +41,7 @@ def killed_at(house: House, point: dict[str, Any]) -> Asked:
     asked = house.ask(WALK)
     house.died("agent")
     house.posted(asked)
-    wait_for("the robot stands", lambda: not house.moves(asked.began), 10.0)
+    wait_for("the robot stands", lambda: not house.moves(asked.began), 60.0)
     return asked
 
 
@@ -108,7 +107,7 @@ def test_laws_5_and_6_the_board_of_yesterday_moves_nothing_and_what_is_new_is_do
         house.running["agent"].thaw()
     else:
         house.start("agent")
-    wait_for("the agent notices that it is another forum", lambda: era(house) != before, 30.0)
+    wait_for("the agent notices that it is another forum", lambda: era(house) != before, 60.0)
     fresh = house.ask(WALK)
     assert check(house, fresh) == "done"
     assert house.motions(at) == 1, "only what was asked of the robot since then moved it"
@@ -131,13 +130,13 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     last = newest(house)
     early = board_of_yesterday(house, backup, last if more else 0)
     house.start("agent")
-    wait_for("the agent notices that it is another forum", lambda: era(house) != before, 30.0)
+    wait_for("the agent notices that it is another forum", lambda: era(house) != before, 60.0)
     ended = house.in_journal("SELECT final FROM claim WHERE post = ?", era(house) + str(house.posted(open_one)["id"]))
     assert ended == ("replaced",), "what was open on the other forum is closed with it"
     # A claim of this id that is open now is of the early post, which the same number was given to again.
     unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = ?"
     assert early or not house.in_journal(unended, house.posted(open_one)["id"])
-    wait_for("the early post is answered", lambda: not house.in_journal(unended, house.posted(open_one)["id"]), 15.0)
+    wait_for("the early post is answered", lambda: not house.in_journal(unended, house.posted(open_one)["id"]), 60.0)
     fresh = house.ask(WALK)
     assert check(house, fresh) == "done"
     assert house.motions(open_one.began) == moved + 1
@@ -221,7 +220,7 @@ def test_laws_6_and_11_a_second_start_is_refused_in_one_line_and_the_first_is_no
     house: House, kind: str, said: str
 ) -> None:
     asked = house.ask(LONG_WALK)
-    wait_for("the robot walks", lambda: house.moves(asked.began), 20.0)
+    wait_for("the robot walks", lambda: house.moves(asked.began), 60.0)
     second = house.second(kind)
     assert house.moves(asked.began), "the first was disturbed, or the second came too late to disturb it"
     assert second.returncode != 0

@@ -8,7 +8,7 @@ import pytest
 from kill_house import DRIVER_DIED, PHOTO, WALK
 from kill_world import WorldHouse
 
-pytestmark = [pytest.mark.sim, pytest.mark.slow, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.sim, pytest.mark.slow]
 SPORT, SERVICES = "agentrob.sim.sport:Sport.", "agentrob.sim.robot_services:RobotServices."
 
 

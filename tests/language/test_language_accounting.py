@@ -232,12 +232,12 @@ def _is_all_or_a_question(text: str, steps: list[str] | None) -> bool:
 
 
 @given(posts())
-@settings(max_examples=1_500, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=1_500, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 def test_law_18_a_post_of_several_deeds_is_exactly_its_plan_or_a_question(post: tuple[str, list[str] | None]) -> None:
     assert _is_all_or_a_question(*post), (post, short(read(post[0]).plan))
 
 
 @given(posts())
-@settings(max_examples=300, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=300, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 def test_a_post_of_several_deeds_is_never_met_with_silence(post: tuple[str, list[str] | None]) -> None:
     assert read(post[0]).intent is not Intent.NOTHING or post[1] is None

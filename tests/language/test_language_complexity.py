@@ -44,7 +44,7 @@ def test_law_15_whoever_hears_a_hostile_text_hears_the_next_one_soon(name: str) 
         assert spent_s(part) < LIMIT_S
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
 @given(MADE, st.sampled_from([300, 2_000, MAX_CHARS - 1, SIZE]))
 def test_law_15_combinations_of_markup_cost_no_more(text: str, length: int) -> None:
     assert spent_s(text[:length]) < LIMIT_S

@@ -20,7 +20,7 @@ from agentrob.cli import cli
 cli(standalone_mode=False)
 print("HEAVY", *[name for name in {HEAVY!r} if name in sys.modules])
 """
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=True)
     answer, heavy = run.stdout.split("HEAVY")
     assert answer.startswith("command")
     assert heavy.split() == []

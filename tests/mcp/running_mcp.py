@@ -19,7 +19,7 @@ sys.path.append(str(Path(__file__).parents[1] / "board"))
 from running_board import RunningBoard
 
 #: A server must have started within this.
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 
 
 @dataclass
@@ -73,7 +73,7 @@ class McpSetup:
             watch.cancel()
             process.terminate()
             try:
-                process.wait(5)
+                process.wait(60)
             finally:
                 process.kill()
                 if process.stdout:

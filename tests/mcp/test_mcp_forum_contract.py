@@ -122,7 +122,7 @@ async def test_law_16_a_stream_whose_forum_or_server_falls_silent_ends_with_unre
         await anext(stream)
         made.world.reachable = False
         with pytest.raises(ForumUnreachable):
-            await asyncio.wait_for(_drain(stream), 5)
+            await asyncio.wait_for(_drain(stream), 60)
 
 
 async def _drain(stream: Any) -> None:

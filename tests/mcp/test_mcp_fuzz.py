@@ -39,7 +39,7 @@ async def _call(name: str, arguments: Any) -> dict[str, Any]:
     await forum.reply(topic.post.topic_id, "x" * 2_000, key="1")
     server, accounts = server_of(world, "alice")
     accounts.remember("carol", SECRET)
-    said = await asyncio.wait_for(server._said(_Context(), name, arguments), 10)  # type: ignore[arg-type]
+    said = await asyncio.wait_for(server._said(_Context(), name, arguments), 60)  # type: ignore[arg-type]
     await accounts.close()
     await server.close()
     return said.structure()
@@ -53,7 +53,7 @@ class _Context:
 
 
 @pytest.mark.parametrize("name", [t.name for t in TOOLS])
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data())
 def test_whatever_a_tool_is_given_the_answer_is_the_envelope(name: str, data: st.DataObject) -> None:
     said = asyncio.run(_call(name, data.draw(_strategy(name))))
@@ -84,7 +84,7 @@ def wire(setup: McpSetup, tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]:
         yield process
     finally:
         process.kill()
-        process.wait(10)
+        process.wait(60)
         for pipe in (process.stdin, process.stdout):
             if pipe:
                 pipe.close()

@@ -43,7 +43,7 @@ class Served:
 
     def status(self, token: str) -> int:
         headers = {"Accept": "application/json, text/event-stream", "Authorization": f"Bearer {token}"}
-        return httpx2.post(self.url, json=LIST, headers=headers).status_code
+        return httpx2.post(self.url, json=LIST, headers=headers, timeout=60).status_code
 
 
 @pytest.fixture(scope="module")
@@ -80,8 +80,8 @@ def test_law_1_any_other_token_is_refused(served: Served, changes: dict[str, Any
 
 
 def test_who_has_no_token_is_told_where_to_get_one(served: Served) -> None:
-    refused = httpx2.post(served.url, json=LIST, headers={"Accept": "application/json, text/event-stream"})
+    refused = httpx2.post(served.url, json=LIST, headers={"Accept": "application/json, text/event-stream"}, timeout=60)
     assert refused.status_code == 401
     where = refused.headers["www-authenticate"].partition('resource_metadata="')[2].partition('"')[0]
-    told = httpx2.get(where).json()
+    told = httpx2.get(where, timeout=60).json()
     assert (told["resource"], [u.rstrip("/") for u in told["authorization_servers"]]) == (served.url, [served.issuer])

@@ -131,7 +131,7 @@ def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetu
             process.stdin.flush()
             assert next(a for a in answers if a.get("id") == number)["error"]["code"] < 0
         process.stdin.close()
-        assert process.wait(10) == 0
+        assert process.wait(60) == 0
     finally:
         process.kill()
         process.stdout.close()
@@ -148,7 +148,7 @@ def test_a_client_that_stops_reading_is_left_behind_when_it_closes_its_end(setup
             process.stdin.write(json.dumps({"jsonrpc": "2.0", "id": n, "method": "tools/list"}).encode() + b"\n")
         process.stdin.close()
         process.stdout.close()
-        process.wait(10)
+        process.wait(60)
     finally:
         process.kill()
 
@@ -179,7 +179,7 @@ async def test_a_user_who_only_reads_is_shown_and_allowed_no_write(served: str) 
 @pytest.mark.parametrize("token", [None, "x", "wrong-token-of-nobody", "mcp-token-for-user-opx"])
 def test_law_1_nobody_is_anonymous_over_http(served: str, token: str | None) -> None:
     headers = ACCEPT | ({"Authorization": f"Bearer {token}"} if token is not None else {})
-    answer = httpx2.post(served, json=INITIALIZE, headers=headers)
+    answer = httpx2.post(served, json=INITIALIZE, headers=headers, timeout=60)
     assert answer.status_code == 401
     assert answer.headers["www-authenticate"].startswith("Bearer")
 
@@ -192,12 +192,12 @@ def test_pages_of_other_sites_and_names_that_were_made_to_point_here_are_refused
     served: str, headers: dict[str, str], status: int
 ) -> None:
     signed_in = ACCEPT | {"Authorization": "Bearer mcp-token-for-user-op"}
-    assert httpx2.post(served, json=INITIALIZE, headers=signed_in | headers).status_code == status
-    assert httpx2.post(served, json=INITIALIZE, headers=signed_in).status_code == 200
+    assert httpx2.post(served, json=INITIALIZE, headers=signed_in | headers, timeout=60).status_code == status
+    assert httpx2.post(served, json=INITIALIZE, headers=signed_in, timeout=60).status_code == 200
 
 
 async def test_law_1_a_session_cannot_be_taken_over_with_another_token(served: str) -> None:
-    async with httpx2.AsyncClient(headers=ACCEPT) as http:
+    async with httpx2.AsyncClient(headers=ACCEPT, timeout=60) as http:
         op = {"Authorization": "Bearer mcp-token-for-user-op"}
         first = await http.post(served, json=INITIALIZE, headers=op)
         session = {"Mcp-Session-Id": first.headers["mcp-session-id"], "MCP-Protocol-Version": "2025-11-25"}
@@ -212,7 +212,7 @@ async def test_a_push_reaches_a_client_over_http_in_the_protocol_of_2026(served:
     async with as_user(served, "op") as op, as_user(served, "admin") as admin:
         topic_id = (await op.create_topic("talk", "News", "hello")).post.topic_id
         uri = f"forum://topic/{topic_id}"
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             updates = op.updates(uri)
             told = asyncio.ensure_future(_next(updates))
             n = 0
@@ -241,7 +241,7 @@ def test_a_token_that_the_forum_refuses_is_told_on_standard_error_with_the_forum
     finally:
         process.stdin.close()
         process.kill()
-        process.wait(10)
+        process.wait(60)
         process.stderr.close()
     assert "that token is not valid" in said
     assert "http://127.0.0.1:" in said

@@ -113,7 +113,7 @@ async def test_a_picture_is_a_picture_and_there_are_only_so_many(service: Servic
 async def test_law_13_and_15_a_stop_goes_past_a_call_that_waits_and_past_every_limit(service: Service) -> None:
     async with client_of(service) as client:
         waiting = asyncio.create_task(ask(client, "submit_command", text="walk forward 5 m", wait_s=30))
-        async with asyncio.timeout(15):
+        async with asyncio.timeout(60):
             while service.agent.line.moving is None:  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
         service.parts.callers._limit = type(service.parts.callers._limit)(1)  # everything else is refused from now on
@@ -179,7 +179,7 @@ async def test_over_http_by_its_own_token_and_not_by_the_services(service: Servi
         evil = await service.http.post(url, json=asked, headers={**mine, "Origin": "http://evil.example.org"})
         assert evil.status_code == 403
         async with (
-            httpx2.AsyncClient(headers=mine, trust_env=False) as http,
+            httpx2.AsyncClient(headers=mine, trust_env=False, timeout=60) as http,
             Client(streamable_http_client(url, http_client=http), cache=None) as client,
         ):
             assert [tool.name for tool in (await client.list_tools()).tools] == ALWAYS

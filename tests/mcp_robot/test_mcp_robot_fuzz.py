@@ -25,7 +25,7 @@ from agentrob.mcp_robot.server import RobotServer
 from agentrob.mcp_robot.tools import BY_NAME, TOOLS, allowed
 
 SECRET = "the-secret-token-of-the-service"
-QUICK = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+QUICK = settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 
 
 class _Session:
@@ -53,7 +53,7 @@ def call(name: str, arguments: Any, status: int = 200, body: bytes = b"{}") -> t
         server = RobotServer(robots, allowed(McpRobotConfig(preview=True, submit=True)))
         params = types.CallToolRequestParams.model_construct(name=name, arguments=arguments)
         try:
-            return await asyncio.wait_for(server.call_tool(_Context(), params), 10)  # type: ignore[arg-type]
+            return await asyncio.wait_for(server.call_tool(_Context(), params), 60)  # type: ignore[arg-type]
         finally:
             await robots.close()
 

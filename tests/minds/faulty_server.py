@@ -89,7 +89,7 @@ def faulty_server() -> Iterator[FaultyServer]:
         server.released.set()
         server.shutdown()
         server.server_close()
-        thread.join(10)
+        thread.join(60)
 
 
 # ---------------------------------------------------------------------- answers in the OpenAI dialect

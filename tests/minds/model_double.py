@@ -17,7 +17,7 @@ from typing import Any
 import httpx2
 
 _CLI = Path(__file__).parent / "double/node_modules/@copilotkit/aimock/dist/cli.js"
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 
 
 @dataclass
@@ -27,7 +27,7 @@ class Double:
     url: str
 
     def journal(self) -> list[dict[str, Any]]:
-        entries: list[dict[str, Any]] = httpx2.get(f"{self.url}/__aimock/journal", trust_env=False).json()
+        entries: list[dict[str, Any]] = httpx2.get(f"{self.url}/__aimock/journal", trust_env=False, timeout=60).json()
         return entries
 
 

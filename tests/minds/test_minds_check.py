@@ -189,7 +189,7 @@ def run_program(folder: Path, *args: str) -> Said:
         env={**os.environ, "AGENTROB_DATA": str(folder)},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=100,
         check=False,
     )
     return Said(done.returncode, done.stdout, done.stderr)

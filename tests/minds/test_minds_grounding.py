@@ -271,7 +271,7 @@ AROUND = {
 }
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 @given(st.data(), st.sampled_from(["en", "zh"]))
 def test_law_18_a_model_does_all_of_a_post_or_nothing(data: st.DataObject, language: str) -> None:
     said = data.draw(st.lists(st.sampled_from(DEEDS[language]), min_size=1, max_size=3, unique_by=lambda d: d[0]))
@@ -377,7 +377,7 @@ def quoting(text: str) -> st.SearchStrategy[list[ExtractedStep]]:
     return st.lists(quoted | STEPS, max_size=4)
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=600)
 @given(st.data(), TEXTS, PLANS)
 def test_law_7_nothing_is_invented(data: st.DataObject, text: str, history: list[Plan]) -> None:
     """For any answer of a model, each amount and direction of the plan stands in the text or in what was done."""

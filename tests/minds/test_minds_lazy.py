@@ -11,7 +11,7 @@ LIBRARIES = ("pydantic_ai", "openai", "anthropic", "tiktoken")
 def imported_by(code: str) -> set[str]:
     """The model libraries that a fresh process has after running some code."""
     told = f"{code}\nimport sys; print('LIBS', *sorted(m for m in {LIBRARIES!r} if m in sys.modules))"
-    run = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, timeout=60, check=True)
+    run = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, timeout=100, check=True)
     return set(run.stdout.split("LIBS", 1)[1].split())
 
 

@@ -329,7 +329,7 @@ POSTS = st.lists(
 ).map(" ".join)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(POSTS, st.lists(SCRIPTS, min_size=1, max_size=3))
 async def test_law_7_no_model_adds_a_motion_to_a_post(post: str, steps: list[ExtractedStep]) -> None:
     wants = Wants(intent="command", steps=tuple(steps))

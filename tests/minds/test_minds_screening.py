@@ -37,7 +37,7 @@ def brain() -> Iterator[Brain]:
         yield made
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(
     by_rules=st.builds(Verdict, st.sampled_from(Decision), st.sampled_from(["harm.collide", "limit.speed"]), st.text()),
     judgement=JUDGEMENTS,

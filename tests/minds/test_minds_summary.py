@@ -77,7 +77,7 @@ def test_law_18_nothing_is_worded_of_what_was_not_done(outcome: Outcome) -> None
     assert unfounded("All done.", [], "en") == "not everything was done"
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     measured=st.floats(0.05, 20),
     told=st.decimals(0, 50, places=2),

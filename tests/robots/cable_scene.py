@@ -23,7 +23,7 @@ from agentrob.model import ActionResult
 from agentrob.robots.client import DriverClient
 
 DOMAIN = 0  # nobody else is in these namespaces
-until = partial(until_limited, limit_s=20.0)
+until = partial(until_limited, limit_s=60.0)
 WORLD = """
 read go
 ip link set lo up; ip addr add 10.99.0.2/24 dev robot; ip link set robot up

@@ -86,12 +86,12 @@ class Drivers:
             process.communicate()
 
 
-async def moving(robot: DriverClient, limit_s: float = 10.0) -> None:
+async def moving(robot: DriverClient, limit_s: float = 60.0) -> None:
     """Until the robot really moves."""
     await until(robot, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.2, limit_s)
 
 
-async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float = 10.0) -> float:
+async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float = 60.0) -> float:
     """Seconds until a state is as wanted."""
     began_s = time.monotonic()
     while not true(await robot.state()):

@@ -32,7 +32,7 @@ def turn(degrees: float, direction: Direction = L) -> Primitive:
     return Primitive(Op.TURN, direction, degrees=degrees)
 
 
-def until(true: Callable[[], bool], limit_s: float = 10.0) -> None:
+def until(true: Callable[[], bool], limit_s: float = 60.0) -> None:
     """Wait for what must become true."""
     end_s = time.monotonic() + limit_s
     while not true():

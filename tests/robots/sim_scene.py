@@ -102,7 +102,7 @@ class Truth:
     """Looks at the room's `/truth` all the time, as nothing that drives a robot may."""
 
     def __init__(self, url: str) -> None:
-        self._room = httpx2.Client(base_url=url, timeout=10)
+        self._room = httpx2.Client(base_url=url, timeout=100)
         self._closed = threading.Event()
         self.seen = [self._look()]
         self._thread = threading.Thread(target=self._watch, daemon=True)
@@ -120,7 +120,7 @@ class Truth:
 
     def close(self) -> None:
         self._closed.set()
-        self._thread.join(10)
+        self._thread.join(60)
         self._room.close()
 
     @property
@@ -139,7 +139,7 @@ class Truth:
                 found.append(apart_m(first, later[0]) / (later[0].time_s - first.time_s))
         return found
 
-    async def until(self, true: Callable[[Sample], Any], limit_s: float = 15.0) -> Sample:
+    async def until(self, true: Callable[[Sample], Any], limit_s: float = 60.0) -> Sample:
         """The first sample from now on that is as awaited."""
         began_s = time.monotonic()
         while not ((now := self.now).at_s >= began_s and true(now)):
@@ -147,7 +147,7 @@ class Truth:
             await asyncio.sleep(SAMPLE_S)
         return now
 
-    async def rest(self, since_s: float, limit_s: float = 10.0) -> float:
+    async def rest(self, since_s: float, limit_s: float = 60.0) -> float:
         """Seconds of the world's time from a moment until the robot really stood still, and still does a little later.
 
         The world's time, since on a busy machine the world is slower than life.
@@ -212,7 +212,7 @@ class Place:
         self.folder = folder
         self.settings: dict[str, Any] = {}
         self.world, self.domain, url = _serve()
-        self.room = httpx2.Client(base_url=url, timeout=10)
+        self.room = httpx2.Client(base_url=url, timeout=100)
         self.truth = Truth(url)
         self.remote = Process(REMOTE, str(self.domain), errors=subprocess.DEVNULL)
         self.driver: Process | None = None
@@ -246,7 +246,7 @@ class Place:
         """Everything back to its start, released and at home."""
         assert self.room.post("/reset").json() == {"reset": True}
         near_since_s = math.inf
-        end_s = time.monotonic() + 20
+        end_s = time.monotonic() + 60
 
         def near(state: RobotState) -> bool:
             pose = state.pose
@@ -260,7 +260,7 @@ class Place:
         await self.home(robot)
         return await self.truth.until(lambda _: True)
 
-    async def home(self, robot: DriverClient, limit_s: float = 10.0) -> None:
+    async def home(self, robot: DriverClient, limit_s: float = 60.0) -> None:
         """Home where it stands, as soon as it stands still enough for that: a body at rest still sways a little."""
         end_s = time.monotonic() + limit_s
         while True:
@@ -277,7 +277,7 @@ class Place:
             if process is not None:
                 process.end()
         self.world.terminate()
-        self.world.communicate(timeout=10)
+        self.world.communicate(timeout=100)
 
 
 def _serve() -> tuple[subprocess.Popen[str], int, str]:

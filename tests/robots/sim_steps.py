@@ -18,7 +18,7 @@ REST_LIMIT_S = 1.5
 UNMOVED_M = 0.03
 
 
-async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 10.0) -> None:
+async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 60.0) -> None:
     """Wait for a state that must come."""
     end_s = time.monotonic() + limit_s
     while not true(await robot.state()):

@@ -69,7 +69,7 @@ def talker() -> Iterator[None]:
         yield
     finally:
         process.terminate()
-        process.communicate(timeout=30)
+        process.communicate(timeout=100)
 
 
 def test_a_client_that_was_dropped_without_being_closed_does_not_crash_the_process() -> None:

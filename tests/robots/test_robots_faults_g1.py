@@ -27,7 +27,7 @@ pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
 DOMAINS = range(221, 230)
 #: Full physics of 29 joints takes its time on a busy machine.
-until = partial(until_limited, limit_s=20.0)
+until = partial(until_limited, limit_s=60.0)
 CLAP, PHOTO = Primitive(Op.CLAP), Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -58,11 +58,11 @@ def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
     driver = start("driver", "humanoid", "--config", str(folder / "agentrob.toml"), AGENTROB_RUNTIME=str(folder))
     assert driver.stdout is not None
     ready = json.loads(driver.stdout.readline())
-    with httpx2.Client(base_url=json.loads(line)["http"], timeout=20) as room:
+    with httpx2.Client(base_url=json.loads(line)["http"], timeout=100) as room:
         yield Stand(room, Path(ready["socket"]))
     for process in (driver, world):
         process.terminate()
-        process.communicate(timeout=10)
+        process.communicate(timeout=100)
 
 
 @pytest.fixture

@@ -213,13 +213,13 @@ async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_dri
         async with DriverClient("late", place.folder / "late.sock") as robot:
             assert (await do(robot, NEAR)).reason == "stale_state"
             world = await asyncio.to_thread(world_on, domain)
-            await until(robot, lambda state: state.age_s < 0.2 and state.homed, 30)
+            await until(robot, lambda state: state.age_s < 0.2 and state.homed)
             await is_well(robot)
     finally:
         driver.end()
         if world is not None:
             world.terminate()
-            world.communicate(timeout=10)
+            world.communicate(timeout=100)
 
 
 @pytest.mark.slow

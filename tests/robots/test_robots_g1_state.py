@@ -135,9 +135,9 @@ def test_a_robot_that_is_not_there_is_not_asked_for_its_state() -> None:
         assert not service.asked.wait(0.5)
         assert watch.id is None
         there.set()
-        assert watch.wait(5.0) == 500
+        assert watch.wait(60) == 500
         service.answer = (3104, "")
-        until_s = time.monotonic() + 5.0
+        until_s = time.monotonic() + 60
         while watch.id is not None:
             assert time.monotonic() < until_s, "an old answer must not count"
             service.asked.clear()

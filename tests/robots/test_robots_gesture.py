@@ -37,7 +37,7 @@ def test_law_14_after_a_reason_to_stop_no_call_follows_also_when_it_has_passed(r
 
     def rise() -> int:
         rising.set()
-        assert risen.wait(10)
+        assert risen.wait(60)
         return 0
 
     def objection() -> str | None:
@@ -50,7 +50,7 @@ def test_law_14_after_a_reason_to_stop_no_call_follows_also_when_it_has_passed(r
     gesture.follow()  # ends while the first call is still under way
     assert (gesture.running, gesture.reason) == (True, reason)
     risen.set()
-    gesture._thread.join(10)
+    gesture._thread.join(60)
     assert not gesture.running
     assert called == []
 
@@ -64,7 +64,7 @@ def test_law_14_a_stop_just_before_the_next_call_prevents_it() -> None:
 
     gesture = Gesture((rise, lambda: called.append(True) or 0), lambda: "stop" if stopped.is_set() else None)
     gesture.follow()
-    gesture._thread.join(10)
+    gesture._thread.join(60)
     assert (called, gesture.reason) == ([], "stop")
 
 

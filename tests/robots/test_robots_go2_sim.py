@@ -48,7 +48,7 @@ def world() -> Iterator[subprocess.Popen[str]]:
     process = start_world(DOMAIN)
     yield process
     process.send_signal(signal.SIGTERM)
-    process.wait(10)
+    process.wait(60)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_what_the_robot_does_not_offer_is_a_failure_with_its_code(go2: Go2) -> N
     assert "3203" in result.message
 
 
-def mode(robot: Go2, wanted: str, limit_s: float = 15.0) -> None:
+def mode(robot: Go2, wanted: str, limit_s: float = 60.0) -> None:
     """Wait until the robot is in a mode."""
     guard_scene.until(lambda: robot.state().mode == wanted, limit_s)
 
@@ -155,7 +155,7 @@ async def test_law_8_a_world_that_dies_under_a_walk_ends_it_and_the_next_one_is_
             process.wait()
 
 
-async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 15.0) -> None:
+async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 60.0) -> None:
     """Wait for a state that must come."""
     end_s = time.monotonic() + limit_s
     while not true(await robot.state()):

@@ -39,7 +39,7 @@ def test_whatever_is_asked_the_robot_stays_inside_its_fence_and_limits(make: Mak
     until(lambda: guard.state().homed)
     robot, done = fake_of(guard), list[bool]()
 
-    @settings(max_examples=60, deadline=None, database=None)
+    @settings(max_examples=60, database=None)
     @given(st.lists(steps, min_size=1, max_size=8))
     def property_holds(plan: list[Primitive]) -> None:
         for primitive in plan:
@@ -75,7 +75,7 @@ def test_law_9_whatever_odometry_that_is_no_number_moves_nothing(make: Make) -> 
     until(lambda: guard.state().homed)
     robot, place = fake_of(guard), fake_of(guard).pose
 
-    @settings(max_examples=40, deadline=None, database=None)
+    @settings(max_examples=40, database=None)
     @given(bad=no_place, primitive=st.sampled_from([move(1.0), move(1.0, B), turn(90), Primitive(Op.HELLO)]))
     def property_holds(bad: Pose, primitive: Primitive) -> None:
         robot.carry(bad)
@@ -116,7 +116,7 @@ def test_whatever_is_asked_the_robot_keeps_off_the_walls(make: Make) -> None:
     done = list[bool]()
     moves = st.builds(move, st.floats(0.2, 4.0), st.sampled_from(list(Direction)))
 
-    @settings(max_examples=15, deadline=None, database=None)
+    @settings(max_examples=15, database=None)
     @given(yaw_rad=st.floats(-3, 3), plan=st.lists(st.one_of(steps, moves), min_size=4, max_size=12))
     def property_holds(yaw_rad: float, plan: list[Primitive]) -> None:
         fake_of(guard).carry(Pose(0.0, 0.0, yaw_rad))
@@ -169,7 +169,7 @@ def test_law_8_readings_lost_on_the_way_end_a_step_at_any_speed_unless_the_owner
     seen = robot._ranges
     monkeypatch.setattr(robot, "_ranges", lambda: tuple(lost["as"] if k in blind else r for k, r in enumerate(seen())))
 
-    @settings(max_examples=25, deadline=None, database=None, phases=(Phase.explicit, Phase.generate))
+    @settings(max_examples=25, database=None, phases=(Phase.explicit, Phase.generate))
     @example(kind="zero", sectors={0, 1, 2, 3}, share=0.3, speed_mps=0.15, way=Direction.FORWARD)
     @example(kind="zero", sectors={0, 1, 2, 3}, share=0.3, speed_mps=None, way=Direction.FORWARD)
     @given(

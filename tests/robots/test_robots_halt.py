@@ -85,7 +85,7 @@ def test_law_17_a_halt_that_comes_while_one_is_released_stays(tmp_path: Path, mo
     with pytest.raises(RobotError, match="locked again while it was released"):
         halt.release()
     monkeypatch.undo()
-    keeping[0].join(5)
+    keeping[0].join(60)
     assert halt.lock is not None
     assert halt.lock.by == "eve"
     kept = Halt(halt.path).lock

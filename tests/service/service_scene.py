@@ -56,16 +56,19 @@ class Service:
         found: dict[str, Any] = answer.json()["command"]
         return found
 
-    async def end(self, command: dict[str, Any], limit_s: float = 20.0) -> dict[str, Any]:
+    async def end(self, command: dict[str, Any]) -> dict[str, Any]:
         """The command when it has ended."""
-        answer = await self.call("watcher", "GET", f"/commands/{command['id']}?wait_s={limit_s}")
-        found: dict[str, Any] = answer.json()
+        for _ in range(3):
+            answer = await self.call("watcher", "GET", f"/commands/{command['id']}?wait_s=20")
+            found: dict[str, Any] = answer.json()
+            if found["ended"]:
+                break
         assert found["ended"], found
         return found
 
     async def moving(self, command: dict[str, Any]) -> None:
         """Wait until this command moves the robot."""
-        async with asyncio.timeout(10), self.scene.driver.client() as client:
+        async with asyncio.timeout(60), self.scene.driver.client() as client:
             while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.01)
         job = self.agent.line.moving
@@ -121,7 +124,7 @@ async def make_service(
             await asyncio.wait({running, ready}, return_when=asyncio.FIRST_COMPLETED)
             ready.cancel()
         url = f"http://127.0.0.1:{listener.getsockname()[1]}"
-        async with serving(parts, listener), httpx2.AsyncClient(timeout=40, trust_env=False) as http:
+        async with serving(parts, listener), httpx2.AsyncClient(timeout=100, trust_env=False) as http:
             yield Service(scene, agent, parts, url, http)
     finally:
         running.cancel()

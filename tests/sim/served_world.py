@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 DOMAINS = range(150, 171)
-READY_LIMIT_S = 30.0
+READY_LIMIT_S = 60.0
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Served:
         """Seconds from the signal to the end."""
         began = time.monotonic()
         self.process.send_signal(number)
-        self.process.wait(10)
+        self.process.wait(60)
         return time.monotonic() - began
 
 

@@ -114,7 +114,7 @@ def test_a_reset_takes_the_box_away(room_bench) -> None:
 
 @pytest.mark.sim
 def test_the_room_makes_faults_on_request_and_says_what_would_be_valid(served) -> None:
-    with httpx2.Client(base_url=served.url, timeout=10) as room:
+    with httpx2.Client(base_url=served.url, timeout=100) as room:
         assert room.post("/faults", json={"ranges": "missing"}).json() == {"faults": True}
         assert room.post("/faults", content=b"").json() == {"faults": True}
         refused = room.post("/faults", json={"ranges": "strange"})

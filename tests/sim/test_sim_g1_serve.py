@@ -46,7 +46,7 @@ def sdk(both: Served) -> dict[str, Any]:
 
 def test_one_process_serves_both_robots(both: Served) -> None:
     assert both.ready["domains"] == {"go2": both.domain, "g1": G1_DOMAIN}
-    with httpx2.Client(base_url=both.url, timeout=10) as room:
+    with httpx2.Client(base_url=both.url, timeout=100) as room:
         robots = room.get("/truth").json()["robots"]
         assert {name: pose["contacts"] for name, pose in robots.items()} == {"go2": [], "g1": []}
         assert all(pose["upright"] > 0.98 for pose in robots.values())
@@ -88,7 +88,7 @@ def test_its_camera_gives_a_picture_by_our_convention(sdk: dict[str, Any]) -> No
 
 
 def test_a_reset_puts_both_back(both: Served, sdk: dict[str, Any]) -> None:
-    with httpx2.Client(base_url=both.url, timeout=10) as room:
+    with httpx2.Client(base_url=both.url, timeout=100) as room:
         away = room.get("/truth").json()["robots"]["g1"]["x_m"]
         assert room.post("/reset").json() == {"reset": True}
         back = room.get("/truth").json()["robots"]["g1"]["x_m"]
@@ -106,7 +106,7 @@ def test_domains_are_read_and_a_number_alone_is_the_go2s() -> None:
 
 def test_two_robots_on_one_domain_are_refused() -> None:
     command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", "go2=170", "--domain", "g1=170"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 1
     assert "each simulated robot needs a DDS domain of its own" in done.stderr
     assert done.stderr.count("\n") == 1

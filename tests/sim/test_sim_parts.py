@@ -69,13 +69,13 @@ def run_clock(clock, tick):
 def test_the_clock_does_work_at_once_not_at_the_next_tick():
     clock, done, ticked = Clockwork(period_s=0.5), threading.Event(), threading.Event()
     thread = run_clock(clock, ticked.set)
-    assert ticked.wait(2)
+    assert ticked.wait(60)
     began = time.monotonic()
     clock.later(done.set)
-    assert done.wait(2)
+    assert done.wait(60)
     assert time.monotonic() - began < 0.3
     clock.stop()
-    thread.join(2)
+    thread.join(60)
     assert not thread.is_alive()
 
 
@@ -91,10 +91,10 @@ def test_a_slow_machine_shows_in_the_real_time_factor():
             enough.set()
 
     thread = run_clock(clock, slow_tick)
-    assert enough.wait(10)
+    assert enough.wait(60)
     assert clock.real_time_factor < 0.8
     clock.stop()
-    thread.join(2)
+    thread.join(60)
 
 
 def test_a_fast_machine_runs_in_real_time():
@@ -109,11 +109,11 @@ def test_a_fast_machine_runs_in_real_time():
 
     began = time.monotonic()
     thread = run_clock(clock, tick)
-    assert enough.wait(10)
+    assert enough.wait(60)
     assert time.monotonic() - began > 0.9
     assert 0.9 < clock.real_time_factor < 1.1
     clock.stop()
-    thread.join(2)
+    thread.join(60)
 
 
 def test_the_ledger_is_there_line_by_line(tmp_path):

@@ -79,7 +79,7 @@ def test_a_second_gesture_while_one_runs_is_refused(bench):
     assert first == [sport.OK]
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(gesture=st.sampled_from(GESTURES), after_s=st.floats(0.0, 8.0), walked_s=st.floats(0.0, 1.0))
 def test_a_stop_at_any_moment_of_a_gesture_ends_standing(bench, gesture, after_s, walked_s):
     bench.reset()

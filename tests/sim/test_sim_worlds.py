@@ -181,7 +181,7 @@ def shed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 def test_a_served_world_says_what_it_serves_and_what_is_in_it(shed: Served) -> None:
     assert shed.ready["world"] == "shed"
-    with httpx2.Client(base_url=shed.url, timeout=10) as room:
+    with httpx2.Client(base_url=shed.url, timeout=100) as room:
         told = room.get("/scene").json()
         assert told["things"] == [{"name": "hot stove", "note": "hot"}]
         beyond = room.post("/faults", json={"box_m": [2.6, 0]})
@@ -194,6 +194,6 @@ def test_a_served_world_says_what_it_serves_and_what_is_in_it(shed: Served) -> N
 def test_a_world_that_cannot_be_served_ends_with_one_line(tmp_path: Path) -> None:
     (tmp_path / "shed.toml").write_text(OWN)
     command = [sys.executable, "-m", "agentrob", "sim", "--world", str(tmp_path / "shed.toml"), "--robot", "g1"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 1
     assert done.stderr == "agentrob: the world 'shed' has no start for g1; it has one for: go2\n"

@@ -117,7 +117,7 @@ class Told:
         await self.scene.world.sign_in(name).press_release(ROBOT)
 
     async def free(self, _: str) -> None:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while (await self.agent.driver.state()).halted:  # noqa: ASYNC110 (a process)
                 await asyncio.sleep(0.01)
 
@@ -150,7 +150,7 @@ class Told:
 
     async def _settled(self, key: str) -> None:
         """Its reply comes a moment before the journal has it, and "again" is read from the journal."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while self.posts[key].id in {c.command.post_id for c in await self.agent.journal.open_claims()}:
                 await self.scene.world.wait(0.01)
 
@@ -171,7 +171,7 @@ class Told:
         assert math.hypot(x_m - self.start[0], y_m - self.start[1]) == pytest.approx(float(metres), rel=0.1)
 
     async def walks(self, _: str) -> None:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while math.hypot(*((await self.agent.driver.state()).velocity_mps or (0, 0))) < 0.1:  # noqa: ASYNC110 (a process)
                 await asyncio.sleep(0.01)
 

@@ -12,7 +12,7 @@ from agentrob.errors import RobotError
 from agentrob.model import RobotState
 from agentrob.robots.client import DriverClient
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 async def set_home(name: str) -> RobotState:

@@ -14,7 +14,7 @@ from unitree_sdk2py.go2.video.video_client import VideoClient
 from unitree_sdk2py.idl.unitree_go.msg import dds_ as go
 from unitree_sdk2py.idl.unitree_hg.msg import dds_ as hg
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 UNKNOWN = 4711  # no robot has this API
 
 

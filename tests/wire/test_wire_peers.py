@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from wire_scene import HERE, OURS, PEER, SHIM, Network
 
-pytestmark = [pytest.mark.sim, pytest.mark.slow, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
 CONFIG = """
 data = "{data}"

@@ -81,9 +81,9 @@ class Network:
             process.terminate()
         for process in self._running:
             try:
-                process.wait(5)
+                process.wait(60)
             except subprocess.TimeoutExpired:
                 process.kill()
         assert self._keeper.stdin is not None
         self._keeper.stdin.close()
-        self._keeper.wait(5)
+        self._keeper.wait(60)

@@ -22,6 +22,8 @@ from agentrob.language.shown import text_in
 from agentrob.language.visible import OMITTED, mentions
 from agentrob.model import AccountKind, Post, Role, StatusCard
 
+#: Ends what hangs, also on a busy machine.
+LIMIT_S = 60.0
 #: The smallest PNG that decoders accept: one grey pixel.
 PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b550000000a49444154789c636800000082008177cd72b6"
@@ -62,9 +64,9 @@ async def _size(forum: Forum, url: str) -> tuple[int, int]:
 
 
 async def _collect(forum: Forum, after: str, until: int) -> list[Event]:
-    """The first `until` events after `after`, heartbeats left out; fails after five seconds."""
+    """The first `until` events after `after`, heartbeats left out; fails after `LIMIT_S`."""
     found: list[Event] = []
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(LIMIT_S):
         async for event in forum.stream(after, 0.25):
             if event.kind is not EventKind.HEARTBEAT:
                 found.append(event)
@@ -330,7 +332,7 @@ class ForumContract:
         if not bob.live:
             return
         after, _ = await bob.now()
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(LIMIT_S):
             async for event in bob.stream(after, 0.25):
                 assert event.kind is EventKind.HEARTBEAT
                 assert event.id == ""
@@ -367,7 +369,7 @@ class ForumContract:
             return
         try:
             found = await alice.notices()
-            async with asyncio.timeout(5):
+            async with asyncio.timeout(LIMIT_S):
                 while mention.id not in [n.post.id for n in found.items]:
                     await asyncio.sleep(0.1)  # some forums make them a moment after the post
                     found = await alice.notices()

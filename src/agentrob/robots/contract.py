@@ -28,7 +28,8 @@ FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
 LEFT = Primitive(Op.TURN, Direction.LEFT, degrees=30)
 RIGHT = Primitive(Op.TURN, Direction.RIGHT, degrees=30)
-STATE_LIMIT_S = 3.0
+#: Ends what hangs, also on a busy machine.
+LIMIT_S = 60.0
 
 
 def go_on(_: RobotState) -> str | None:
@@ -126,9 +127,9 @@ class RobotContract:
 
         step = threading.Thread(target=lambda: results.append(robot.step(FAR, notice)))
         step.start()
-        assert moving.wait(10)
+        assert moving.wait(LIMIT_S)
         stopped = robot.stop()
-        step.join(10)
+        step.join(LIMIT_S)
         (result,) = results
         complete(result, FAR)
         assert (result.outcome, result.reason) == (Outcome.STOPPED, "stop")
@@ -150,9 +151,9 @@ class RobotContract:
         around = Primitive(Op.TURN, Direction.LEFT, degrees=300.0)
         step = threading.Thread(target=lambda: results.append(robot.step(around, notice)))
         step.start()
-        assert turning.wait(10)
+        assert turning.wait(LIMIT_S)
         stopped = robot.stop()
-        step.join(10)
+        step.join(LIMIT_S)
         assert results[0].outcome is Outcome.STOPPED
         assert stopped.was_moving
 
@@ -195,9 +196,9 @@ class RobotContract:
 
 def fresh(robot: Robot) -> RobotState:
     """A state that is not old; waits a moment for the first one."""
-    end_s = time.monotonic() + STATE_LIMIT_S
+    end_s = time.monotonic() + LIMIT_S
     while (state := robot.state()).age_s > 0.5:
-        assert time.monotonic() < end_s, f"no state came within {STATE_LIMIT_S} s"
+        assert time.monotonic() < end_s, f"no state came within {LIMIT_S:.0f} s"
         time.sleep(0.02)
     return state
 
