@@ -166,7 +166,7 @@ def denied(post: str, topic: str) -> Report:
 
 def expired(post: str, topic: str) -> Report:
     verdict = Verdict(Decision.NEEDS_APPROVAL, "rights.approval", "A risky move needs an approval.")
-    said = say("lapsed", "en", seconds=120, minutes=10)
+    said = say("lapsed", "en", seconds=120, wait="10 minutes")
     return Report(command(post, topic, "3e22d073"), "expired", verdict, FLIP, message=said, timings_ms={"seen": 30.0})
 
 
