@@ -6,7 +6,8 @@ import asyncio
 import math
 import time
 import traceback
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 import structlog
@@ -18,6 +19,8 @@ from agentrob.forums.forum import Event, EventKind, Forum
 BEAT_S = 0.5
 SILENCE_S = 2.0
 UNPROVEN_STEP_S = 5.0
+#: A forum's clock that differs by more than this from what it should say was set.
+STEP = timedelta(seconds=5)
 _BACKOFF_S = (0.1, 5.0)
 _log = structlog.get_logger()
 
@@ -27,15 +30,35 @@ def elapsed_s() -> float:
     return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))
 
 
+@dataclass(frozen=True, slots=True)
+class ClockStep:
+    """The forum's clock was set: `by` is positive when it was set ahead; `noticed_s` is when that was noticed, by
+    `elapsed_s`."""
+
+    by: timedelta
+    noticed_s: float
+
+
 class Channel:
     """Events after `cursor`, which moves on with each. Survives a forum that goes away.
 
     `poll_s` is the interval where the forum has no stream, `BEAT_S` while a robot moves. One that does not `listen`
-    has no stream and asks only when `poke` says so, and while a robot moves.
+    has no stream and asks only when `poke` says so, and while a robot moves. `on_beat` is told what the forum's clock
+    said with each heartbeat; it must not wait.
     """
 
-    def __init__(self, forum: Forum, cursor: str, poll_s: float, listens: bool = True) -> None:
+    def __init__(
+        self,
+        forum: Forum,
+        cursor: str,
+        poll_s: float,
+        listens: bool = True,
+        on_beat: Callable[[datetime], None] = lambda _: None,
+    ) -> None:
         self.cursor = cursor
+        #: The last time that the forum's clock was found to have been set; None while it never was.
+        self.step: ClockStep | None = None
+        self._on_beat = on_beat
         self._forum = forum
         self._listens = listens
         self._poll_s = poll_s if listens else math.inf
@@ -58,8 +81,18 @@ class Channel:
     # ---------------------------------------------------------------- the forum's clock
     def now(self) -> datetime:
         """The forum's clock, counted on from when it was last asked: this machine's own may be set meanwhile."""
+        return self.at(elapsed_s())
+
+    def at(self, moment_s: float) -> datetime:
+        """What the forum's clock would have said at a moment (by `elapsed_s`), had it always gone as it goes now."""
         at, compared_s = self._compared
-        return at + timedelta(seconds=elapsed_s() - compared_s) if math.isfinite(compared_s) else datetime.now(UTC)
+        if not math.isfinite(compared_s):
+            at, compared_s = datetime.now(UTC), elapsed_s()
+        return at + timedelta(seconds=moment_s - compared_s)
+
+    def differs(self, at: datetime) -> bool:
+        """Whether a time that the forum's clock said just now is not what it should have said."""
+        return abs(at - self.now()) > STEP
 
     @property
     def compared_at(self) -> datetime:
@@ -71,7 +104,12 @@ class Channel:
         """Compare clocks; returns the id of the newest event. Raises `ForumError`."""
         before_s = elapsed_s()
         newest, at = await self._forum.now()
-        self._compared = at, (before_s + elapsed_s()) / 2
+        after_s = elapsed_s()
+        asked_s, by = (before_s + after_s) / 2, at - self.at((before_s + after_s) / 2)
+        if math.isfinite(self._compared[1]) and abs(by) > STEP + timedelta(seconds=(after_s - before_s) / 2):
+            self.step = ClockStep(by, after_s)
+            _log.warning("the forum's clock was set", by_s=round(by.total_seconds(), 1), now=at.isoformat())
+        self._compared = at, asked_s
         return newest
 
     # ---------------------------------------------------------------- alive
@@ -142,7 +180,9 @@ class Channel:
                 async for event in self._forum.stream(self.cursor, BEAT_S) if self._live else self._poll():
                     wait_s = _BACKOFF_S[0]
                     self._alive()
-                    if event.kind is not EventKind.HEARTBEAT:
+                    if event.kind is EventKind.HEARTBEAT:
+                        self._on_beat(event.at)
+                    else:
                         self.cursor = event.id
                         yield event
             except ForumNotFound:

@@ -98,6 +98,8 @@ class Course:
     #: What carries the commands that wait until the forum lets our account write again.
     denied: set[asyncio.Task[Any]] = field(default_factory=set)
     owner: Owner | None = None
+    #: By how much the forum's clock was set, if that was just noticed.
+    clock_set: Callable[[], timedelta | None] = lambda: None
 
     @property
     def terms(self) -> Terms:
@@ -277,7 +279,7 @@ class Course:
             case Intent.ASK_BACK:
                 return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
-                ended = self.line.end_before(job.command.posted_at, STOP)
+                ended = self.line.end_before(job, STOP)
                 for other in ended:
                     other.stopped_by = job.command.author.name
                 stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
@@ -287,8 +289,7 @@ class Course:
 
     async def _take_back(self, job: Job) -> int:
         """End what its author posted before and has not begun to move; how many commands that were."""
-        author, posted_at = job.command.author.id, job.command.posted_at
-        before = [other for other in self.line.end_waiting(author, posted_at, "taken_back") if other is not job]
+        before = self.line.end_waiting(job, "taken_back")
         await self.journal.end([other.command.post_id for other in before], "taken_back")
         return len(before)
 
@@ -306,7 +307,9 @@ class Course:
         if why in ("stale", "expired", LAPSED) and execution is None:
             wait = duration(self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s, language)
             limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
-            return self._report(job, "expired", plan, message=say(why, language, **limits))
+            said = [say(why, language, **limits)]
+            said += [words.clock_set(by, language)] if (by := self.clock_set()) is not None else []
+            return self._report(job, "expired", plan, message=" ".join(said))
         if why == DENIED and execution is None and job.decided is not None:
             said = say("denied.by", language, who=quote(job.decided.by.name))
             return self._report(job, "refused", plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said))

@@ -25,26 +25,31 @@ _log = structlog.get_logger()
 
 
 class Inbox:
-    """Events of one robot in their order. `stopped` tells whether a time is of before the newest stop; `take_up`
-    begins a job, `decline` tells a command that it could not be written down, `approve` takes what approves or denies
-    one."""
+    """Events of one robot in their order. `stopped` tells why a post of some time may not move, as its time is of
+    before the newest stop; `settled` gives what was heard, once it is known what time it is; `take_up` begins a job,
+    `decline` tells a command that it could not be written down, `approve` takes what approves or denies one."""
 
     def __init__(
         self,
         robot: str,
         journal: Callable[[], Journal],
         line: Line,
-        stopped: Callable[[datetime], bool],
+        stopped: Callable[[datetime], str | None],
+        settled: Callable[[Post, Heard], Awaitable[Heard]],
         take_up: Callable[[Job], None],
         decline: Callable[[Command], None],
         approve: Callable[[Post, Heard], Awaitable[None]],
     ) -> None:
         #: Commands that were heard and are not in line yet.
         self.coming: dict[str, Post] = {}
+        #: Commands that an earlier process took and that are not in line yet.
+        self.left_open: frozenset[str] = frozenset()
+        self._ended: dict[str, str] = {}
         self._robot = robot
         self._journal = journal
         self._line = line
         self._stopped = stopped
+        self._settled = settled
         self._take_up = take_up
         self._decline = decline
         self._approve = approve
@@ -56,14 +61,34 @@ class Inbox:
 
     def put(self, event: Event, heard: Heard) -> None:
         """Never waits."""
-        if event.post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
-            self.coming[event.post.id] = event.post
+        post = event.post
+        if post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
+            if post.id in self.left_open and post.id not in self.coming:  # heard anew, and so after those stops
+                self._ended.pop(post.id, None)
+            self.coming[post.id] = post
         self._waiting.put_nowait((event, heard))
+
+    def end_coming(self, why: str = STOP, until: datetime | None = None) -> None:
+        """What was heard, and is not in line yet, does not move: all of it, or what was posted `until` then."""
+        ended = [post.id for post in self.coming.values() if until is None or post.created_at <= until]
+        ended += self.left_open if until is None else ()
+        for post_id in ended:
+            self._ended.setdefault(post_id, why)
+
+    def none_left_open(self) -> None:
+        """All that an earlier process took is in line now."""
+        self.left_open = frozenset()
+        self._ended = {post_id: why for post_id, why in self._ended.items() if post_id in self.coming}
+
+    def ended(self, post_id: str) -> str | None:
+        """Why a post that is not in line yet may not move, whatever its time; None when it may."""
+        return self._ended.get(post_id)
 
     def clear(self) -> None:
         while not self._waiting.empty():
             self._waiting.get_nowait()
         self.coming.clear()
+        self._ended.clear()
 
     async def take_all(self) -> None:
         """Take what is there and what comes, for ever."""
@@ -84,7 +109,7 @@ class Inbox:
         try:
             await self.accept(event, heard)
             if save and event.id:
-                await self._journal().put("cursor", event.id)
+                await self._journal().put_all(cursor=event.id, cursor_at=event.at.isoformat())
         except JournalError as e:
             _log.error("post not taken: nothing moves without the journal", robot=self._robot, error=str(e))
             self._not_taken(event, heard)
@@ -94,6 +119,7 @@ class Inbox:
         finally:
             if event.post is not None:
                 self.coming.pop(event.post.id, None)
+                self._ended.pop(event.post.id, None)
 
     def _not_taken(self, event: Event, heard: Heard) -> None:
         """Tell a command that it could not be taken, unless it is under way."""
@@ -111,27 +137,31 @@ class Inbox:
         if event.kind is not EventKind.POST_CREATED:
             await self._amend(post)
             return
+        if heard.call in (Call.APPROVE, Call.DENY, *_TO_TAKE):
+            heard = await self._settled(post, heard)
         if heard.call in (Call.APPROVE, Call.DENY):
             await self._approve(post, heard)
         if heard.call not in _TO_TAKE:
             return
-        ended = None
         if heard.call is Call.STALE or post.version > 1:
-            ended = "stale" if heard.call is Call.STALE else "edited"
-        elif self._stopped(post.created_at):
-            ended = STOP
+            ended: str | None = "stale" if heard.call is Call.STALE else "edited"
+        else:
+            ended = self._why_stopped(post)
         claim = await self._journal().claim(self._command(post, heard), ended)
         if not claim.new:
             return
         if (tag := untagged(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
             _log.info("asked by an agent", post=post.id, trace_id=claim.command.trace_id, asked_in=tag.trace_id)
         job = Job(claim.command, ended=ended)
-        stopped = ended is None and self._stopped(post.created_at)  # it came while the claim was written
-        if stopped:
-            job.end(STOP)
+        came = self._why_stopped(post) if ended is None else None  # while the claim was written
+        if came is not None:
+            job.end(came)
         self._take_up(job)
-        if stopped:
-            await self._journal().end([post.id], STOP)
+        if came is not None:
+            await self._journal().end([post.id], came)
+
+    def _why_stopped(self, post: Post) -> str | None:
+        return self.ended(post.id) or self._stopped(post.created_at)
 
     async def _amend(self, post: Post) -> None:
         """A post was edited or removed: what it had asked for is ended."""

@@ -190,6 +190,12 @@ class Journal(Rows):
         found = await self._in_rows(self._all, f"{db.CLAIMS} WHERE final IS NULL ORDER BY number")
         return [db.read_claim(row) for row in found]
 
+    async def newest_claim(self) -> Claim | None:
+        """The claim taken last whose status post is on the forum."""
+        query = f"{db.CLAIMS} WHERE status_post NOT NULL ORDER BY number DESC LIMIT 1"
+        found = await self._in_rows(self._one, query)
+        return db.read_claim(found) if found else None
+
     async def end(self, post_ids: Sequence[str], why: str) -> None:
         """These commands may not begin to move any more, also after a restart. The first reason counts; what moves
         already is ended by whoever moves it."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Coroutine, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any, TypeVar
@@ -175,20 +175,25 @@ class Line:
             job._changed.set()
         self._on_change()
 
-    def end_before(self, at: datetime, why: str) -> list[Job]:
-        """End every command that was posted at `at` or earlier; returns those that had not been ended."""
-        found = [job for job in self._jobs if job.command.posted_at <= at and job.can_end]
-        for job in found:
-            job.end(why)
-        return found
+    def end_all(self, why: str) -> list[Job]:
+        """End every command; returns those that had not been ended."""
+        return self._end(self._jobs, why)
 
-    def end_waiting(self, account_id: str, at: datetime, why: str) -> list[Job]:
-        """End this account's commands that were posted before `at` and do not move; returns those not ended before."""
-        found = [
-            job
-            for job in self._jobs
-            if job.command.author.id == account_id and job.command.posted_at < at and not job.moving and job.can_end
-        ]
+    def end_posted(self, until: datetime, why: str) -> list[Job]:
+        """End every command that was posted then or earlier; returns those that had not been ended."""
+        return self._end([job for job in self._jobs if job.command.posted_at <= until], why)
+
+    def end_before(self, job: Job, why: str) -> list[Job]:
+        """End every command that was accepted before this one, whatever the forum's clock said of either; returns those
+        that had not been ended."""
+        return self._end(self._jobs[: self._jobs.index(job)] if job in self._jobs else [], why)
+
+    def end_waiting(self, job: Job, why: str) -> list[Job]:
+        """The same of what its own account asked for and does not move."""
+        return self._end([other for other in self.of_same_author(job) if not other.moving], why)
+
+    def _end(self, jobs: Sequence[Job], why: str) -> list[Job]:
+        found = [job for job in jobs if job.can_end]
         for job in found:
             job.end(why)
         return found

@@ -7,22 +7,23 @@ import contextlib
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from dataclasses import replace
 from datetime import datetime
+from functools import partial
 
 from agentrob.agent.journal import Journal
 from agentrob.agent.sentences import say
-from agentrob.agent.status import is_final, left_open
-from agentrob.errors import ForumError
-from agentrob.forums.forum import Forum
+from agentrob.agent.status import insist, is_final, left_open
+from agentrob.errors import ForumError, ForumNotFound
+from agentrob.forums.forum import BEFORE_ALL, Forum
 from agentrob.model import Account, Post
 
 
 async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> AsyncIterator[Post]:
     """Posts written after `since` in the threads that were active last, oldest first in each."""
     for board in boards:
-        for topic in (await forum.topics(board)).items:
+        for topic in (await insist(partial(forum.topics, board))).items:
             cursor: str | None = None
             while True:
-                page = await forum.posts(topic.id, cursor)
+                page = await insist(partial(forum.posts, topic.id, cursor))
                 for post in page.items:
                     if post.created_at > since:
                         yield post
@@ -33,6 +34,24 @@ async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> 
 def is_open(post: Post, me: Account) -> bool:
     """Whether this is a status post of ours that promises more to come."""
     return post.author.id == me.id and post.card is not None and not is_final(post.card) and not post.removed
+
+
+async def gap_after(forum: Forum, journal: Journal) -> tuple[datetime, datetime] | None:
+    """Where a forum does not know the event that was heard last: since when and until when its events are lost to us,
+    for it does not keep them any more. None when it is another forum, or one put back from a backup: it does not know
+    our newest claim, or it keeps events that are older than the one that we heard last."""
+    heard_at, newest = await journal.get_time("cursor_at"), await journal.newest_claim()
+    if heard_at is None or newest is None:
+        return None
+    claimed = await insist(partial(forum.find, f"claim:{newest.command.post_id}"))
+    trace_id = newest.command.trace_id
+    if claimed is None or trace_id not in (claimed.raw, claimed.card.trace_id if claimed.card else ""):
+        return None
+    try:
+        oldest = await insist(partial(forum.changes, BEFORE_ALL, 1))
+    except ForumNotFound:
+        return None
+    return (heard_at, oldest[0].at) if oldest and oldest[0].at > heard_at else None
 
 
 async def close_unknown(

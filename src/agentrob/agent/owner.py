@@ -112,11 +112,16 @@ class Owner:
             await self._driver.home(by)
             return True, "Its home is where it stood then."
         await self._stops.settled()
-        if not (await self._driver.state()).halted:
-            return True, "It was not locked."
-        self._brake.released(at)  # first: nothing that was posted before it finds the robot free
-        lock = await self._driver.release(by, pressed_s)
-        return True, f"It had been {_locked_by(lock)}." if lock else "It was not locked."
+        ahead, lock = self._brake.clear(), None
+        if (await self._driver.state()).halted:
+            self._brake.released(at)  # first: nothing that was posted before it finds the robot free
+            lock = await self._driver.release(by, pressed_s)
+        said = f"It had been {_locked_by(lock)}." if lock else "It was not locked."
+        if ahead is not None:
+            said += (
+                f" Its last stop is stamped {ahead:%Y-%m-%d %H:%M:%S} UTC, in the future: it holds back nothing now."
+            )
+        return True, said
 
     # ------------------------------------------------------------------ what a thread is told
     async def learn_page(self) -> None:

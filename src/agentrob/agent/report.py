@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from datetime import timedelta
 
 from agentrob.agent.pictures import Picture
 from agentrob.agent.sentences import known, say
@@ -316,6 +317,12 @@ def stop_reply(
     if folded:
         said.append(say("stop.folded", language, count=folded))
     return " ".join(said)
+
+
+def clock_set(by: timedelta, language: Language) -> str:
+    """That the forum's clock was set, and by about how much."""
+    about = duration(abs(by.total_seconds()), language)
+    return say("clock.back" if by < timedelta(0) else "clock.ahead", language, by=about)
 
 
 def state_text(state: RobotState | None, waiting: int, language: Language, message: str = "") -> str:

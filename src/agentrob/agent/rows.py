@@ -86,8 +86,18 @@ class Rows:
         return str(found[0]) if found else None
 
     async def put(self, key: str, value: str) -> None:
+        await self.put_all(**{key: value})
+
+    async def put_all(self, **values: str) -> None:
+        """All of them are on disk, or none."""
         query = "INSERT INTO meta (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = excluded.value"
-        await self._in_rows(self._do, query, (key, value))
+
+        def rows() -> None:
+            with self._together():
+                for item in values.items():
+                    self._do(query, item)
+
+        await self._in_rows(rows)
 
     async def get_time(self, key: str) -> datetime | None:
         found = await self.get(key)

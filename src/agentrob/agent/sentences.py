@@ -160,6 +160,11 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "I was locked when it was posted, and have been released since: nothing of before moves me. Post it anew.",
         "发帖时我处于急停锁定，之后才被解除，此前的命令不再执行。请重新发帖。",
     ),
+    "because.clock": (
+        "A stop came, and the forum's clock has been set since, so I cannot tell which of the two was first. "
+        "Post it again if you still want it.",
+        "收到过停止命令，而论坛的时钟此后被调整过，我无法判断先后。如仍需要，请重新发帖。",
+    ),
     "because.replaced": (
         "The forum is no longer the one that this was posted on.",
         "论坛已被替换，不再是发帖时的那个论坛。",
@@ -176,6 +181,9 @@ _SENTENCES: dict[str, tuple[str, str]] = {
         "此后日志无法写入，结果只记录在这条回复里。",
     ),
     "because.internal": ("Something went wrong inside my agent; it is in its log.", "代理程序内部出错，详见其日志。"),
+    # ------------------------------------------------------------ a clock that was set
+    "clock.back": ("The forum's clock was just set back by {by}.", "论坛的时钟刚被调慢了 {by}。"),
+    "clock.ahead": ("The forum's clock was just set ahead by {by}.", "论坛的时钟刚被调快了 {by}。"),
     # ------------------------------------------------------------ steps
     "do.move": ("walk {direction} {distance_m:g} m", "向{direction}走 {distance_m:g} 米"),
     "do.turn": ("turn {direction} {degrees:g}°", "{direction}转 {degrees:g}°"),

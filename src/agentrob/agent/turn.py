@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import traceback
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
@@ -20,16 +22,16 @@ from agentrob.agent import extract, plot
 from agentrob.agent import report as words
 from agentrob.agent.alarm import Alarm
 from agentrob.agent.approvals import Approvals
-from agentrob.agent.brake import STEP, Brake
+from agentrob.agent.brake import Brake
 from agentrob.agent.camera import Camera
-from agentrob.agent.channel import Channel
+from agentrob.agent.channel import Channel, elapsed_s
 from agentrob.agent.course import Course
 from agentrob.agent.execute import SHUTDOWN, STOP
 from agentrob.agent.inbox import Inbox
 from agentrob.agent.journal import Journal
 from agentrob.agent.kinds import Kinds
 from agentrob.agent.line import Job, Line
-from agentrob.agent.lookback import close_unknown, is_open, recent_posts
+from agentrob.agent.lookback import close_unknown, gap_after, is_open, recent_posts
 from agentrob.agent.owner import Owner
 from agentrob.agent.pace import Pace
 from agentrob.agent.perceive import Call, Ears, Heard, obeyed, perceive
@@ -38,18 +40,18 @@ from agentrob.agent.recorder import Recorder, look_of
 from agentrob.agent.records import Records
 from agentrob.agent.retention import keep_pruning, prune
 from agentrob.agent.status import insist
-from agentrob.agent.stops import Stops
+from agentrob.agent.stops import StopReply, Stops
 from agentrob.agent.surroundings import Surroundings
 from agentrob.agent.thinking import Thinking
 from agentrob.config import RobotConfig
 from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
-from agentrob.forums.forum import Event, EventKind, Forum, Stage
+from agentrob.forums.forum import BEFORE_ALL, Event, EventKind, Forum, Stage
 from agentrob.images.store import ImageStore
 from agentrob.judge.rights import may
 from agentrob.judge.screen import prepare as prepare_screen
 from agentrob.minds.mind import LivingMind, Mind
 from agentrob.minds.model_mind import ModelMind
-from agentrob.model import Account, Command, Decision, Language, Post, Report, StopResult
+from agentrob.model import Account, Command, Decision, Post, Report, StopResult
 from agentrob.robots.client import DriverClient
 
 #: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
@@ -57,6 +59,10 @@ LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to tell its end when the agent is ended.
 LAST_WORDS_S = 2.5
 DRIVER_WAIT_S = 5.0
+#: Clocks that turned out to agree are not compared again for so long; and how long that may take.
+COMPARE_S, COMPARING_S = 1.0, 5.0
+#: That the forum's clock was set is told for so long, in replies that it touches.
+SAID_S = 60.0
 #: A task that only shows things begins anew so long after it failed.
 RESTART_S = 1.0
 _log = structlog.get_logger()
@@ -89,18 +95,18 @@ class RobotAgent:
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
-        self.channel = Channel(forum, "", settings.poll_s, listens)
+        self.channel = Channel(forum, "", settings.poll_s, listens, self._notice)
         self._on_end = on_end
         self.records = Records(self.folder)
         self.line = Line(self._line_changed)
         self.inbox = Inbox(
-            name, lambda: self.journal, self.line, lambda at: self.brake.ends(at), self._take_up,  # noqa: PLW0108 (the brake comes later)
+            name, lambda: self.journal, self.line, lambda at: self.brake.why_not(at), self._settle, self._take_up,  # noqa: PLW0108 (the brake comes later)
             self._decline, self._approve,
         )  # fmt: skip
         self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
-        self.stops = Stops(forum, driver, settings, self.channel.now, self._stop_reply)
+        self.stops = Stops(forum, driver, settings, self.channel.now, self._stop_reply, self._compared)
         self.brake = Brake(
-            self.line, self.inbox, self.stops, self.alarm, lambda: self._journal, self.channel.now, self._spawn
+            self.line, self.inbox, self.stops, self.alarm, lambda: self._journal, self.channel, self._spawn
         )
         self.owner = Owner(
             name, settings, forum, driver, self.stops, self.brake, self.channel.now, self._line_changed
@@ -120,11 +126,11 @@ class RobotAgent:
         self._journal: Journal | None = None
         self._course: Course | None = None
         self._me: Account | None = None
-        self._watermark_at = datetime.min.replace(tzinfo=UTC)
+        self._begun = datetime.min.replace(tzinfo=UTC), elapsed_s()
         self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
-        self._claimed_posts: frozenset[str] = frozenset()
         self._comparing: asyncio.Task[Any] | None = None
+        self._compared_s = -math.inf
         self.kinds = Kinds(forum, self._spawn)
         self._accepting = True
         self._ending = False
@@ -189,15 +195,15 @@ class RobotAgent:
         newest = await insist(self.channel.set_clock)
         begun = await self.journal.get_time("watermark")
         if begun is None:
-            await self.journal.put("cursor", newest)
-            await self.journal.put("watermark", (begun := self.channel.compared_at).isoformat())
-        self._watermark_at = min(begun, self.channel.compared_at)  # a clock may have been set back since
+            at = (begun := self.channel.compared_at).isoformat()
+            await self.journal.put_all(cursor=newest, cursor_at=at, watermark=at)
+        self._begun = begun, elapsed_s()
         await self.brake.remember(self.journal, begun)
         self.channel.cursor = await self.journal.get("cursor") or newest
         self._course = self._make_course()
         await self._resume()
         if begun > self.channel.now() - LOOK_BACK:
-            await self._look_back()
+            await self._look_back(self.channel.now() - LOOK_BACK, self._watermark_at)
         if isinstance(self.mind, ModelMind):
             self._spawn(self._warm(self.mind))
 
@@ -210,24 +216,31 @@ class RobotAgent:
         """Hear what was missed, above all stops, and only then take up the commands that were left open."""
         claims = await self.journal.open_claims()
         self._claimed_topics = frozenset(claim.command.topic_id for claim in claims)
-        self._claimed_posts = frozenset(claim.command.post_id for claim in claims)
+        self.inbox.left_open = frozenset(claim.command.post_id for claim in claims)
         try:
-            while events := await insist(self._missed):
-                for event in events:
-                    self.channel.cursor = event.id
-                    self._hear_safely(event)
+            await self._catch_up()
         except ForumNotFound:
-            await self._begin_anew()
+            if await self._begin_anew():
+                await self._catch_up()
         for claim in await self.journal.open_claims():
             begun = await self.journal.moved(claim.command.post_id)
             job = Job(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
             job.asked = claim.asked
             limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
-            if not begun and (why := claim.why_not(self.channel.now(), *limits)):
+            why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.channel.now(), *limits)
+            if not begun and why:
                 job.end(why)
                 await self.journal.end([claim.command.post_id], why)
             self._take_up(job)
-        self._claimed_topics = self._claimed_posts = frozenset()
+        self._claimed_topics = frozenset()
+        self.inbox.none_left_open()
+
+    async def _catch_up(self) -> None:
+        """Hear what was missed; `ForumNotFound` as `Channel.events`."""
+        while events := await insist(self._missed):
+            for event in events:
+                self.channel.cursor = event.id
+                self._hear_safely(event)
 
     async def _missed(self) -> Sequence[Event]:
         """What was posted meanwhile. An answer that makes no sense is none: without it no command is taken up."""
@@ -236,16 +249,19 @@ class RobotAgent:
         except ForumMalformed as e:
             raise ForumUnreachable(str(e)) from None
 
-    async def _look_back(self) -> None:
-        """Shortly after a beginning: answer posts of before it, and end what a journal that was lost had claimed."""
+    async def _look_back(self, since: datetime, until: datetime) -> None:
+        """Answer posts of a time whose events do not come to us any more, and end what a journal that was lost had
+        claimed since then."""
         assert self._me is not None
-        since, statuses = self.channel.now() - LOOK_BACK, []
+        statuses = []
         with contextlib.suppress(ForumError):
             async for post in recent_posts(self.forum, self.settings.boards, since):
                 if is_open(post, self._me) and post.reply_to not in self.inbox.coming:
                     statuses.append(post)
-                elif post.created_at <= self._watermark_at:
+                elif post.created_at <= until:
                     heard = self.perceive(post)
+                    if heard.call is Call.READ:  # whether a stop came after it cannot be told any more
+                        heard = replace(heard, call=Call.STALE)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
         self._spawn(close_unknown(self.forum, self.journal, statuses, self.course.moves))
 
@@ -301,7 +317,7 @@ class RobotAgent:
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
             self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
             pace, Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
-            self._on_end, owner=self.owner,
+            self._on_end, owner=self.owner, clock_set=self._clock_set,
         )  # fmt: skip
 
     def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
@@ -335,17 +351,25 @@ class RobotAgent:
                     self._hear_safely(event)
             except ForumNotFound:
                 with contextlib.suppress(ForumError):
-                    await self._begin_anew()
+                    if await self._begin_anew():
+                        continue
                 await asyncio.sleep(1.0)
 
-    async def _begin_anew(self) -> None:
-        """If the forum was replaced by another (it does not know our last event): end all, let nothing older move."""
+    async def _begin_anew(self) -> bool:
+        """The forum does not know our last event: go on after it (True) where it merely keeps that no more; or it was
+        replaced by another: end all, let nothing older move."""
         newest = await insist(self.channel.set_clock)
         with contextlib.suppress(ForumNotFound):
             await insist(partial(self.forum.changes, self.channel.cursor))
-            return
+            return True
+        if (gap := await gap_after(self.forum, self.journal)) is not None:
+            since, until = gap
+            _log.warning("events of while I was away are not kept any more", robot=self.name, since=since, until=until)
+            self.channel.cursor = BEFORE_ALL
+            await self._look_back(since, until)
+            return True
         _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
-        self._watermark_at = self.channel.compared_at
+        self._begun = self.channel.compared_at, elapsed_s()
         self.inbox.clear()
         for job in self.line:
             job.end("replaced")
@@ -354,10 +378,11 @@ class RobotAgent:
             for task in late:
                 task.cancel()
         await self.journal.set_aside()
-        await self.journal.put("watermark", self._watermark_at.isoformat())
-        await self.journal.put("cursor", newest)
+        begun = self.channel.compared_at.isoformat()
+        await self.journal.put_all(watermark=begun, cursor=newest, cursor_at=begun)
         self.channel.cursor = newest
-        await self._look_back()
+        await self._look_back(self.channel.now() - LOOK_BACK, self._watermark_at)
+        return False
 
     def _hear_safely(self, event: Event) -> None:
         """Whatever one event does to us, the next ones are heard."""
@@ -368,8 +393,7 @@ class RobotAgent:
 
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
-        if event.at < self.channel.now() - STEP and (self._comparing is None or self._comparing.done()):
-            self._comparing = self._spawn(self._compare_clocks())
+        self._notice(event.at)
         heard = Heard(Call.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self.kinds.meet(event.post.author)
@@ -383,7 +407,7 @@ class RobotAgent:
             self._stop(event, event.account, Heard(Call.HALT))
         elif event.robot == self.name and event.kind in (EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME):
             assert self._me is not None
-            self._spawn(self.owner.pressed(event, self._me))
+            self._spawn(self._pressed(event, self._me))
         elif event.robot == self.name and event.kind is EventKind.ROBOT_WATCH and self.camera:
             self.camera.wake()
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
@@ -391,12 +415,45 @@ class RobotAgent:
         if self._accepting:
             self.inbox.put(event, heard)
 
+    # ------------------------------------------------------------------ the forum's clock
+    @property
+    def _watermark_at(self) -> datetime:
+        """Nothing that was posted before then is a command. Not later than when we began, by the forum's clock as it
+        goes now: it may have been set back since."""
+        begun_at, begun_s = self._begun
+        return min(begun_at, self.channel.at(begun_s))
+
+    def _notice(self, at: datetime) -> None:
+        """The forum said that it is this time: when that is not so, what it said comes late, or its clock was set."""
+        idle = self._comparing is None or self._comparing.done()
+        if idle and self.channel.differs(at) and elapsed_s() - self._compared_s >= COMPARE_S:
+            self._comparing = self._spawn(self._compare_clocks())
+
     async def _compare_clocks(self) -> None:
-        """An event of before: it comes late, or the forum's clock was set back; then a stop of the future ends then."""
-        with contextlib.suppress(ForumError):
-            await self.channel.set_clock()
-            self.brake.bound()
-            self._watermark_at = min(self._watermark_at, self.channel.compared_at)
+        step = self.channel.step
+        with contextlib.suppress(ForumError, TimeoutError):
+            async with asyncio.timeout(COMPARING_S):
+                await self.channel.set_clock()
+        if self.channel.step is step:  # what came is merely late, and so may more be
+            self._compared_s = elapsed_s()
+
+    async def _compared(self) -> None:
+        """Wait until the clocks are compared, where they are at it."""
+        if self._comparing is not None and not self._comparing.done():
+            await asyncio.wait({self._comparing}, timeout=COMPARING_S)
+
+    def _clock_set(self) -> timedelta | None:
+        """By how much the forum's clock was set, if that was just noticed."""
+        step = self.channel.step
+        return step.by if step is not None and elapsed_s() - step.noticed_s < SAID_S else None
+
+    async def _settle(self, post: Post, heard: Heard) -> Heard:
+        """What a post is, once the clocks are compared: only then it is known whether it is fresh."""
+        await self._compared()
+        if self._clock_set() is None:
+            return heard
+        again = self.perceive(post)
+        return again if again.call in (Call.READ, Call.STALE, Call.APPROVE, Call.DENY) else heard
 
     def perceive(self, post: Post, edited: bool = False) -> Heard:
         """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
@@ -412,7 +469,7 @@ class RobotAgent:
         topics = self.line.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
         return Ears(
             self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
-            self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self._claimed_posts},
+            self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self.inbox.left_open},
             self.kinds.robots,
         )  # fmt: skip
 
@@ -425,20 +482,25 @@ class RobotAgent:
         """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
         return self.brake.pulled(by, posted_at)
 
-    def _stop_reply(
-        self, stop: StopResult | None, language: Language, ended: int, halted: bool | None, folded: int, taken: bool
-    ) -> str:
-        how = self.owner.how_to_release(language)
-        return words.stop_reply(stop, language, ended, halted, folded, how, taken)
+    def _stop_reply(self, told: StopReply) -> str:
+        how = self.owner.how_to_release(told.language)
+        said = words.stop_reply(told.result, told.language, told.ended, told.halted, told.folded, how, told.taken)
+        by = self._clock_set()
+        return said if by is None else f"{said} {words.clock_set(by, told.language)}"
+
+    async def _pressed(self, event: Event, me: Account) -> None:
+        await self._compared()
+        await self.owner.pressed(event, me)
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
+        await self._compared()
         allowed = obeyed(account, self._me) and may(account, "command").decision is Decision.ALLOW
         fresh = (self.channel.now() - at).total_seconds() <= self.settings.max_post_age_s
         if not self.settings.room_reset or not allowed or not fresh:
             return
         if len(self.line):
-            ended = self.line.end_before(at, STOP)
+            ended = self.line.end_all(STOP)
             for job in ended:
                 job.stopped_by = account.name
             await self.stops.stop(account.name, at)

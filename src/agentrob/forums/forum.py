@@ -155,6 +155,10 @@ class Accounts(Protocol):
     async def account(self, name: str) -> Account | None: ...
 
 
+#: What all events come after that a forum keeps. One that lets go of none need not know it.
+BEFORE_ALL = "0"
+
+
 class Events(Protocol):
     """What changed, oldest first, each event once."""
 
@@ -168,7 +172,8 @@ class Events(Protocol):
         ...
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
-        """Events after one; `ForumNotFound` when it is none of this forum's history. So is `stream`."""
+        """Events after one, or after `BEFORE_ALL`; `ForumNotFound` when it is none of this forum's history, or of one
+        that is not kept any more. So is `stream`."""
         ...
 
     def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
