@@ -307,9 +307,9 @@ class Course:
         if why in ("stale", "expired", LAPSED) and execution is None:
             wait = duration(self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s, language)
             limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
-            said = [say(why, language, **limits)]
-            said += [words.clock_set(by, language)] if (by := self.clock_set()) is not None else []
-            return self._report(job, "expired", plan, message=" ".join(said))
+            by = self.clock_set()
+            told = [say(why, language, **limits), *([words.clock_set(by, language)] if by is not None else [])]
+            return self._report(job, "expired", plan, message=" ".join(told))
         if why == DENIED and execution is None and job.decided is not None:
             said = say("denied.by", language, who=quote(job.decided.by.name))
             return self._report(job, "refused", plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said))
