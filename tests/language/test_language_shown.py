@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -59,6 +61,17 @@ def test_law_3_a_page_that_shows_the_words_that_are_read(raw: str, html: str) ->
 )
 def test_law_3_a_page_that_shows_other_words(raw: str, html: str) -> None:
     assert shows_otherwise(raw, html)
+
+
+@pytest.mark.parametrize(
+    "piece", ["<i x>", "</i>", "<i x></b>", "<", "<p", "<!--", "<![", "&#x", "<a href='", "<p>", "x<br>"]
+)
+def test_law_15_no_page_takes_long_to_be_read(piece: str) -> None:
+    began = time.process_time()
+    for _ in range(5):
+        shows_otherwise("walk", piece * (MAX_HTML // len(piece)))
+        shows_otherwise("walk", "<i x>" * 1_000 + "</i>" * 1_000)
+    assert time.process_time() - began < 0.5
 
 
 @given(st.text(max_size=200), st.text(max_size=200))

@@ -14,8 +14,9 @@ from urllib.parse import unquote
 from agentrob.language.visible import OMITTED, VOID_TAGS, folded, visible_text
 from agentrob.model import Post
 
-#: Longer HTML is not read: what it shows is then not known.
-MAX_HTML = 100_000
+#: HTML that is longer, or has more elements, or has them deeper in each other, is not read: a stop of somebody else
+#: waits meanwhile (law 15). What it shows is then not known.
+MAX_HTML, MAX_ELEMENTS, MAX_DEPTH = 30_000, 1_000, 50
 #: Elements whose text is shown as it stands there, when nothing but these attributes is said of them.
 _FLOW = frozenset(["p", "ul", "ol", "li", "em", "strong", "b", "i", "bdi"])
 _ATTRIBUTES = frozenset(["dir", "start"])
@@ -42,7 +43,7 @@ def shows_otherwise(raw: str, html: str) -> bool:
         if "<" in page.rawdata:  # a tag that is never closed
             return True
         page.close()
-    except Exception:  # the parser fails on some malformed declarations
+    except Exception:  # the parser fails on some malformed declarations, and we on too many elements
         return True
     return _words(folded("".join(page.out))) != _words(visible_text(raw))
 
@@ -70,8 +71,12 @@ class _Page(HTMLParser):
         super().__init__()
         self.out: list[str] = []
         self._others: list[str] = []
+        self._elements = 0
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._elements += 1
+        if self._elements > MAX_ELEMENTS or len(self._others) > MAX_DEPTH:
+            raise ValueError("too many elements")
         has = {name: value or "" for name, value in attrs}
         if tag in VOID_TAGS:
             self.out.append(" ")
