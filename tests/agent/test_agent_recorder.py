@@ -216,6 +216,14 @@ def test_what_is_old_or_too_much_goes_the_oldest_first(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_many_small_files_count_as_what_they_take_on_the_disk(tmp_path: Path) -> None:
+    for age in range(300):
+        (tmp_path / f"{age:03}").write_bytes(b"x")
+        os.utime(tmp_path / f"{age:03}", (time.time() - age,) * 2)
+    prune(tmp_path, keep_days=30, keep_mb=1)
+    assert sorted(p.name for p in tmp_path.iterdir()) == [f"{age:03}" for age in range(256)]
+
+
 def test_a_wrong_view_says_what_would_be_valid() -> None:
     with pytest.raises(ConfigError, match="'auto', 'room', 'robot', 'path' or 'none'"):
         parse({"robots": {"spot": {"recording": {"view": "everything"}}}})

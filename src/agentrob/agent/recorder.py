@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import math
 import os
 import sys
 import time
@@ -40,6 +41,8 @@ LOOK_EVERY_S = 0.5
 #: A camera that fails so often in a row is left alone until the next command.
 TRIES = 4
 _MAX_FRAME, _MAX_MOMENTS = 2**20, 600
+#: Bytes that file systems hand out at a time (ext4, XFS and Btrfs by default).
+BLOCK = 4096
 _log = structlog.get_logger()
 
 Look = Callable[[], Awaitable[bytes]]
@@ -213,14 +216,17 @@ def safe_name(post_id: str) -> str:
 
 
 def prune(folder: Path, keep_days: float, keep_mb: float, most: int | None = None) -> None:
-    """Delete what is older than `keep_days`, and the oldest until the rest fits into `keep_mb` and is `most` files."""
+    """Delete what is older than `keep_days`, and the oldest until the rest fits into `keep_mb` and is `most` files.
+
+    A file counts as the whole blocks that it takes on the disk: most recordings are far smaller than one.
+    """
     files = []
     for path in folder.iterdir():
         with contextlib.suppress(OSError):
             files.append((path.stat().st_mtime, path.stat().st_size, path))
     left, oldest_s = keep_mb * 2**20, time.time() - keep_days * 86400
     for number, (at_s, size, path) in enumerate(sorted(files, reverse=True)):
-        left -= size
+        left -= math.ceil(size / BLOCK) * BLOCK
         if left < 0 or at_s < oldest_s or (most is not None and number >= most):
             with contextlib.suppress(OSError):
                 path.unlink()
