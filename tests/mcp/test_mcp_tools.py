@@ -12,10 +12,11 @@ import pytest
 from inside import ALL, a_world, client_of, server_of
 from mcp.client.client import Client
 
+from agentrob.errors import ForumDenied
 from agentrob.forums.contract import PIXEL
-from agentrob.forums.memory import MemoryWorld
+from agentrob.forums.memory import MemoryForum, MemoryWorld
 from agentrob.mcp.client import ForumClient, ToolFailed
-from agentrob.mcp.identity import Rights
+from agentrob.mcp.identity import Accounts, Identity, Rights
 from agentrob.mcp.results import TopicPosts, Wrote
 from agentrob.model import AccountKind
 
@@ -275,6 +276,23 @@ async def test_a_token_signs_in_its_own_account_only(world: MemoryWorld) -> None
         with pytest.raises(ToolFailed, match="not bob's"):
             await client.login_account("bob", "alice")
         assert (await client.create_topic("robots", "Still", "me")).post.author.name == "alice"
+
+
+async def test_a_client_that_switches_often_opens_each_account_once(world: MemoryWorld) -> None:
+    opened: list[str] = []
+
+    def open_forum(token: str) -> MemoryForum:
+        opened.append(token)
+        return MemoryForum(world, token)
+
+    accounts = Accounts(Identity("alice", world.sign_in("alice"), Rights(True)), open_forum, {"bob": "bob"})
+    for _ in range(5):
+        assert (await (await accounts.switch("bob", None)).me()).name == "bob"
+        assert (await accounts.switch("alice", "alice")).name == "alice"
+    with pytest.raises(ForumDenied, match="not bob's"):
+        await accounts.switch("bob", "alice")
+    await accounts.close()
+    assert opened == ["bob", "alice", "alice"]
 
 
 # ---------------------------------------------------------------------- pushed

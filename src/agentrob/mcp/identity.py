@@ -95,7 +95,8 @@ class Accounts:
         self.current = first
         self._open_forum = open_forum
         self._tokens = dict(tokens)
-        self._all = [first]
+        self._first = first
+        self._switched_to: dict[tuple[str, str], Identity] = {}  # by name and token
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -105,24 +106,26 @@ class Accounts:
         self._tokens[name] = token
 
     async def switch(self, name: str, token: str | None) -> Identity:
-        """Sign in; the forum must say that the token is this account's."""
+        """Sign in, as before where that token was used already; the forum must say that it is this account's."""
         secret = token if token is not None else self._tokens.get(name)
         if secret is None:
             known = ", ".join(self.names) or "none"
             raise ToolError("not_found", f"no account {name!r} is known here", f"known: {known}; others need a token")
-        identity = Identity(name, self._open_forum(secret), self.current.rights)
+        before = self._switched_to.get((name, secret))
+        identity = before or Identity(name, self._open_forum(secret), self.current.rights)
         try:
-            me = await identity.me()
+            me = await identity.forum.me()
             if me.name != name:
                 raise ForumDenied(f"that token is not {name}'s")
         except BaseException:
-            await identity.close()
+            if before is None:
+                await identity.close()
             raise
         self._tokens[name] = secret
-        self._all.append(identity)
+        self._switched_to[name, secret] = identity
         self.current = identity
         return identity
 
     async def close(self) -> None:
-        for identity in self._all:
+        for identity in (self._first, *self._switched_to.values()):
             await identity.close()
