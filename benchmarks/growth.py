@@ -16,6 +16,7 @@ import argparse
 import asyncio
 import multiprocessing
 import os
+import signal
 import sqlite3
 import sys
 import tempfile
@@ -215,6 +216,7 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=500)
     parser.add_argument("--together", type=int, default=3, help="so many commands are open at once")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # the other processes are ended too
     settings = _settings()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
