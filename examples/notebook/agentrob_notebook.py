@@ -21,6 +21,7 @@ from uuid import uuid4
 
 from agentrob.config import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumNotFound, ForumUnreachable
+from agentrob.forums.cards import card_by
 from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
@@ -197,7 +198,8 @@ class Notebook:
         elif what == "edit":
             post = pages.posts[line["id"]]
             pages.posts[post.id] = replace(
-                post, raw=line["body"], version=post.version + 1, edited_at=at, card=_card(line) or post.card,
+                post, raw=line["body"], version=post.version + 1, edited_at=at,
+                card=card_by(post.author, _card(line)) or post.card,
                 images=(*post.images, *line["images"]), mentions=_mentions(pages, line["body"]),
             )  # fmt: skip
         elif what == "remove":
@@ -212,7 +214,8 @@ class Notebook:
         if not line.get("topic"):
             pages.topics[topic_id] = Topic(topic_id, BOARD.id, line["title"], f"notebook:{topic_id}", author, at)
         pages.posts[line["id"]] = Post(
-            line["id"], topic_id, BOARD.id, author, line["body"], at, key=line["key"], card=_card(line),
+            line["id"], topic_id, BOARD.id, author, line["body"], at, key=line["key"],
+            card=card_by(author, _card(line)),
             mentions=_mentions(pages, line["body"]), reply_to=line.get("reply_to"), images=tuple(line["images"]),
         )  # fmt: skip
         pages.keys[author.name, line["key"]] = line["id"]
