@@ -289,7 +289,8 @@ def _page(items: Sequence[T], cursor: str | None, limit: int) -> Page[T]:
 
 async def ask(folder: str, name: str, text: str = "", wait_s: float = 60.0) -> str:
     """Sign in (the account and the notebook are made where there are none), post, and wait for the robot's answer."""
-    forum = Notebook(ForumConfig(kind="notebook", url=folder), name).open()
+    robots = re.findall(r"@([a-z][a-z0-9_-]*)", text)  # this process has no list of them: whoever is addressed is one
+    forum = Notebook(ForumConfig(kind="notebook", url=folder, options={"robot_agents": robots}), name).open()
     if not text:
         return f"{name} is in {folder}"
     post = (await forum.create_topic(BOARD.id, text[:60], text, key=uuid4().hex)).post
