@@ -58,6 +58,14 @@ def visitor(browser: Browser, demo: RunningDemo) -> Iterator[BrowserContext]:
     context.close()
 
 
+@pytest.fixture
+def page(visitor: BrowserContext) -> Iterator[Page]:
+    """Closed at the end: a browser has six connections to a server, and each page that is live holds one."""
+    page = visitor.new_page()
+    yield page
+    page.close()
+
+
 def shot(page: Page, name: str, element: str | None = None) -> None:
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     page.evaluate("window.scrollTo(0, 0)")
@@ -99,8 +107,7 @@ WATCH_CHIP = """() => {
 }"""
 
 
-def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(visitor: BrowserContext, demo: RunningDemo) -> None:
-    page = visitor.new_page()
+def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(page: Page, demo: RunningDemo) -> None:
     wrong = listen_for_errors(page)
     write_post(page, demo.url, "First steps", SENTENCE)
     page.evaluate(WATCH_CHIP)
@@ -130,9 +137,8 @@ def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(visitor: Brows
 
 
 def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_robot(
-    visitor: BrowserContext, demo: RunningDemo
+    page: Page, demo: RunningDemo
 ) -> None:
-    page = visitor.new_page()
     wrong = listen_for_errors(page)
     write_post(page, demo.url, "Turn and be stopped", "@quadruped turn right 360 degrees")
     expect(page.locator(".status .chip")).to_have_text(re.compile("running", re.IGNORECASE), timeout=MOTION_MS)
@@ -153,10 +159,7 @@ def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_r
     assert not wrong
 
 
-def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(
-    visitor: BrowserContext, demo: RunningDemo
-) -> None:
-    page = visitor.new_page()
+def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(page: Page, demo: RunningDemo) -> None:
     wrong = listen_for_errors(page)
     page.goto(f"{demo.url}/robots")
     for name, model in (("quadruped", "go2"), ("humanoid", "g1")):
@@ -174,16 +177,14 @@ def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(
     assert not wrong
 
 
-def test_a_question_is_asked_back_in_chinese(visitor: BrowserContext, demo: RunningDemo) -> None:
-    page = visitor.new_page()
+def test_a_question_is_asked_back_in_chinese(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "向前走", "@quadruped 向前走")
     expect(page.locator(".status .chip")).to_have_text(re.compile("ask", re.IGNORECASE), timeout=MOTION_MS)
     expect(page.locator("article.by-robot").last).to_contain_text(re.compile("[\u4e00-\u9fff]"))
     shot(page, "thread-chinese")
 
 
-def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(visitor: BrowserContext, demo: RunningDemo) -> None:
-    page = visitor.new_page()
+def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "Away from the start", "@quadruped walk backward 50 cm")
     expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
     truth = json.loads((demo.data / "demo.json").read_text())["room"] + "/truth"
@@ -204,10 +205,7 @@ def position(truth: str) -> tuple[float, float]:
     return robot["x_m"], robot["y_m"]
 
 
-def test_law_17_the_visitor_releases_on_the_page_what_an_emergency_stop_locked(
-    visitor: BrowserContext, demo: RunningDemo
-) -> None:
-    page = visitor.new_page()
+def test_law_17_the_visitor_releases_on_the_page_what_an_emergency_stop_locked(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "Emergency", "@quadruped emergency stop")
     answer = page.locator("article.by-robot").last
     expect(answer).to_contain_text("It refuses all motion until its owner releases it.", timeout=MOTION_MS)
@@ -222,4 +220,3 @@ def test_law_17_the_visitor_releases_on_the_page_what_an_emergency_stop_locked(
     write_post(page, demo.url, "Afterwards", "@quadruped walk forward 0.3 metres")
     chip = page.locator("article.by-robot").last.locator(".status .chip")
     expect(chip).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
-    page.close()
