@@ -106,10 +106,10 @@ WARNING = any_of(
     (?:hit|bumped|crashed|ran|fell|stepped|knocked|smashed|broke|crushed) (?:\\w+ )?(?:me|my|into|over|someone
     somebody|him|her)
     (?:going|goes|heading|heads|walking|walks|running|rolling|sliding|leaning|driving) (?:right |straight )?(?:off|over|towards?|for|into) the (?:<thing>|\\w+ (?:stairs|edge))
-    it's (?:going|heading) (?:for|into|at) (?:the|my|a)|dragging|tangled|caught (?:on|in)|chewing|knocked over
+    it's (?:going|heading) (?:for|into|at) (?:the|my|a)|dragging|tangled|wobbl\\w+|teetering|caught (?:on|in)|chewing|knocked over
     falling|tipping over|tripping over|collision|toppling|crashing
     (?:there's|there is|there are|i see|it's|is|are) (?:\\w+ ){0,3}<thing> (?:\\w+ )?<where>
-    (?:<thing>|something) (?:is |are |just )?<where>
+    (?:<thing>|something) (?:is |are |just |right )*<where>
     in (?:the|its|your|his|her|my|our) (?:way|path)|(?:behind|in front of|right next to) you
     out of control|off course|(?:gone|going|went|goes) (?:crazy|mad|wild|haywire|berserk)|malfunction\\w*|haywire
     (?:is|got|it's|am|i'm|gets) stuck|it hurts|hurts|hurting|(?:somebody|someone|please|god) help
