@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 
 import pytest
@@ -30,6 +31,10 @@ def _take(what: str, among: range) -> tuple[int, HostLock]:
 # An example has no time limit of its own: how long one takes depends on what else the machine does.
 settings.register_profile("agentrob", deadline=None, print_blob=True)
 settings.load_profile("agentrob")
+
+# A shell has its background jobs ignore Ctrl-C, and they would hand that on to the processes that tests end by it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Processes that tests start by the hundred would each compile all that they import.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

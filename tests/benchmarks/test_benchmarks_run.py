@@ -17,6 +17,7 @@ LITTLE = {
     "board.py": ["--seconds", "1", "--listeners", "20"],
     "board_search.py": ["--posts", "2000", "--trials", "3", "--vectors", "2000"],
     "demo_start.py": ["1"],
+    "growth.py": ["--commands", "6", "--every", "3"],
     "latency.py": ["--posts", "100"],
     "loop.py": ["--turns", "12"],
     "mcp.py": ["--calls", "5", "--starts", "1"],

@@ -53,8 +53,6 @@ class RunningDemo:
 
 def start_demo(data: Path, *, through_make: bool = False) -> RunningDemo:
     """Start and wait for the welcome; the caller ends it."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # tests that a shell began in the background ignore Ctrl-C,
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # and so would the demo
     arguments = ["--port", "0", "--data", str(data)]
     make = ["make", "--silent", "-C", str(ROOT), "demo", f"ARGS={shlex.join(arguments)}"]
     process = subprocess.Popen(

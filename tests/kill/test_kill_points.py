@@ -68,7 +68,7 @@ BEFORE_MOTION = [
     agent("post perceived", TURN + "perceive", "after", DONE, 1),
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
-    agent("taken, cursor saved", "agent.rows:Rows.put", "after", DONE, 1, containing="cursor"),
+    agent("taken, cursor saved", "agent.rows:Rows.put_all", "after", DONE, 1, containing="cursor"),
     agent("to be planned", THINKING + "extract", "before", DONE, 1),
     agent("planned", THINKING + "extract", "after", DONE, 1),
     agent("to be screened", THINKING + "judge", "before", DONE, 1),
