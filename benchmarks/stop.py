@@ -377,7 +377,7 @@ async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
     done |= {what: sum(n for status, n in found.items() if int(status) < 300) for what, found in answers.items()}
     said = ", ".join(f"{done[what]} {what}s" for what in ("post", "edit", "preview"))
     row.note = f"{said} and {done['names']} posts of mentions taken in {seconds:.0f} s"
-    row.void = "" if all(done.values()) else f"nobody was hostile: {answers}"
+    row.void = "" if any(done.values()) else f"nobody was hostile: {answers}"
 
 
 @contextlib.contextmanager

@@ -11,10 +11,11 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import attacks_shown
 import pytest
 from attacks_shown import LISTS, POSTS, fill, titles
 from pages_windows import CHROMIUM_ARGS
@@ -22,6 +23,8 @@ from pages_world import World, running_world
 from playwright.async_api import Browser, Page, async_playwright
 from test_board_rights import jpeg
 from test_render_attacks import TRAP, payloads
+
+from agentrob.board.renderer import Rendered
 
 pytestmark = pytest.mark.browser
 #: Windows that look at once: while one waits for what may run late, another loads.
@@ -174,10 +177,12 @@ def test_the_trap_is_set(filled: Filled) -> None:
 
 @pytest.mark.slow
 def test_a_row_that_is_not_defused_is_found_among_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from agentrob.board import writes
+    real, bad = attacks_shown.typed, "<img src=/nothing onerror=alert(7)>"
 
-    real, bad = writes.render, "<img src=/nothing onerror=alert(7)>"
-    monkeypatch.setattr(writes, "render", lambda text, *more: text if text.startswith(bad) else real(text, *more))
+    def typed(raw: str) -> Rendered:
+        return replace(real(raw), html=raw) if raw.startswith(bad) else real(raw)
+
+    monkeypatch.setattr(attacks_shown, "typed", typed)
     rows = [f"<i>{n}</i>" for n in range(3)] + [bad] + [f"<b>{n}</b>" for n in range(3)]
     assert guilty(tmp_path, rows) == [bad]
 
