@@ -73,7 +73,7 @@ STRAY_M, STRAY_DEG = 0.8, 25.0
 FLOOD_PER_S = 50.0
 #: So many posts are under way at once at most; and of the wanted rate so much must be reached.
 FLOOD_WRITERS, FLOOD_SHARE = 8, 0.98
-HOSTILE_ACCOUNTS, HOSTILE_FIRST_S = 24, 3.0
+HOSTILE_ACCOUNTS, HOSTILE_WITHIN_S = 24, 60.0
 HOSTILE_POSTS = Path(__file__).parent / "instruments" / "hostile_posts.py"
 #: For so long after the zero the disk stays full; and so many of all stops must have been refused by it.
 FULL_S, FULL_SHARE = 0.05, 0.95
@@ -363,11 +363,12 @@ async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
     pipes = {"stdin": asyncio.subprocess.PIPE, "stdout": asyncio.subprocess.PIPE}
     writing = await asyncio.create_subprocess_exec(sys.executable, str(HOSTILE_POSTS), **pipes)
     assert writing.stdin is not None
+    assert writing.stdout is not None
     begun_s = time.monotonic()
     writing.stdin.write(json.dumps(words).encode() + b"\n")
     await writing.stdin.drain()
     try:
-        await asyncio.sleep(HOSTILE_FIRST_S)
+        await asyncio.wait_for(writing.stdout.readline(), HOSTILE_WITHIN_S)  # it has one of each kind taken
         yield
     finally:
         writing.stdin.close()
@@ -377,7 +378,7 @@ async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
     done |= {what: sum(n for status, n in found.items() if int(status) < 300) for what, found in answers.items()}
     said = ", ".join(f"{done[what]} {what}s" for what in ("post", "edit", "preview"))
     row.note = f"{said} and {done['names']} posts of mentions taken in {seconds:.0f} s"
-    row.void = "" if any(done.values()) else f"nobody was hostile: {answers}"
+    row.void = "" if all(done.values()) else f"nobody was hostile: {answers}"
 
 
 @contextlib.contextmanager

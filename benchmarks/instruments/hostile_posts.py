@@ -3,8 +3,9 @@ KiB that cost a Markdown parser much, previews of them, and posts that name ever
 
     python benchmarks/instruments/hostile_posts.py < words
 
-`words` is a line of JSON: {"url", "topic", "cookie", "accounts": [{"name", "token", "session"}]}. It ends with its
-input, and then prints how many of each were answered how: {"post": {"201": n, …}, "edit": …, "preview": …, "names": …}.
+`words` is a line of JSON: {"url", "topic", "cookie", "accounts": [{"name", "token", "session"}]}. It prints `under way`
+when the forum has taken one of each kind. It ends with its input, and then prints how many of each were answered how:
+{"post": {"201": n, …}, "edit": …, "preview": …, "names": …}.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ SOME = (
     ">" * 100 + "a\n" + "a\n" * 15_000,
 )
 WAIT_S = 60.0
+KINDS = {"post", "edit", "preview", "names"}
 
 
 def text(number: int) -> str:
@@ -42,6 +44,15 @@ def text(number: int) -> str:
 async def attack(words: dict[str, Any], over: asyncio.Event) -> dict[str, dict[str, int]]:
     """All accounts at once, until it is over."""
     answers: dict[str, Counter[str]] = defaultdict(Counter)
+    missing = set(KINDS)
+
+    def answered(what: str, answer: httpx2.Response) -> None:
+        answers[what][str(answer.status_code)] += 1
+        if answer.is_success and what in missing:
+            missing.remove(what)
+            if not missing:
+                print("under way", flush=True)
+
     everybody = " ".join(f"@{account['name']}" for account in words["accounts"])
 
     async def write(account: dict[str, str], first: int) -> None:
@@ -57,15 +68,15 @@ async def attack(words: dict[str, Any], over: asyncio.Event) -> dict[str, dict[s
             for number in count(first):
                 if number > first or first % 2:  # half of them begin with a preview and mentions
                     looked = await browser.post("/preview", data=session | {"body": text(number + 2)})
-                    answers["preview"][str(looked.status_code)] += 1
+                    answered("preview", looked)
                     named = await program.post(replies, json={"body": f"{everybody} " + f"@{account['name']} " * 1_500})
-                    answers["names"][str(named.status_code)] += 1
+                    answered("names", named)
                 made = await program.post(replies, json={"body": text(number)})
-                answers["post"][str(made.status_code)] += 1
+                answered("post", made)
                 if made.status_code == 201:
                     edit = {"body": text(number + 1)}
                     edited = await program.patch(f"/posts/{made.json()['post']['id']}", json=edit)
-                    answers["edit"][str(edited.status_code)] += 1
+                    answered("edit", edited)
 
     writing = [asyncio.create_task(write(account, 7 * n)) for n, account in enumerate(words["accounts"])]
     await over.wait()

@@ -604,7 +604,7 @@ def test_laws_4_5_6_13_14_hold_under_any_order_of_events(stand: Stand, tmp_path:
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 def test_laws_4_5_6_13_14_hold_under_many_orders_of_events(stand: Stand, tmp_path: Path) -> None:
-    prove(stand, tmp_path, max_examples=100, stateful_step_count=40, print_blob=True)
+    prove(stand, tmp_path, max_examples=150, stateful_step_count=40, print_blob=True)
 
 
 @pytest.mark.slow

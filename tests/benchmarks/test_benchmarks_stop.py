@@ -55,10 +55,7 @@ def test_the_conditions_are_what_they_say(rows: dict[str, dict[str, Any]]) -> No
     rate = re.search(r"([\d.]+) posts/s", rows["flood"]["note"])
     assert rate is not None
     assert 25 < float(rate[1]) < 55
-    # In the few seconds of two trials a busy machine renders only some of what is sent.
-    taken = re.match(r"(\d+) posts, (\d+) edits, (\d+) previews and (\d+)", rows["hostile"]["note"])
-    assert taken is not None
-    assert sum(map(int, taken.groups())) > 0
+    assert re.match(r"[1-9]\d* posts, [1-9]\d* edits, [1-9]\d* previews and [1-9]", rows["hostile"]["note"])
     assert "2 of 2 stops could not be written to the journal" in rows["disk"]["note"]
     assert rows["disk"]["void"] == ""
 

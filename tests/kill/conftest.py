@@ -19,7 +19,7 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
 @pytest.fixture
 def kills() -> int:
     """How many random kills; `AGENTROB_KILLS=20` makes it short."""
-    return int(os.environ.get("AGENTROB_KILLS", "120"))
+    return int(os.environ.get("AGENTROB_KILLS", "200"))
 
 
 @pytest.fixture
