@@ -34,7 +34,8 @@ test-slow: setup-dev
 	@scripts/peers
 	@scripts/mcp-peers
 	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not alone and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -m "slow and (alone or sim or browser)" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist loadfile -m "slow and browser and not alone and not sim" $(ARGS)
+	$(BIN)/pytest -m "slow and (alone or sim)" $(ARGS)
 
 test-all: test test-slow
 
