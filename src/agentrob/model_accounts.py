@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import datetime
 from enum import StrEnum
 
 
@@ -70,7 +69,8 @@ class RobotRights:
 
     Each value is the least role, or `owner`, or `nobody`; a word that nobody knows grants nothing. `owner` is a handle.
     `approval` are the classes that need somebody's approval, `approve` who gives it, and `approve_own` whether they may
-    approve what they asked for themselves. `closed_until` is the end of the robot's maintenance when it is closed now.
+    approve what they asked for themselves. `closed_s` is how many seconds its maintenance still lasts;
+    None: it is open.
     """
 
     owner: str = ""
@@ -80,4 +80,4 @@ class RobotRights:
     board: str = "operator"
     approval: tuple[str, ...] = ()
     approve_own: bool = False
-    closed_until: datetime | None = None
+    closed_s: float | None = None

@@ -9,15 +9,14 @@ from __future__ import annotations
 import asyncio
 import getpass
 import socket
-from datetime import UTC, datetime
 from pathlib import Path
 
 from agentrob import demo
 from agentrob.config import Config, runtime_dir
 from agentrob.errors import ConfigError, RobotUnreachable
-from agentrob.language.durations import duration
 from agentrob.model import Lock, Pose, RobotState
 from agentrob.robots.client import DriverClient
+from agentrob.robots.halt import held_for
 
 
 def release(robot: str, config: Config, data: Path | None = None) -> str:
@@ -61,8 +60,8 @@ def _me() -> str:
 def _who(lock: Lock | None) -> str:
     if lock is None or not lock.by:
         return lock.why if lock else "nobody knows why"
-    when = f" {duration((datetime.now(UTC) - lock.at).total_seconds())} ago" if lock.at else ""
-    return f"by {lock.by}{when}, {lock.why.rstrip('.')}"
+    held = held_for(lock)
+    return f"by {lock.by}{f' {held} ago' if held else ''}, {lock.why.rstrip('.')}"
 
 
 # ---------------------------------------------------------------------- where its driver listens

@@ -89,6 +89,6 @@ async def test_law_14_the_owner_s_release_clears_a_stop_of_the_future_and_says_s
         await olga.press_release(ROBOT)
         card = await scene.until(lambda: (scene.world.robots.get(ROBOT) or {}).get("told"))
         assert card["done"]
-        assert "It was not locked. Its last stop is stamped 2" in card["said"]
-        assert " UTC, in the future: it holds back nothing now." in card["said"]
+        assert "It was not locked. Its last stop bore a time in the future (2" in card["said"]
+        assert " UTC); it no longer holds back commands." in card["said"]
         assert (await scene.final(await scene.post("alice", "@quadruped wave"))).card.state == "done"

@@ -79,7 +79,7 @@ async def test_law_13_only_a_robot_that_is_known_turns_a_stop_away_also_one_whos
         scene.person("dog4", kind=AccountKind.ROBOT_AGENT)  # it never wrote: in doubt the robot stops
         await scene.post("bob", "@dog4 stop it!", topic=post.topic_id)
         assert (await scene.final(post)).card.state == "stopped"  # type: ignore[union-attr]
-        await scene.until(lambda: "dog4" in agent.kinds.robots)  # it was looked up for the next time
+        await scene.until(lambda: "dog4" in agent.known_robots.names)  # it was looked up for the next time
 
 
 @pytest.mark.parametrize("who", ["suspended", "robot", "monitor"])

@@ -7,7 +7,7 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Callable
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any, Literal
 
 import structlog
@@ -21,10 +21,10 @@ from agentrob.config import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.forum import Event, EventKind, Forum, Keeper, Panel
 from agentrob.judge.rights import may
-from agentrob.language.durations import duration
 from agentrob.language.phrases import quote
 from agentrob.model import EMERGENCY_STOP, Account, Decision, Language, Lock, Report, RobotRights, RobotState
 from agentrob.robots.client import DriverClient
+from agentrob.robots.halt import held_for
 
 #: A button counts for so long after it was pressed: what the owner saw then is no longer what is there.
 FRESH_S = 30.0
@@ -119,7 +119,8 @@ class Owner:
         said = f"It had been {_locked_by(lock)}." if lock else "It was not locked."
         if ahead is not None:
             said += (
-                f" Its last stop is stamped {ahead:%Y-%m-%d %H:%M:%S} UTC, in the future: it holds back nothing now."
+                f" Its last stop bore a time in the future ({ahead:%Y-%m-%d %H:%M:%S} UTC); it no longer holds back"
+                " commands."
             )
         return True, said
 
@@ -185,13 +186,9 @@ def lock_text(lock: Lock, language: Language) -> str:
     why = say("lock.emergency", language) if lock.why == EMERGENCY_STOP else quote(lock.why.rstrip("."))
     if not lock.by or lock.at is None:
         return say("lock.nobody", language, why=why)
-    return say("lock.by", language, who=quote(lock.by), ago=_ago(lock.at, language), why=why)
+    return say("lock.by", language, who=quote(lock.by), ago=held_for(lock, language), why=why)
 
 
 def _locked_by(lock: Lock) -> str:
-    long = f" for {_ago(lock.at)}" if lock.at else ""
-    return f"locked{f' by {lock.by}' if lock.by else ''}{long}"
-
-
-def _ago(at: datetime, language: Language = "en") -> str:
-    return duration((datetime.now(UTC) - at).total_seconds(), language)
+    held = held_for(lock)
+    return f"locked{f' by {lock.by}' if lock.by else ''}{f' for {held}' if held else ''}"

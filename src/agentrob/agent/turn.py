@@ -29,7 +29,7 @@ from agentrob.agent.course import Course
 from agentrob.agent.execute import SHUTDOWN, STOP
 from agentrob.agent.inbox import Inbox
 from agentrob.agent.journal import Journal
-from agentrob.agent.kinds import Kinds
+from agentrob.agent.known_robots import KnownRobots
 from agentrob.agent.line import Job, Line
 from agentrob.agent.lookback import close_unknown, gap_after, is_open, recent_posts
 from agentrob.agent.owner import Owner
@@ -131,7 +131,7 @@ class RobotAgent:
         self._claimed_topics: frozenset[str] = frozenset()
         self._comparing: asyncio.Task[Any] | None = None
         self._compared_s = -math.inf
-        self.kinds = Kinds(forum, self._spawn)
+        self.known_robots = KnownRobots(forum, self._spawn)
         self._accepting = True
         self._ending = False
 
@@ -191,7 +191,7 @@ class RobotAgent:
             _log.warning("this account is not the robot's own: its status cards do not count",
                          robot=self.name, account=self._me.name, kind=str(self._me.kind))  # fmt: skip
         await self.owner.learn_page()
-        await self.kinds.list_robots()
+        await self.known_robots.list_robots()
         newest = await insist(self.channel.set_clock)
         begun = await self.journal.get_time("watermark")
         if begun is None:
@@ -396,11 +396,11 @@ class RobotAgent:
         self._notice(event.at)
         heard = Heard(Call.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
-            self.kinds.meet(event.post.author)
+            self.known_robots.meet(event.post.author)
             heard = self.perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
             if heard.call in (Call.STOP, Call.HALT):
                 self._stop(event, event.post.author, heard)
-            self.kinds.look_up([name for name in heard.others if name in event.post.mentions])
+            self.known_robots.look_up([name for name in heard.others if name in event.post.mentions])
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
             self._stop(event, event.account, heard)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_ESTOP:
@@ -470,7 +470,7 @@ class RobotAgent:
         return Ears(
             self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
             self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self.inbox.left_open},
-            self.kinds.robots,
+            self.known_robots.names,
         )  # fmt: skip
 
     def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:

@@ -323,7 +323,7 @@ def _rights(r: _JSON) -> RobotRights:
         board=str(r["board"]),
         approval=tuple(map(str, r["approval"])),
         approve_own=r.get("approve_own") is True,  # boards of before do not say
-        closed_until=_time(closed) if closed is not None else None,
+        closed_s=(_time(closed) - datetime.now(UTC)).total_seconds() if closed is not None else None,
     )
 
 

@@ -7,7 +7,6 @@ an operator, and no agent approves or releases. What needs an approval and may h
 from __future__ import annotations
 
 from collections.abc import Collection
-from datetime import UTC, datetime
 from typing import Literal
 
 from agentrob.language.durations import duration
@@ -89,9 +88,8 @@ def _objection(account: Account, rights: RobotRights, classes: Collection[str], 
     """Why not, or whose leave it needs besides; None when it may."""
     if account.role.rank < Role.OPERATOR.rank:
         return _refused("rights.operator", "refuse.operator", language)
-    if rights.closed_until is not None:
-        left = duration((rights.closed_until - datetime.now(UTC)).total_seconds(), language)
-        return _refused("rights.closed", "refuse.closed", language, left=left)
+    if rights.closed_s is not None:
+        return _refused("rights.closed", "refuse.closed", language, left=duration(rights.closed_s, language))
     if not _reaches(account, rights.board, rights.owner):
         return _refused("rights.board", "refuse.board", language)
     for kind in classes:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from agentrob.errors import RobotError
 from agentrob.language.durations import duration
-from agentrob.model import Lock
+from agentrob.model import Language, Lock
 
 
 class Halt:
@@ -117,5 +117,10 @@ def sentence(lock: Lock) -> str:
     """Who locked it, how long ago and why, in English."""
     if not lock.by:  # of a file that cannot be read, or that an earlier version wrote as a whole sentence
         return lock.why if lock.why.startswith("Halted by ") else f"Halted: {lock.why}"
-    when = f" {duration((datetime.now(UTC) - lock.at).total_seconds())} ago" if lock.at else ""
-    return f"Halted by {lock.by}{when}: {lock.why}"
+    held = held_for(lock)
+    return f"Halted by {lock.by}{f' {held} ago' if held else ''}: {lock.why}"
+
+
+def held_for(lock: Lock, language: Language = "en") -> str:
+    """How long it has been locked, in words; empty where nobody knows."""
+    return duration((datetime.now(UTC) - lock.at).total_seconds(), language) if lock.at else ""

@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Coroutine
 from typing import Any
 
-from agentrob.agent import kinds
-from agentrob.agent.kinds import Kinds
+from agentrob.agent import known_robots
+from agentrob.agent.known_robots import KnownRobots
 from agentrob.errors import ForumUnreachable
 from agentrob.forums.memory import MemoryForum, MemoryWorld
 from agentrob.model import Account, AccountKind
@@ -29,14 +29,14 @@ class Counted(MemoryForum):
         return await super().account(name)
 
 
-def made(world: MemoryWorld) -> tuple[Counted, Kinds, list[asyncio.Task[Any]]]:
+def made(world: MemoryWorld) -> tuple[Counted, KnownRobots, list[asyncio.Task[Any]]]:
     forum, tasks = Counted(world, "quadruped"), list[asyncio.Task[Any]]()
     forum.asked, forum.answers = [], asyncio.Event()
 
     def spawn(work: Coroutine[Any, Any, Any]) -> None:
         tasks.append(asyncio.ensure_future(work))
 
-    return forum, Kinds(forum, spawn), tasks
+    return forum, KnownRobots(forum, spawn), tasks
 
 
 async def test_law_13_who_writes_and_who_is_looked_up_is_known_and_people_are_no_robots() -> None:
@@ -45,13 +45,13 @@ async def test_law_13_who_writes_and_who_is_looked_up_is_known_and_people_are_no
         world.sign_in(name, kind=kind)
     forum.answers.set()
     known.look_up(["humanoid", "alice", "nobody"])
-    assert set(known.robots) == set(), "nobody waited for it"
+    assert set(known.names) == set(), "nobody waited for it"
     await asyncio.gather(*tasks)
-    assert (set(known.robots), forum.asked) == ({"humanoid"}, ["humanoid", "alice", "nobody"])
+    assert (set(known.names), forum.asked) == ({"humanoid"}, ["humanoid", "alice", "nobody"])
     known.look_up(["humanoid", "alice", "nobody"])
     assert len(tasks) == 1, "nor is anybody asked about again at once"
     known.meet(Account("9", "humanoid", AccountKind.HUMAN))
-    assert set(known.robots) == set(), "it became a person's"
+    assert set(known.names) == set(), "it became a person's"
 
 
 async def test_law_15_posts_with_many_names_ask_about_a_few_one_at_a_time() -> None:
@@ -62,7 +62,7 @@ async def test_law_15_posts_with_many_names_ask_about_a_few_one_at_a_time() -> N
     assert (len(tasks), len(forum.asked)) == (1, 1)
     forum.answers.set()
     await asyncio.gather(*tasks)
-    assert len(forum.asked) == kinds.MOST_WAITING
+    assert len(forum.asked) == known_robots.MOST_WAITING
 
 
 async def test_law_15_whatever_the_forum_raises_the_next_name_is_asked_about() -> None:
@@ -73,7 +73,7 @@ async def test_law_15_whatever_the_forum_raises_the_next_name_is_asked_about() -
         forum.answers.set()
         known.look_up(["alice", "humanoid"])
         await asyncio.gather(*tasks)
-        assert set(known.robots) == {"humanoid"}
+        assert set(known.names) == {"humanoid"}
 
 
 async def test_an_agent_starts_whatever_the_list_of_robots_is() -> None:
@@ -83,9 +83,9 @@ async def test_an_agent_starts_whatever_the_list_of_robots_is() -> None:
 
     world = MemoryForum.world()
     world.sign_in("humanoid", kind=AccountKind.ROBOT_AGENT)
-    known = Kinds(Broken(world, "quadruped"), lambda _: None)
+    known = KnownRobots(Broken(world, "quadruped"), lambda _: None)
     await known.list_robots()
-    assert set(known.robots) == set()
-    known = Kinds(MemoryForum(world, "quadruped"), lambda _: None)
+    assert set(known.names) == set()
+    known = KnownRobots(MemoryForum(world, "quadruped"), lambda _: None)
     await known.list_robots()
-    assert set(known.robots) == {"humanoid"}
+    assert set(known.names) == {"humanoid"}

@@ -14,6 +14,7 @@ from typing import Any
 
 import structlog
 
+from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.forum import Forum, Roster
 from agentrob.model import Account, AccountKind
 
@@ -26,18 +27,18 @@ LIST_S = 3.0
 _log = structlog.get_logger()
 
 
-class Kinds:
+class KnownRobots:
     """`spawn` begins work that nobody waits for."""
 
     def __init__(self, forum: Forum, spawn: Callable[[Coroutine[Any, Any, Any]], object]) -> None:
         self._forum = forum
         self._spawn = spawn
-        self._robots: dict[str, None] = {}
-        self._asked_s: dict[str, float] = {}
+        self._robots: BoundedDict[str, None] = BoundedDict(MOST)
+        self._asked_s: BoundedDict[str, float] = BoundedDict(MOST)
         self._waiting: list[str] = []
 
     @property
-    def robots(self) -> Collection[str]:
+    def names(self) -> Collection[str]:
         return self._robots.keys()
 
     async def list_robots(self) -> None:
@@ -46,7 +47,7 @@ class Kinds:
             try:
                 async with asyncio.timeout(LIST_S):
                     for name in await self._forum.robot_names():
-                        _keep(self._robots, name.lower(), None)
+                        self._robots[name.lower()] = None
             except Exception as error:
                 _log.warning("the forum's robots are not known", error=repr(error)[:200])
 
@@ -54,7 +55,7 @@ class Kinds:
         """Note what somebody is who wrote, or was looked up."""
         name = account.name.lower()
         if account.kind is AccountKind.ROBOT_AGENT:
-            _keep(self._robots, name, None)
+            self._robots[name] = None
         else:
             self._robots.pop(name, None)
 
@@ -66,7 +67,7 @@ class Kinds:
             if name in self._robots or len(self._waiting) >= MOST_WAITING:
                 continue
             if asked_s is None or time.monotonic() - asked_s > AGAIN_S:
-                _keep(self._asked_s, name, time.monotonic())
+                self._asked_s[name] = time.monotonic()
                 self._waiting.append(name)
         if idle and self._waiting:
             self._spawn(self._ask())
@@ -79,10 +80,3 @@ class Kinds:
             except Exception as error:
                 _log.info("an account is not known", account=self._waiting[0], error=repr(error)[:200])
             self._waiting.pop(0)
-
-
-def _keep(names: dict[str, Any], name: str, value: object) -> None:
-    names.pop(name, None)
-    names[name] = value
-    while len(names) > MOST:
-        del names[next(iter(names))]
