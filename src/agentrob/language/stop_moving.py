@@ -9,17 +9,17 @@ command in which the stop is bound ("walk 1 m and stop"). The time is linear in 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 
 from agentrob.language import stop_words_en as en
 from agentrob.language import stop_words_zh as zh
 from agentrob.language.addressing import only_joint
-from agentrob.language.grammar import MAX_CHARS, parse
 from agentrob.language.languages import known
 from agentrob.language.stop import stop_intent
+from agentrob.language.stop_in_command import is_bound_in_command
 from agentrob.language.visible import OMITTED, mention_spans, without_mentions
-from agentrob.model import Intent, Op
+from agentrob.model import Intent
 
 _CLAUSE_END = re.compile(r"([,;.!?…\n，。！？；、：:—()\"“”]+|\s-+\s|\bbut\b)")
 _WORD = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*")
@@ -29,12 +29,6 @@ _SPELT = re.compile(r"\b[a-z](?:[ .*_-]{1,2}[a-z]){3,10}\b")
 _LEET = str.maketrans("01345@$", "oleasas")
 _AGAIN = re.compile("(stop|wait|halt|no)\\1+")
 _LONG_RUN = re.compile(r"([a-z])\1{2,}")
-_BOUND_JOINT = re.compile(
-    r"(?:[\s,，、]|\band\b|\bthen\b|\bafterwards\b|然后|接着|之后|最后|再|并且|并|就)+$", re.IGNORECASE
-)
-_SHOUT = re.compile("[!！]")
-_ANY_MENTION = re.compile(r"@\w+")
-_BOUND_STOP = re.compile(r"\b(?:stop|halt|pause|freeze|brake|wait)\b|停|站住|等", re.IGNORECASE)
 #: What is around a word is looked at this far, in characters; longer clauses are read piece by piece.
 _NEAR = 80
 _LONGEST_CLAUSE = 400
@@ -48,14 +42,14 @@ def stop_while_moving(visible: str, names: Sequence[str] = (), robots: Sequence[
     """
     if narrow := stop_intent(visible):
         return narrow
-    text = _for_me(visible, {n.lower() for n in names}, {r.lower() for r in robots})
+    text = _plain(_for_me(visible, {n.lower() for n in names}, {r.lower() for r in robots}))
     clauses = list(_clauses(text))
     # An emergency stop that is a clause of its own locks, wherever it stands (law 17).
     if any(stop_intent(clause) is Intent.HALT for clause, _ in clauses):
         return Intent.HALT
     if not any(_stops(clause, end) for clause, end in clauses) and not _EMOJI.search(text):
         return None
-    return None if _is_bound(text) or _is_whole_command(visible, names, robots) else Intent.STOP
+    return None if is_bound_in_command(text, visible, names, robots, _stopping_clauses) else Intent.STOP
 
 
 def _for_me(visible: str, mine: set[str], robots: set[str]) -> str:
@@ -75,17 +69,21 @@ def _for_me(visible: str, mine: set[str], robots: set[str]) -> str:
 
 
 def _clauses(text: str) -> Iterator[tuple[str, str]]:
-    """Clauses in lower case with slips put right, and the mark that ends each."""
-    plain = _plain(text)
-    plain = _SPELT.sub(lambda m: word if (word := re.sub("[^a-z]", "", m[0])) in _vocabulary() else m[0], plain)
-    pieces = _CLAUSE_END.split(plain)
+    """The clauses of a plain text, words that are spelt letter by letter put together, and the mark that ends each."""
+    text = _SPELT.sub(lambda m: word if (word := re.sub("[^a-z]", "", m[0])) in _vocabulary() else m[0], text)
+    pieces = _CLAUSE_END.split(text)
     for at in range(0, len(pieces), 2):
         end = pieces[at + 1] if at + 1 < len(pieces) else ""
         for cut in range(0, max(1, len(pieces[at])), _LONGEST_CLAUSE):
             yield pieces[at][cut : cut + _LONGEST_CLAUSE + _NEAR].strip(), end
 
 
+def _stopping_clauses(text: str) -> list[str]:
+    return [clause for clause, end in _clauses(text) if _stops(clause, end)]
+
+
 def _plain(text: str) -> str:
+    """In lower case, with simplified characters and straight apostrophes, as the patterns are written."""
     return text.casefold().replace("’", "'").replace("‘", "'").replace(OMITTED, " ").translate(zh.SIMPLIFIED)
 
 
@@ -213,46 +211,3 @@ def _stops_zh(run: str, shouted: bool) -> bool:
     if zh.STOP.search(plain) and not zh.PAST.search(run):
         return True
     return (zh.PAUSE.search(wishes) or zh.WARNING.search(wishes)) is not None and not zh.PAST.search(run)
-
-
-# ---------------------------------------------------------------------- a stop that is bound in a command
-def _is_bound(text: str) -> bool:
-    """Whether the shape of the post is a command with a goal that has its stop at the end or in between.
-
-    It need not be a command that the grammar understands: it asks back then, which is no reason to stop. Whatever
-    else stops in the post, a warning beside it for example, keeps it from being bound.
-    """
-    if len(text) > _LONGEST_CLAUSE:
-        return False
-    plain = " ".join(_ANY_MENTION.sub(" ", _plain(text)).split()).strip(" .。")
-    if found := en.BOUND_WAIT.fullmatch(plain):
-        return not _any_stops(found["tail"])
-    for words in (en, zh):
-        found = words.BOUND.fullmatch(plain)
-        if found and not _any_stops(found["head"]):
-            goal = words.BOUND_GOAL.search(found["head"]) or words.BOUND_MORE.search(found["tail"])
-            goal = goal or words.BOUND_GOAL.search(found["tail"])
-            joined = not found["joint"] or found["joint"].strip(" ,，、") or found["tail"]
-            if goal and joined and not _any_stops(found["tail"]):
-                return True
-    return False
-
-
-def _any_stops(text: str) -> bool:
-    return any(_stops(clause, end) for clause, end in _clauses(text))
-
-
-def _is_whole_command(visible: str, names: Sequence[str], robots: Sequence[str]) -> bool:
-    """Whether the grammar understands the post as a command that ends in its stop: it is one too without it."""
-    if len(visible) > MAX_CHARS:
-        return False
-    found = list(_BOUND_STOP.finditer(visible))
-    head = visible[: found[0].start()] if found else visible
-    joint = _BOUND_JOINT.search(head)
-    if found and (joint is None or not joint[0].strip() or _SHOUT.search(visible, found[0].end())):
-        return False
-    return _is_command(visible, names, robots) and _is_command(_BOUND_JOINT.sub("", head), names, robots)
-
-
-def _is_command(text: str, names: Iterable[str], robots: Iterable[str]) -> bool:
-    return parse(text, list(names), list(robots), frozenset(Op)).intent is Intent.COMMAND

@@ -1,10 +1,10 @@
 """English words of the wide rule for stops (law 13), as patterns over one clause in lower case without mentions.
 
-A line is an alternative, or a part of one that is cut at a `
-    `. `stop_moving` puts slips right first, and says when a word that is found does not count.
+The end of a line parts two alternatives, as `|` does; a line that is indented further goes on within a group that the
+line before left open. `stop_moving` puts slips right first, and says when a word that is found does not count.
 """
 
-# ruff: noqa: E501, SIM905 (tables of words)
+# ruff: noqa: SIM905 (tables of words)
 from __future__ import annotations
 
 import re
@@ -20,24 +20,25 @@ def any_of(lines: str, **parts: str) -> re.Pattern[str]:
 
 #: What a robot does, and is told not to.
 _MOTION = (
-    "move|moving|go|going|walk|walking|run|running|come|coming|turn|turning|spin|spinning|continue|proceed|advance|step"
-    "|stepping|drive|driving|approach|touch|hit|do|take|push|bump|jump|crash|carry on|keep|follow|budge|get|cross|enter"
-    "|climb|start|execute|fall|drop|break|hurt"
+    "advance|approach|break|budge|bump|carry on|climb|come|coming|continue|crash|cross|do|drive|driving|drop"
+    "|enter|execute|fall|follow|get|go|going|hit|hurt|jump|keep|move|moving|proceed|push|run|running|spin"
+    "|spinning|start|step|stepping|take|touch|turn|turning|walk|walking"
 )
 #: What it must not run into, or over.
 _THING = (
-    "cat|dog|puppy|kids?|child|children|baby|toddler|foot|feet|toes?|legs?|hands?|fingers?|head|table|desk|chair|vase"
-    "|stairs?|staircase|wall|glass|cables?|cord|wires?|door|window|lamp|laptop|computer|tv|monitor|edge|ledge|cliff"
-    "|person|people|somebody|someone|lady|man|woman|guy|girl|boy|wheelchair|plant|sofa|couch|shelf|cup|coffee|water"
-    "|puddle|hole|ramp|curb|fence|car|bike|pole|pillar|box|rope|mirror|steps|obstacle|ladder|bottle|bag|drop"
+    "baby|bag|bike|bottle|box|boy|cables?|car|cat|chair|child|children|cliff|coffee|computer|cord|couch|cup"
+    "|curb|desk|dog|door|drop|edge|feet|fence|fingers?|foot|girl|glass|guy|hands?|head|hole|kids?|ladder|lady"
+    "|lamp|laptop|ledge|legs?|man|mirror|monitor|obstacle|people|person|pillar|plant|pole|puddle|puppy|ramp"
+    "|rope|shelf|sofa|somebody|someone|staircase|stairs?|steps|table|toddler|toes?|tv|vase|wall|water"
+    "|wheelchair|window|wires?|woman"
 )
 _HARM = (
-    "hit|hits|hitting|crash|crashes|crashing|collide|colliding|fall|falls|falling|drop|dropping|tip|tipping|topple"
-    "|toppling|break|breaking|smash|smashing|trip|tripping|bump|bumping|run (?:into|over)|running (?:into|over)"
-    "|walk (?:into|off)|walking (?:into|off)|drive into|driving into|knock|knocking|crush|crushing|hurt|hurting|kill"
-    "|slip|slipping|burn|burning|explode|ram|ramming|step on|stepping on|step off|go over|going over|slam|destroy"
-    "|damage"
-    "|flip over|tumble|land on|kick|scrape|get (?:hurt|stuck)|squash|injure|tread on|roll over|run out of"
+    "break|breaking|bump|bumping|burn|burning|collide|colliding|crash|crashes|crashing|crush|crushing|damage"
+    "|destroy|drive into|driving into|drop|dropping|explode|fall|falling|falls|flip over|get (?:hurt|stuck)"
+    "|go over|going over|hit|hits|hitting|hurt|hurting|injure|kick|kill|knock|knocking|land on|ram|ramming"
+    "|roll over|run (?:into|over)|run out of|running (?:into|over)|scrape|slam|slip|slipping|smash|smashing"
+    "|squash|step off|step on|stepping on|tip|tipping|topple|toppling|tread on|trip|tripping|tumble"
+    "|walk (?:into|off)|walking (?:into|off)"
 )
 
 #: A stop by its word. Whether it is wished, denied, asked about or a thing is told by what is around it.
@@ -55,38 +56,54 @@ IDIOM = any_of(
     kill (?:it|that|this|power|the (?:motors?|power|engine|robot|thing))
     (?:shut|turn|switch|power) (?:it|that|this|him|her|everything|(?:the|that|this) \\w+) (?:down|off)
     (?:shut|power|switch) (?:down|off)|(?:shut|power)down|unplug|pull the plug|cut (?:the )?(?:power|motors?|engine)
-    cancel(?:s|ling)?(?! culture)|(?<!i )(?<!we )cancelled|call (?:it|him|her) (?:off|back)|call it a day|terminat(?:e|ed|ing)|discontinued?|deactivate|disengage|suspend
+    cancel(?:s|ling)?(?! culture)|(?<!i )(?<!we )cancelled|call (?:it|him|her) (?:off|back)|call it a day
+    terminat(?:e|ed|ing)|discontinued?|deactivate|disengage|suspend
     interrupt(?! (?:does|handler|routine|request|line))
-    (?<!we )(?<!i )(?<!they )(?:don't|do not|never|must not|mustn't|shouldn't|should not|cannot|please not) (?:you )?(?:dare )?(?:ever )?<motion>
+    (?<!we )(?<!i )(?<!they )(?:don't|do not|never|must not|mustn't|shouldn't|should not|cannot
+        please not) (?:you )?(?:dare )?(?:ever )?<motion>
     (?:don't|do not) (?:let|make) (?:it|him|her|the \\w+) <motion>
     no (?:more|further|farther|closer) ?(?:steps?|walking|moving|please)?
     not (?:so fast|any (?:further|farther|closer|more))
     ^(?:please |pls |no |oh |hey )*(?:don't|do not) (?!<fine>)\\w+(?! (?:it|that) again (?:later|tomorrow))
-    (?:make|have|having|making|get|keep) (?:it|him|her|the \\w+) (?:to )?(?:not|from) <motion>|(?:weren't|wasn't|stopped) (?:moving|walking|running)|(?:not|never) <motion> (?:any ?more|another)
+    (?:make|have|having|making|get|keep) (?:it|him|her|the \\w+) (?:to )?(?:not|from) <motion>
+    (?:weren't|wasn't|stopped) (?:moving|walking|running)|(?:not|never) <motion> (?:any ?more|another)
     not (?:another|one more) (?:step|inch|meter|metre|centimeter|cm|move)|not (?:that|this) (?:way|direction|side|far)
     not (?:there|like that|into|onto|my|so close|too close)|not the <thing>|not on (?:the|my)|not through the
     still (?:going|moving|walking|running|turning|spinning)(?: on)?$|i said (?:\\w+ )?(?:<number>|stop|halt|no|enough)
     (?:hit|press|push|slam|use|pull|smash|someone hit) (?:the|that|that big) (?:kill|red|big red|emergency)
-    (?:stay|stays|staying) (?:where|there|here|put|still|back|away|right|in place|in position|as you|clear)|remain (?:where|there|still)
-    stand (?:still|down|by|there|where|back|fast|your ground|clear)|keep (?:still|away|back|clear|off|your distance|out)
+    (?:stay|stays|staying) (?:where|there|here|put|still|back|away|right|in place|in position|as you|clear)
+    remain (?:where|there|still)
+    stand (?:still|down|by|there|where|back|fast|your ground|clear)
+    keep (?:still|away|back|clear|off|your distance|out)
     (?:back|get|step|move|go) (?:off|away|back off)|get (?:back|down|out)|get (?:it|him|her) (?:off|away|out)|get off
     (?:far|close|that's|that is|that was|it's|it is|had|ok|okay|already|quite|more than|just|say|said
     now) (?:enough|plenty)
     enough (?:already|now|is enough|of|please|thanks|thank you|walking|moving|turning|with)
-    that(?:'ll| will) do|(?<!ms )(?<!second )(?<!seconds )(?<!minute )(?<!a )(?<!the )time[ -]?out(?! of| timer| value| in)|break off|red light(?! green)|let go|give up|down boy|leave (?:it|him|her|me) (?:be|alone|there)
+    that(?:'ll| will) do
+    (?<!ms )(?<!second )(?<!seconds )(?<!minute )(?<!a )(?<!the )time[ -]?out(?! of| timer| value| in)|break off
+    red light(?! green)|let go|give up|down boy|leave (?:it|him|her|me) (?:be|alone|there)
     (?:easy|steady) (?:there|boy|girl|now|does it|tiger|buddy|on)|slow(?:er)? down|slow it down
     (?:take|have) a (?:break|rest)|give it a rest|let it (?:be|rest)|hit the (?:brakes?|breaks?)|slam the
-    on second thoughts?|leave (?:the|my|that|his|her|our) (?:\\w+ )?\\w+ (?:alone|be|where)|put (?:it|that|this|him|her) down
-    (?:get|need|call|take|want) a time[ -]?out|(?:standing|sit|sitting) still|can (?:we|you|it) (?:please )?not|put a pause|it's got (?:my|his|her|our|the)
-    drop (?:what|everything|whatever)|(?:ok|okay|just|now|please) park it|(?:a|take) breather|(?:leave|keep) it (?:where|right)
-    never ?mind (?:leave|stay|stop|forget)|forget (?:it|that|about it)|belay (?:that|this|the|my)|(?:zero|null|no) velocity|velocity (?:to )?zero
+    on second thoughts?|leave (?:the|my|that|his|her|our) (?:\\w+ )?\\w+ (?:alone|be|where)
+    put (?:it|that|this|him|her) down
+    (?:get|need|call|take|want) a time[ -]?out|(?:standing|sit|sitting) still|can (?:we|you|it) (?:please )?not
+    put a pause|it's got (?:my|his|her|our|the)
+    drop (?:what|everything|whatever)|(?:ok|okay|just|now|please) park it|(?:a|take) breather
+    (?:leave|keep) it (?:where|right)
+    never ?mind (?:leave|stay|stop|forget)|forget (?:it|that|about it)|belay (?:that|this|the|my)
+    (?:zero|null|no) velocity|velocity (?:to )?zero
     (?:be|get it|get him|get her|want it|wants?|needs?) stopped|put (?:an end|a stop) to
     give (?:me|us) (?:a|one) (?:sec|second|moment|minute|min)
     too (?:far|close|fast|near|quick|dangerous|risky|rough|wild)|hands off|no no|nope nope|(?:nono)+(?:no)?|nah nah
     wrong (?:way|direction|side|robot|room|turn)|do nothing|nobody move|stationary
     i (?:said|meant) (?:no|enough)|come back here|that's (?:as )?far
     """,
-    fine="(?:stop|pause|halt|wait|worry|forget|mind|be|bother|think|know|care|ask|tell|say|hesitate|give|quit|abort|cancel|freeze|brake|hold|rush|let|listen|get me|need|have|you|listen|want|like|see|understand|believe|hurry|leave|feel|call|blame|miss|remember|even|cancel|interrupt|break|shut|turn it|make it stop|slow)\\b",
+    fine=(
+        "(?:stop|pause|halt|wait|worry|forget|mind|be|bother|think|know|care|ask|tell|say|hesitate|give|quit"
+        "|abort|cancel|freeze|brake|hold|rush|let|listen|get me|need|have|you|listen|want|like|see|understand"
+        "|believe|hurry|leave|feel|call|blame|miss|remember|even|cancel|interrupt|break|shut|turn it"
+        "|make it stop|slow)\\b"
+    ),
     number="one|two|three|four|five|six|seven|eight|nine|ten|\\d+",
     motion=_MOTION,
     thing=_THING,
@@ -101,12 +118,15 @@ WARNING = any_of(
     sparks?|bleeding|blood|injured|screaming|ouch|ow|yikes|uh[ -]?oh|oh no|aargh|argh|aah|eek|holy (?:shit|crap|cow)
     shit
     (?:about|going|gonna|bound|ready|trying|tries) (?:to )?(?:\\w+ )?<harm>
-    (?:will|it'll|you'll|he'll|she'll|might|almost|nearly|keeps?|is|are|it's|you're|he's|she's|they're) (?:\\w+ )?<harm>
+    (?:will|it'll|you'll|he'll|she'll|might|almost|nearly|keeps?|is|are|it's|you're|he's|she's
+        they're) (?:\\w+ )?<harm>
     (?:it|you|robot|he|she|dog) (?:hit|hits|bumped|crashed|fell|falls|tips|broke|knocked|ran|stepped|drops|dropped)
     (?:hit|bumped|crashed|ran|fell|stepped|knocked|smashed|broke|crushed) (?:\\w+ )?(?:me|my|into|over|someone
     somebody|him|her)
-    (?:going|goes|heading|heads|walking|walks|running|rolling|sliding|leaning|driving) (?:right |straight )?(?:off|over|towards?|for|into) the (?:<thing>|\\w+ (?:stairs|edge))
-    it's (?:going|heading) (?:for|into|at) (?:the|my|a)|dragging|tangled|wobbl\\w+|teetering|caught (?:on|in)|chewing|knocked over
+    (?:going|goes|heading|heads|walking|walks|running|rolling|sliding|leaning
+        driving) (?:right |straight )?(?:off|over|towards?|for|into) the (?:<thing>|\\w+ (?:stairs|edge))
+    it's (?:going|heading) (?:for|into|at) (?:the|my|a)|dragging|tangled|wobbl\\w+|teetering|caught (?:on|in)
+    chewing|knocked over
     falling|tipping over|tripping over|collision|toppling|crashing
     (?:there's|there is|there are|i see|it's|is|are) (?:\\w+ ){0,3}<thing> (?:\\w+ )?<where>
     (?:<thing>|something) (?:is |are |just |right )*<where>
@@ -125,23 +145,20 @@ WARNING = any_of(
 CAREFUL = any_of("careful|cautious")
 #: Clauses that are a stop when they are nothing else.
 _LEAD = (
-    "oh|hey|ok|okay|please|guys|yo|no|omg|and|well|hm+|uh|um|sorry|now|dude|bro|man|boy|dog|robot|buddy|god|just|so|all"
-    "|right|everyone|everybody|alright"
+    "all|alright|and|boy|bro|buddy|dog|dude|everybody|everyone|god|guys|hey|hm+|just|man|no|now|oh|ok|okay|omg"
+    "|please|right|robot|so|sorry|uh|um|well|yo"
 )
 _TAIL = (
-    "please|now|there|here|boy|dog|robot|it|already|thanks|thank you|guys|everyone|everybody|immediately|for now"
-    "|then|no"
-    "|you|quickly|quick|a bit|a sec|man|dude|bro|buddy|right now|asap|girl|omg"
+    "a bit|a sec|already|asap|boy|bro|buddy|dog|dude|everybody|everyone|for now|girl|guys|here|immediately|it"
+    "|man|no|now|omg|please|quick|quickly|right now|robot|thank you|thanks|then|there|you"
 )
-WHOLE = re.compile(
-    rf"(?:(?:{_LEAD}) )*(?:no|nope|nah|enough|stay|stand|easy|steady|slowly|slow|break|breaks|danger|back|hold"
-    rf"|hang|rest"
-    rf"|leave it|drop it|that's all|end|end it|finish|off|undo|retreat|cancelled|stopped|yield|heel|down"
-    rf"|relax|(?:just )?(?:one|a|1) (?:sec|second|moment|minute|min)"
-    r"|calm down|chill|settle down|wrong|not good|bad dog|bad robot|bad idea|no way|don't|do not|not yet|not now"
-    r"|timeout|kill ?switch|oi(?: oi)*)"
-    rf"(?: (?:{_TAIL}))*"
+_BY_ITSELF = (
+    "back|bad dog|bad idea|bad robot|break|breaks|calm down|cancelled|chill|danger|do not|don't|down|drop it"
+    "|easy|end|end it|enough|finish|hang|heel|hold|(?:just )?(?:one|a|1) (?:sec|second|moment|minute|min)"
+    "|kill ?switch|leave it|nah|no|no way|nope|not good|not now|not yet|off|oi(?: oi)*|relax|rest|retreat"
+    "|settle down|slow|slowly|stand|stay|steady|stopped|that's all|timeout|undo|wrong|yield"
 )
+WHOLE = re.compile(rf"(?:(?:{_LEAD}) )*(?:{_BY_ITSELF})(?: (?:{_TAIL}))*")
 #: A scream.
 SCREAM = re.compile(r"\b(?:a{3,}h*|a+h{3,}|a+r+g+h*|e{2,}k+|i{3,}h*)\b")
 #: The same, where somebody shouts it: "my foot!", "HELP".
@@ -152,62 +169,30 @@ SHOUTED = re.compile(
 #: What is said again and again is shouted: "the edge the edge the edge".
 REPEATED = re.compile(r"(.{2,40}?)(?: \1)+")
 
-# ---------------------------------------------------------------------- a stop that is bound in a command
-_NUMBER = (
-    r"\d[\d.,]*|a|an|one|two|three|four|five|six|seven|eight|nine|ten|twelve|fifteen|twenty|thirty|forty|fifty|ninety"
-    r"|half|quarter|couple|few|several|full"
-)
-_ACT = (
-    "walk|trot|run|jog|march|crawl|step|go|move|head|turn|rotate|spin|twirl|back|come|drive|patrol|circle|pace|stroll"
-    "|wave|nod|bow|sit|dance|do|play|take|snap|shoot|raise|lift|hop|jump|shuffle|strafe|sidestep|return|travel|advance"
-    "|wander|creep|tiptoe|roll|climb|look|point|stretch|follow|perform|make"
-)
-_END = (
-    "at|in|by|near|next to|facing|when|once|before|after|for|close to|just|right (?:at|before|in|by|next|behind)"
-    "|there|like|short|beside|under|inside|outside|behind|on|with|so|until|about|and|then|" + _ACT + "|" + _NUMBER
-)
-#: Such a clause before a command says that it is for later: "for the next run: trot forward ...".
-_LATER = (
-    r"\bnext\b|\blater\b|\btomorrow\b|\bafter (?:this|that|the)\b|\bafterwards\b|\bround\b|\bsecond\b|\bonce (?:it|you|this)"
-    r"|\bwhen (?:it|you|he|she|this)(?:'s|'re| is| are)? (?:\w+ )?(?:done|finished|ready|back|there)"
-)
-#: A command with an amount or a place, then a stop as its end or its middle: "trot four steps and halt", "spin and
-#: stop facing the window", "turn left 90 degrees, pause, then turn back".
-BOUND = re.compile(
-    rf"(?:[^!?.;]{{0,60}}?(?:{_LATER})[^!?.;]{{0,40}}?[:,] ?)?(?P<head>(?:(?:please|pls|now|ok|okay|hey|hi|can you|could you|next|first|robot|and then|then),? )*"
-    rf"(?:slowly |quickly |carefully |gently )?(?:{_ACT}|(?:when|once|as soon as) you (?:reach|get|see|arrive|hit|are))\b[^!?.;]*?)"
-    r"(?P<joint>\s*(?:,|\band\b|\bthen\b|\bafterwards\b)(?:\s|,|\band\b|\bthen\b|\bafterwards\b)*)(?P<stop>(?:come to (?:a|an) (?:full |complete )?)?(?:stop|halt|pause|freeze|brake|wait|hold still|stand still|stay still|stopping|halting|pausing))\b[, ]*"
-    rf"(?P<tail>(?:(?:{_END})\b[^!?;]*)?)"
-)
-BOUND_GOAL = re.compile(
-    rf"\b(?:{_NUMBER}) ?(?:m|cm|mm|km|ft|in|metres?|meters?|centimet(?:re|er)s?|steps?|paces?|feet|foot|yards?|inch(?:es)?"
-    r"|degrees?|deg|°|circles?|laps?|rounds?|turns?|times?|seconds?|secs?|minutes?)(?!\w)"
-    r"|\bin place\b|\breach\b|\bto (?:me|us|him|them|[a-z]+'s)\b|\buntil (?:you|it|the)\b|\b(?:to|towards?|up to|into|onto|past|around|across|along|over to|at|facing|near|beside|behind|by|before|next to"
-    r"|in front of) (?:the|a|an|my|your|our|that|this|his|her|room|door|[a-z]+'s)\b"
-)
-#: It goes on after the stop.
-BOUND_MORE = re.compile(rf"(?:,|\band\b|\bthen\b)(?: then)? (?:{_ACT})\b")
-#: "wait 3 seconds and then wave"
-BOUND_WAIT = re.compile(
-    rf"(?:(?:after|when|once) [^!?;]{{3,40}}? )?(?:(?:please|ok|okay|first|robot),? )*(?:wait|pause|hold|stop|freeze|stand|stay)\b[^!?;,]{{0,50}}? (?:{_NUMBER}) ?"
-    rf"(?:s|secs?|seconds?|mins?|minutes?|moments?)[, ]+(?:and |then |afterwards )+(?P<tail>(?:{_ACT})\b[^!?;]*)"
-)
-
 # ---------------------------------------------------------------------- when it does not count
 #: The word is a thing: "the bus stop", "the stop button".
 NOUN = any_of(
     r"""
     (?:bus|tram|train|metro|subway|truck|pit|rest|next|last|first|second|final|door|taxi) (?:stops?|halt)
     (?:non|one|bus|tram)-stop|non ?stop
-    (?:the|a|each|every|which|any|another|my|our|this|that|its|an) (?:<kind> )?(?:stops?|halt|pause|brakes?|freeze|e-?stop)
+    (?:the|a|each|every|which|any|another|my|our|this|that|its|an) (?:<kind> )?(?:stops?|halt|pause|brakes?
+        freeze|e-?stop)
     stop[ -]motion|freeze[ -]frame|(?:regenerative|disc|hydraulic|good|bad|its) brakes|brakes (?:would|are|were)
     (?:sudden|abrupt|nice|good|great|perfect|clean|smooth|lovely|short) (?:stops?|halt|pause|brakes?)
-    (?:stop|brake|pause|abort|halt|wait|cancel)[ -](?:signs?|buttons?|lights?|watch|words?|pads?|pedals?|keys?|marks?|bars?|points?|positions?)
-    (?:stop|brake|pause|abort|halt|cancel)[ -](?:distances?|functions?|features?|commands?|times?|lines?|posts?|rules?|modes?|states?)
-    (?:halting|stopping) (?:states?|problems?|points?|conditions?|criteri\w+)|freeze[ -]dr\w+|early stopping|(?:code|pip|hiring|budget|feature|deep) freeze|docker stop|category \w+ stop|heart-stopping|call(?:ing|s|ed)? abort|freezing (?:cold|weather|rain|here|point|outside)|(?:hard|mechanical|end) stops?|full stops? (?:is|are|means?)
+    (?:stop|brake|pause|abort|halt|wait|cancel)[ -](?:signs?|buttons?|lights?|watch|words?|pads?|pedals?|keys?
+        marks?|bars?|points?|positions?)
+    (?:stop|brake|pause|abort|halt|cancel)[ -](?:distances?|functions?|features?|commands?|times?|lines?|posts?
+        rules?|modes?|states?)
+    (?:halting|stopping) (?:states?|problems?|points?|conditions?|criteri\w+)|freeze[ -]dr\w+|early stopping
+    (?:code|pip|hiring|budget|feature|deep) freeze|docker stop|category \w+ stop|heart-stopping
+    call(?:ing|s|ed)? abort|freezing (?:cold|weather|rain|here|point|outside)|(?:hard|mechanical|end) stops?
+    full stops? (?:is|are|means?)
     stopping distances?|one stop
     """,
-    kind="next|last|first|second|final|emergency|soft|hard|full|whole|new|old|red|big|wireless|physical|software|hardware|remote|other|same|cool|sudden",
+    kind=(
+        "next|last|first|second|final|emergency|soft|hard|full|whole|new|old|red|big|wireless|physical|software"
+        "|hardware|remote|other|same|cool|sudden"
+    ),
 )
 #: … but here the thing is the wish: "come to a stop", "hit the brakes".
 COME_TO = any_of(
@@ -215,17 +200,24 @@ COME_TO = any_of(
     (?:to|make|into|bring|bring it|need|want|take|have|hit|use|pull|press|push
     apply) (?:it )?(?:to )?<a> (?:<how> )?<stop>
     """,
-    how="full|complete|sudden|quick|immediate|hard|dead|proper|total|gentle|smooth|slow|screeching|emergency|hand|bloody|damn",
+    how=(
+        "full|complete|sudden|quick|immediate|hard|dead|proper|total|gentle|smooth|slow|screeching|emergency"
+        "|hand|bloody|damn"
+    ),
     a="a|an|the|your",
-    stop="(?:stop|halt|standstill|pause|brakes?|handbrake|break|e-?stop)(?! (?:signs?|buttons?|marks?|lines?|lights?|states?|modes?|function))",
+    stop=(
+        "(?:stop|halt|standstill|pause|brakes?|handbrake|break|e-?stop)(?! (?:signs?|buttons?|marks?|lines?"
+        "|lights?|states?|modes?|function))"
+    ),
 )
 #: Right before the word, at most these beside it: it is denied.
 DENIED = re.compile(
-    r"\b(?:don't|do not|never|no need(?: for (?:you|it))? to|needn't|need not|not to|without|(?:i|we) wouldn't|no reason to|(?:don't"
-    r"|doesn't"
-    r"|do not|not) (?:have|need|want(?:ed)? (?:it|you)) to|mustn't|must not|shouldn't|should not|not|can't|cannot"
-    r"|couldn't|can not"
-    r"|didn't|hasn't|doesn't|instead of|(?:never|didn't|did not) say|never said|(?:nobody|no one) (?:asked|wanted|told|wants|said)(?: for)?(?: it| you| him| her)?(?: to)?|nobody|no one|noone|won't|(?:shame|pity|silly|stupid|sad|too (?:early|soon)|sin|waste) to)"
+    r"\b(?:don't|do not|never|no need(?: for (?:you|it))? to|needn't|need not|not to|without|(?:i|we) wouldn't"
+    r"|no reason to|(?:don't|doesn't|do not|not) (?:have|need|want(?:ed)? (?:it|you)) to|mustn't|must not"
+    r"|shouldn't|should not|not|can't|cannot|couldn't|can not|didn't|hasn't|doesn't|instead of"
+    r"|(?:never|didn't|did not) say|never said"
+    r"|(?:nobody|no one) (?:asked|wanted|told|wants|said)(?: for)?(?: it| you| him| her)?(?: to)?"
+    r"|nobody|no one|noone|won't|(?:shame|pity|silly|stupid|sad|too (?:early|soon)|sin|waste) to)"
     r"(?: (?:you|it|him|her|dare|ever|even|please|yet|now|just|let|make|want|to|think|about|be|suddenly|say"
     r"|there))*\s*$"
 )
@@ -240,14 +232,16 @@ SMILE = any_of(r"(?:can't|cannot|couldn't) stop (?:myself )?\w+ing")
 #: "It stops at walls" tells what it does.
 HABIT = re.compile(
     r"(?<!it )(?<!you )(?<!he )(?<!she )\bwould (?:stop|halt|abort|freeze|pause)$|"
-    r"\b(?:until|till|when|once|unless) (?:i|we|somebody|someone|they|he|she) (?:say|says|tell|tells|ask|asks|give|gives)(?: \w+){0,2}(?: to)? (?:stop|halt|pause|freeze)$|"
-    r"\b(?:it|he|she|robot|dog|watchdog|system|controller|firmware|software|guard|driver|button|timer|code|that|who|which|always|usually|never|only|then|and|really|often|music|one"
-    r"|sometimes) stops$"
+    r"\b(?:until|till|when|once|unless) (?:i|we|somebody|someone|they|he|she) (?:say|says|tell|tells|ask|asks"
+    r"|give|gives)(?: \w+){0,2}(?: to)? (?:stop|halt|pause|freeze)$|"
+    r"\b(?:it|he|she|robot|dog|watchdog|system|controller|firmware|software|guard|driver|button|timer|code|that"
+    r"|who|which|always|usually|never|only|then|and|really|often|music|one|sometimes) stops$"
 )
 PRAISE = any_of(
     r"""
     (?:thanks|thank you|nice|good|great|love|loved|like|liked|impressive|amazing|glad|happy) .{0,40}<done>
-    (?:so|very|how|really|pretty|quite|super|is|it's|was|are|looks|extremely|being|such a) (?:\w+ )?(?:careful|cautious)
+    (?:so|very|how|really|pretty|quite|super|is|it's|was|are|looks|extremely|being|such a) (?:\w+ )?(?:careful
+        cautious)
     """,
     done="stopping|stops|brakes|braking|careful|cautious|pausing",
 )
@@ -255,13 +249,17 @@ PRAISE = any_of(
 SELF_WAIT = any_of(
     r"""
     (?:can't|cannot|couldn't|can not|hardly|barely) wait|(?:i|we|i'll|we'll|they|people|who|i'd|let's) (?:\w+ )?wait
-    (?:worth the|long|the|a|minute|hour|needn't|not|asyncio) wait|(?:don't|do not|never|not|always) wait|(?:did|does|do) (?:\w+ )?wait
-    (?:have|had|has|used) to wait|wait (?:times?|list)|wait (?:till|until) (?:you|they|he|she|everyone|people|my \w+|the \w+) (?:sees?|hears?|finds?|gets?|tr(?:y|ies))
+    (?:worth the|long|the|a|minute|hour|needn't|not|asyncio) wait|(?:don't|do not|never|not|always) wait
+    (?:did|does|do) (?:\w+ )?wait
+    (?:have|had|has|used) to wait|wait (?:times?|list)
+    wait (?:till|until) (?:you|they|he|she|everyone|people|my \w+|the \w+) (?:sees?|hears?|finds?|gets?
+        tr(?:y|ies))
     """
 )
 PAST = any_of(
     r"""
-    (?<!like )yesterday|last (?:time|week|night|run|round|month|year|try|demo)|earlier|ago|previously|the other day|this morning
+    (?<!like )yesterday|last (?:time|week|night|run|round|month|year|try|demo)|earlier|ago|previously
+    the other day|this morning
     in the (?:video|demo|film|movie)|used to|back then|first time|(?:i|we|he|she|they|it) had to
     on (?:monday|tuesday|wednesday|thursday|friday|saturday|sunday)
     """
@@ -271,7 +269,8 @@ NO_WARNING = any_of(
     r"""
     (?:won't|not|never|didn't|doesn't|don't|without|no|isn't|hasn't|can't|couldn't|wouldn't) (?:\w+ ){0,3}<harm>
     (?:no|not|isn't|without|any|never|how|is it|is that|is this) (?:\w+ )?<danger>
-    (?:nobody(?:'s)?|no one(?:'s)?|nothing(?:'s)?|not|isn't|aren't) (?:\w+ ){0,2}in (?:the|its|your|his|her|my|our) (?:way|path)
+    (?:nobody(?:'s)?|no one(?:'s)?|nothing(?:'s)?|not|isn't|aren't) (?:\w+ ){0,2}in (?:the|its|your|his|her|my
+        our) (?:way|path)
     (?:fire|emergency) (?:exit|door|engine)|(?:stopped|quit|no|gave up) smoking
     (?:smoking|crash|fire|blood|emergency) (?:hot|test|tests|course|truck|type|area|exit|contact|number)
     (?:love|like|nice|cool|great) .{0,30}<harm>|fall (?:asleep|in love|for|season|term|semester)
@@ -283,20 +282,17 @@ NO_WARNING = any_of(
     danger="danger|dangerous|hazard|risk|accident|emergency",
 )
 _FILLED = (
-    "hey|hi|hello|so|and|but|ok|okay|wow|sorry|um|uh|hm+|just|btw|oh|guys|robot|dog|please|quick question|question"
-    "|curious"
-    "|excuse me|anyone know|does anyone know|do you know|can you tell me|can someone (?:explain|tell me)"
-    "|could you tell me"
-    "|tell me|explain|i wonder|i was wondering|wondering|i'd like to know|i want to know|not sure|any idea|idk"
-    "|let's see"
-    "|just curious|also|anyway"
+    "also|and|any idea|anyone know|anyway|btw|but|can someone (?:explain|tell me)|can you tell me"
+    "|could you tell me|curious|do you know|does anyone know|dog|excuse me|explain|guys|hello|hey|hi|hm+"
+    "|i want to know|i was wondering|i wonder|i'd like to know|idk|just|just curious|let's see|not sure|oh|ok"
+    "|okay|please|question|quick question|robot|so|sorry|tell me|uh|um|wondering|wow"
 )
 #: A question begins so …
 QUESTION = re.compile(
     rf"^(?:(?:{_FILLED}) )*(?:(?P<wh>why|why's|how|how's|when|where|where's|what|what's|who|who's|whose|which|if"
     rf"|whether)"
-    r"|(?P<aux>did|can (?:a|an)|didn't|does|do (?=you|we|they|i|robots|these|those|all)|was|were|has|have|had|can (?:it|he|she|this|that|the|i|we|people|anyone"
-    r"|robots)"
+    r"|(?P<aux>did|can (?:a|an)|didn't|does|do (?=you|we|they|i|robots|these|those|all)|was|were|has|have|had"
+    r"|can (?:it|he|she|this|that|the|i|we|people|anyone|robots)"
     r"|could (?:it|he|she|this|that|the|i)|should i|may i|am i|doesn't)"
     r"|(?P<be>is|are|will (?:it|he|she|this|that|the)|would (?:it|he|she|this|that|the|a)|isn't))\b"
 )
@@ -326,40 +322,44 @@ GOVERNS = frozenset(
 MEANT = "stop halt freeze brake wait pause abort careful danger enough whoa hold stopping cancel watch emergency crash"
 OTHERS = frozenset(
     """
-    step steps top tops shop shops slop stow stops strop atop spot spots post posts sop stoup store stomp stamp stump
-    stock stood story stow setup stopped topping shopping stepping stooping half hall halo hat hart malt salt hilt halts
-    shalt haul holt alt hale breeze freed frees frieze freezer freezes bake rake brave drake braked braker brace broke
-    broken brakes break breaks brae brisk bait wail waist wit wat wart want wants wast watt watts waif gait await awaits
-    waits waste wiat's white waite what whit wet cause paused pauses paws pulse phase abode about aborts carefully carful
-    dagger ranger anger hanger ganger manger dangers danger's enoch though tough woah hoa held hole holds gold bold cold
-    fold sold told mold hod holy hood holed hauled cancels cancer candle watches match catch batch patch hatch latch witch
-    swatch wash watched water emergence cash rash crush crass clash brash trash crashes stooping hoped hoping walt wild
-    stag star stay stat sto stoke stole stone spout stout stops topic shot slot spoon snoop scoop swoop hop hops pop plop
-    drop drops crop crops prop props flop stub step's halter shaft haft hath hast haste rest best trap strap strip stripe
-    stopover stopper salute wits wick wain vast fast last past cast bet bat bait's bail fail hail jail mail nail pail rail
-    sail tail gate date late wade wage wake wave waves waved awake wide wise weight eight height right light sight hand
-    hang hint hunt hurt heat heart art hats hay pays pose poise patse parse purse nurse path pass port apart bort
+    abode aborts about alt anger apart art atop await awaits awake bail bait bait's bake bat batch best bet bold
+    bort brace brae braked braker brakes brash brave break breaks breeze brisk broke broken cancels cancer candle
+    carefully carful cash cast catch cause clash cold crashes crass crop crops crush dagger danger's dangers date
+    drake drop drops eight emergence enoch fail fast flop fold freed frees freezer freezes frieze gait ganger gate
+    gold haft hail hale half hall halo halter halts hand hang hanger hart hast haste hat hatch hath hats haul hauled
+    hay heart heat height held hilt hint hoa hod holds hole holed holt holy hood hop hoped hoping hops hunt hurt
+    jail last latch late light mail malt manger match mold nail nurse pail parse pass past patch path patse paused
+    pauses paws pays phase plop poise pop port pose post posts prop props pulse purse rail rake ranger rash rest
+    right sail salt salute scoop setup shaft shalt shop shopping shops shot sight slop slot snoop sold sop spoon
+    spot spots spout stag stamp star stat stay step step's stepping steps sto stock stoke stole stomp stone stood
+    stooping stopover stopped stopper stops store story stoup stout stow strap strip stripe strop stub stump swatch
+    swoop tail though told top topic topping tops tough trap trash vast wade wage waif wail wain waist waite waits
+    wake walt want wants wart wash wast waste wat watched watches water watt watts wave waved waves weight wet what
+    whit white wiat's wick wide wild wise wit witch wits woah
     """.split()
 )
 SLANG = {
-    "stahp": "stop", "stawp": "stop", "stap": "stop", "shtop": "stop", "stob": "stop", "stp": "stop", "hlt": "halt", "frz": "freeze", "staph": "stop", "dun": "don't", "dunt": "don't", "wen": "when",
-    "sthap": "stop", "w8": "wait", "holup": "hold up", "hollup": "hold up", "holdup": "hold up", "hol": "hold",
-    "gimme": "give me", "woah": "whoa", "wo": "whoa", "woh": "whoa", "whoah": "whoa", "pls": "please", "plz": "please", "plss": "please",
-    "dont": "don't", "doesnt": "doesn't", "cant": "can't", "wont": "won't", "isnt": "isn't", "didnt": "didn't",
-    "thats": "that's", "theres": "there's", "its": "it's", "gona": "gonna", "goin": "going", "im": "i'm", "youre": "you're",
-    "shouldnt": "shouldn't", "mustnt": "mustn't", "hlep": "help", "hepl": "help", "carefull": "careful", "enuf": "enough",
-    "enuff": "enough", "nuff": "enough", "u": "you", "ur": "your", "goddamn": "god", "damn": "god", "noo": "no",
-    "gie": "give", "haud": "hold", "yer": "your", "gonnae": "gonna", "stopit": "stop it", "stoppit": "stop it", "stopnow": "stop now", "holdit": "hold it", "holdon": "hold on", "hangon": "hang on",
-    "waitwait": "wait", "plzstop": "stop", "pleasestop": "stop", "stopplease": "stop", "stopstop": "stop",
-    "stopstopstop": "stop", "nonono": "no no", "nono": "no no", "lookout": "look out", "watchout": "watch out",
-    "emergancy": "emergency", 
+    "cant": "can't", "carefull": "careful", "damn": "god", "didnt": "didn't", "doesnt": "doesn't", "dont": "don't",
+    "dun": "don't", "dunt": "don't", "emergancy": "emergency", "enuf": "enough", "enuff": "enough", "frz": "freeze",
+    "gie": "give", "gimme": "give me", "goddamn": "god", "goin": "going", "gona": "gonna", "gonnae": "gonna",
+    "hangon": "hang on", "haud": "hold", "hepl": "help", "hlep": "help", "hlt": "halt", "hol": "hold",
+    "holdit": "hold it", "holdon": "hold on", "holdup": "hold up", "hollup": "hold up", "holup": "hold up",
+    "im": "i'm", "isnt": "isn't", "its": "it's", "lookout": "look out", "mustnt": "mustn't", "nono": "no no",
+    "nonono": "no no", "noo": "no", "nuff": "enough", "pleasestop": "stop", "pls": "please", "plss": "please",
+    "plz": "please", "plzstop": "stop", "shouldnt": "shouldn't", "shtop": "stop", "stahp": "stop", "stap": "stop",
+    "staph": "stop", "stawp": "stop", "sthap": "stop", "stob": "stop", "stopit": "stop it", "stopnow": "stop now",
+    "stoppit": "stop it", "stopplease": "stop", "stopstop": "stop", "stopstopstop": "stop", "stp": "stop",
+    "thats": "that's", "theres": "there's", "u": "you", "ur": "your", "w8": "wait", "waitwait": "wait",
+    "watchout": "watch out", "wen": "when", "whoah": "whoa", "wo": "whoa", "woah": "whoa", "woh": "whoa",
+    "wont": "won't", "yer": "your", "youre": "you're",
 }  # fmt: skip
 #: Chinese stops in Latin letters, typed in a hurry.
 PINYIN = any_of(
     r"""
     ting|ting ?xia(?: ?lai)?|ting ?zhi|ting ?zhu|zan ?ting|zhan ?zhu|bie ?(?:dong|zou|pao)|bu ?yao ?(?:dong|zou)
     kuai ?ting
-    deng ?(?:deng|yi ?xia|yi ?deng)|xiao ?xin|wei ?xian|sha ?che|ji ?ting|jiu ?ming|man ?zhe|zhu ?shou|gou ?le|dang ?xin
+    deng ?(?:deng|yi ?xia|yi ?deng)|xiao ?xin|wei ?xian|sha ?che|ji ?ting|jiu ?ming|man ?zhe|zhu ?shou|gou ?le
+    dang ?xin
     """
 )
 PINYIN_DENIED = re.compile(r"\b(?:bie|bu ?yao|bu|mei|bu ?yong|wei ?shen ?me|zen ?me)(?: \w+)? ?ting\b")
