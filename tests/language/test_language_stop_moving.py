@@ -17,6 +17,8 @@ from agentrob.language.visible import visible_text
 from agentrob.model import Intent
 
 ROWS = Path(__file__).with_name("stops.jsonl")
+#: The first two sets of the file, by the author of the rules; the others were written without sight of them.
+OWN = 427
 BOUND = """
 @quadruped walk 1 m and stop|@quadruped walk forward 2 m, then stop|@quadruped 往前走一米然后停下
 @quadruped turn left 90 degrees and halt
@@ -36,7 +38,7 @@ def stops(text: str) -> Intent | None:
     return stop_while_moving(visible_text(text), ("quadruped",), ("humanoid",))
 
 
-def test_law_13_the_own_set_holds_and_is_of_both_languages() -> None:
+def test_law_13_the_sets_hold_and_are_of_both_languages() -> None:
     rows = [json.loads(line) for line in ROWS.read_text(encoding="utf-8").splitlines()]
     assert len(rows) >= 300
     found = stopping(ROWS)
@@ -45,6 +47,13 @@ def test_law_13_the_own_set_holds_and_is_of_both_languages() -> None:
     assert {*found.missed, *found.false} == {row["text"] for row in rows if row.get("wrong")}
     assert len(found.missed) <= 9
     assert len(found.false) <= 42
+
+
+def test_law_13_no_row_of_the_own_sets_is_read_otherwise() -> None:
+    rows = [json.loads(line) for line in ROWS.read_text(encoding="utf-8").splitlines()]
+    own = rows[:OWN]
+    assert sum(row["stop"] for row in own) == 142 + 113  # as in the table of docs/understanding.md
+    assert [row["text"] for row in own if row.get("wrong")] == []
 
 
 BLIND_BOUND = """
