@@ -219,7 +219,8 @@ def test_stop_in_the_thread_with_scripts_stays_on_the_page(world: World, windows
     before = now(world)
     page.evaluate("window.sameDocument = true")
     page.locator(f"#post-{post}").get_by_role("button", name="Stop @quadruped").click()
-    expect(page.locator("#live")).to_contain_text("Stop sent to @quadruped")
+    sent = "Stop sent to @quadruped. Its reply says how fast it stopped, or that it did not confirm."
+    expect(page.locator("#live")).to_have_text(sent)
     assert stops(world, before) == [("quadruped", "bob")]
     assert page.evaluate("window.sameDocument")
 
@@ -247,6 +248,7 @@ def test_law_17_emergency_stop_and_release_with_and_without_scripts(
     page.goto("/robots/quadruped", wait_until="domcontentloaded")  # without scripts the camera goes on for ever
     page.get_by_role("button", name="Emergency stop").click()
     expect(page.locator("main")).to_contain_text("Emergency stop sent to @quadruped")
+    expect(page.locator("main")).to_contain_text("It stays locked until its owner releases it.")
     lock = {"by": "root", "why": "an emergency stop", "at": "2026-11-22T16:00:05+00:00"}
     robot.put("/robots/quadruped", json={"card": CARD | {"lock": lock, "homed": True}}).raise_for_status()
     if not scripts:
@@ -312,6 +314,22 @@ def test_the_camera_runs_only_while_somebody_looks(world: World, windows: Window
     wait_viewers(world, 1)
     page.goto("/robots")
     wait_viewers(world, 0)
+
+
+def test_a_camera_that_failed_is_tried_again(world: World, windows: Windows) -> None:
+    wait_viewers(world, 0)
+    page = windows.open("bob")
+    page.route("**/camera.mjpg*", lambda route: route.abort())
+    with page.expect_event("requestfailed", lambda request: "camera.mjpg" in request.url):
+        page.goto("/robots/quadruped", wait_until="domcontentloaded")
+    page.unroute("**/camera.mjpg*")
+    wait_viewers(world, 1)
+    frame(world)
+    expect(page.locator(".camera img")).to_have_js_property("naturalWidth", 64)
+    page.goto("/robots")
+    wait_viewers(world, 0)
+    assert [c for c in windows.complaints if "ERR_FAILED" in c], "the browser says that the picture did not come"
+    windows.complaints = [c for c in windows.complaints if "ERR_FAILED" not in c]
 
 
 def test_the_robots_state_is_renewed(world: World, windows: Windows) -> None:

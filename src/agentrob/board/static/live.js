@@ -189,7 +189,8 @@ document.addEventListener("submit", async (event) => {
   const form = event.target.closest("[data-stop]");
   if (!form) return;
   event.preventDefault();
-  const button = form.querySelector("button"), label = [...button.childNodes];
+  const button = form.querySelector("button");
+  const label = [...button.childNodes];
   const what = "estop" in form.dataset ? "Emergency stop" : "Stop";
   button.replaceChildren(`Sending ${what.toLowerCase()}…`);
   try {
@@ -197,7 +198,7 @@ document.addEventListener("submit", async (event) => {
     const answer = await fetch(form.action, { ...sent, signal: AbortSignal.timeout(3000) });
     if (!answer.ok) throw new Error(String(answer.status));
     button.replaceChildren(`${what} sent`);
-    say(`${what} sent to @${form.dataset.stop}. ${what === "Stop" ? "Its reply says how fast it stopped, or that it did not confirm." : "It stays locked until its owner releases it."}`);
+    say(`${what} sent to @${form.dataset.stop}. ${form.dataset.next}`);
     setTimeout(() => button.replaceChildren(...label), 3000);
   } catch {
     form.submit(); // the plain way, which also shows what is wrong
@@ -221,20 +222,18 @@ for (const part of document.querySelectorAll("[data-refresh]")) {
 // The camera runs only while its picture is on the screen: somebody looking is what makes the robot's room render.
 const camera = document.querySelector("[data-camera]");
 if (camera) {
-  let picture = null;
+  const picture = make("img", { alt: `Live picture of the room with @${camera.dataset.name}` });
   let inView = false;
   const look = () => {
-    if (inView && !document.hidden && !picture) {
-      picture = make("img", { alt: `Live picture of the room with @${camera.dataset.name}` });
-      picture.addEventListener("error", () => { picture?.remove(); picture = null; setTimeout(look, 3000); });
+    if (!inView || document.hidden) {
+      picture.removeAttribute("src"); // ends the stream; an empty address would count as an error
+      picture.remove();
+    } else if (!picture.isConnected) {
       picture.src = `${camera.dataset.camera}?t=${Date.now()}`;
       camera.append(picture);
-    } else if ((!inView || document.hidden) && picture) {
-      picture.src = "";
-      picture.remove();
-      picture = null;
     }
   };
+  picture.addEventListener("error", () => { picture.remove(); setTimeout(look, 3000); });
   new IntersectionObserver((seen) => { inView = seen[seen.length - 1].isIntersecting; look(); }).observe(camera);
   document.addEventListener("visibilitychange", look);
 }
