@@ -44,7 +44,8 @@ class StatusCard:
 @dataclass(frozen=True, slots=True)
 class Post:
     """One post as a forum delivers it. `raw` is Markdown, `version` grows by one with each edit. `mentions` are the
-    accounts that its page links as mentioned; `shown_otherwise`: its page shows other words than are read of `raw`."""
+    accounts that its page links as mentioned; `rendering_differs`: its page shows other words than those
+    read from `raw`."""
 
     id: str
     topic_id: str
@@ -61,7 +62,7 @@ class Post:
     url: str = ""
     images: tuple[str, ...] = ()
     card: StatusCard | None = None
-    shown_otherwise: bool = False
+    rendering_differs: bool = False
 
     @property
     def content_hash(self) -> str:

@@ -186,9 +186,9 @@ def test_law_3_a_name_that_the_page_does_not_link_commands_nothing_and_may_stop(
     assert perceive(replace(post("# @quadruped\n\nwalk forward"), mentions=("quadruped",)), EARS).call is Call.NOTHING
 
 
-def test_law_3_a_post_that_is_shown_otherwise_leaves_a_mark_approves_nothing_and_stops() -> None:
+def test_law_3_a_post_whose_rendering_differs_leaves_a_mark_approves_nothing_and_stops() -> None:
     def heard(text: str) -> tuple[Call, bool]:
-        found = perceive(replace(post(text), shown_otherwise=True), EARS)
+        found = perceive(replace(post(text), rendering_differs=True), EARS)
         return found.call, OMITTED in found.text
 
     assert heard("@quadruped walk forward 1 m") == (Call.READ, True)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.forums.nodebb_posts import mentions_in
-from agentrob.language.shown import MAX_HTML, shows_otherwise
+from agentrob.language.shown import MAX_HTML, rendering_differs
 
 _BOB = (
     '<a class="plugin-mentions-user plugin-mentions-a" href="/user/bob" aria-label="Profile: bob">@<bdi>bob</bdi></a>'
@@ -38,7 +38,7 @@ _DOG = '<a class="mention" href="/u/dog">@dog</a>'
     ],
 )
 def test_law_3_a_page_that_shows_the_words_that_are_read(raw: str, html: str) -> None:
-    assert not shows_otherwise(raw, html)
+    assert not rendering_differs(raw, html)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_law_3_a_page_that_shows_the_words_that_are_read(raw: str, html: str) ->
     ],
 )
 def test_law_3_a_page_that_shows_other_words(raw: str, html: str) -> None:
-    assert shows_otherwise(raw, html)
+    assert rendering_differs(raw, html)
 
 
 @pytest.mark.parametrize(
@@ -69,14 +69,14 @@ def test_law_3_a_page_that_shows_other_words(raw: str, html: str) -> None:
 def test_law_15_no_page_takes_long_to_be_read(piece: str) -> None:
     began = time.process_time()
     for _ in range(5):
-        shows_otherwise("walk", piece * (MAX_HTML // len(piece)))
-        shows_otherwise("walk", "<i x>" * 1_000 + "</i>" * 1_000)
+        rendering_differs("walk", piece * (MAX_HTML // len(piece)))
+        rendering_differs("walk", "<i x>" * 1_000 + "</i>" * 1_000)
     assert time.process_time() - began < 0.5
 
 
 @given(st.text(max_size=200), st.text(max_size=200))
 def test_whatever_a_forum_makes_of_a_post_it_is_held_against_it(raw: str, html: str) -> None:
-    assert shows_otherwise(raw, html) in (True, False)
+    assert rendering_differs(raw, html) in (True, False)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ from agentrob.forums.discourse_wire import Wire
 from agentrob.forums.discourse_writer import Desk
 from agentrob.forums.forum import Board, Event, Notice, Page, Registered, Topic, Written
 from agentrob.forums.wire import text_of, translated
-from agentrob.language.shown import shows_otherwise
+from agentrob.language.shown import rendering_differs
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 #: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.
@@ -328,7 +328,7 @@ class DiscourseForum:
                 url=str(self._wire.base.join(f"/t/{raw.get('topic_slug') or '-'}/{number}/{raw['post_number']}")),
                 images=() if gone else tuple(str(self._wire.base.join(p)) for p in pictures),
                 card=None if gone else card_by(author, marked.card),
-                shown_otherwise=not gone and not robots and shows_otherwise(marked.text, cooked),
+                rendering_differs=not gone and not robots and rendering_differs(marked.text, cooked),
             )
 
     # ---------------------------------------------------------------- inside

@@ -179,7 +179,7 @@ class Watch:
             if seen is not None and not seen.gone:
                 seen.gone = True
                 gone = replace(
-                    seen.post, raw="", removed=True, images=(), mentions=(), card=None, shown_otherwise=False
+                    seen.post, raw="", removed=True, images=(), mentions=(), card=None, rendering_differs=False
                 )
                 self._note(EventKind.POST_REMOVED, gone, self._source.clock())
             return

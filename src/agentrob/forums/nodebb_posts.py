@@ -23,7 +23,7 @@ from agentrob.forums.nodebb_accounts import Registry, former
 from agentrob.forums.nodebb_marks import pictures_in, unmark
 from agentrob.forums.nodebb_wire import NodeBBWire
 from agentrob.forums.wire import text_of
-from agentrob.language.shown import is_mention, mention_of, shows_otherwise
+from agentrob.language.shown import is_mention, mention_of, rendering_differs
 from agentrob.model import Account, AccountKind, Post
 
 _JSON = dict[str, Any]
@@ -138,7 +138,7 @@ class Shelf:
         known = self._known.get(post_id)
         if known is None or await self._is_there(post_id):
             raise ForumNotFound(f"there is no post {post_id}")
-        return replace(known, raw="", removed=True, mentions=(), images=(), card=None, shown_otherwise=False)
+        return replace(known, raw="", removed=True, mentions=(), images=(), card=None, rendering_differs=False)
 
     async def _is_there(self, post_id: str) -> bool:
         try:
@@ -168,10 +168,10 @@ class Shelf:
             url=f"{self._wire.url}/post/{pid}",
             images=tuple(u for u in (*pictures_in(marked.text), *marked.pictures) if _UPLOADS in u),
             card=card_by(author, marked.card),
-            shown_otherwise=author.kind is not AccountKind.ROBOT_AGENT and shows_otherwise(marked.text, html),
+            rendering_differs=author.kind is not AccountKind.ROBOT_AGENT and rendering_differs(marked.text, html),
         )
         return (
-            replace(post, raw="", removed=True, mentions=(), images=(), card=None, shown_otherwise=False)
+            replace(post, raw="", removed=True, mentions=(), images=(), card=None, rendering_differs=False)
             if removed
             else post
         )

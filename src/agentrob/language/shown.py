@@ -29,12 +29,12 @@ _WORD = re.compile(r"\d+(?:[.,:/]\d+)*|[^\W\d_]+")
 def text_in(post: Post) -> str:
     """The visible text of a post, with a mark at its end where its page shows other words."""
     text = visible_text(post.raw)
-    return f"{text} {OMITTED}".lstrip() if post.shown_otherwise else text
+    return f"{text} {OMITTED}".lstrip() if post.rendering_differs else text
 
 
-def shows_otherwise(raw: str, html: str) -> bool:
-    """Whether the words that are read of a post's Markdown are not those that its HTML shows in paragraphs and lists,
-    apart from links. In doubt it does. Never raises."""
+def rendering_differs(raw: str, html: str) -> bool:
+    """Whether the words read from a post's Markdown differ from those that its HTML shows in paragraphs and lists,
+    links left out. True in doubt. Never raises."""
     if len(html) > MAX_HTML:
         return True
     page = _Page()

@@ -51,7 +51,7 @@ def post_info(p: Post, max_chars: int | None = None) -> PostInfo:
         url=p.url,
         images=p.images,
         card={k: v for k, v in asdict(p.card).items() if v not in ("", 0, None)} if p.card else None,
-        shown_otherwise=p.shown_otherwise,
+        rendering_differs=p.rendering_differs,
         agent=TagInfo(type=tag.type, status=tag.status, trace_id=tag.trace_id) if tag else None,
         left=len(body) - max_chars if cut and max_chars is not None else 0,
     )
@@ -95,7 +95,7 @@ def post(p: PostInfo) -> Post:
         url=p.url,
         images=p.images,
         card=card_by(author, card_of(p.card)),
-        shown_otherwise=p.shown_otherwise,
+        rendering_differs=p.rendering_differs,
     )
 
 

@@ -68,7 +68,7 @@ class PostInfo(_Result):
     url: str = ""
     images: tuple[str, ...] = ()
     card: dict[str, Any] | None = None
-    shown_otherwise: bool = False
+    rendering_differs: bool = False
     agent: TagInfo | None = None
     more: str | None = None
     left: int = 0
