@@ -61,7 +61,22 @@ walk up to the whiteboard and stop half a metre before it|turn left 90 degrees, 
 for the next run: trot forward one metre, stop, turn left and sit down|wait 3 seconds and then wave
 spin around slowly and stop facing the window|走到公交站停下|后退五步再停住|举起右手,停两秒,再放下
 """
+#: Motions with their amounts, and who is to make them; a word binds the stop to them.
+MEASURED = """
+小车右转三十度后停下|底盘向右旋转六十度后停住|机器狗前进两米后停下|让小车倒退1.5米再停|请让小车慢慢后退四步，然后停下
+左移半米后停下|小车行驶十秒钟后停下来|底盘原地旋转一圈半之后停住|机器人，前进两米，然后停下
+小车先前进两米，再左转九十度，然后停下|車子前進兩米後停住|机械狗向前三步后停下不动
+"""
+#: Whole commands whose shape does not bind the stop, or that have no stop word at all but the words of a warning.
+WHOLE_COMMANDS = """
+take a photo of the chair in front of you|walk three feet ahead|walk four feet ahead and sit down
+go 2 feet ahead then turn right|turn around and take a photo of what's behind you
+take a picture of the table near the door|sit down and stop|wave twice and stop|turn left slowly and stop
+stand up, turn around, and take a picture of what's behind you|sit down, then wait
+坐下然后停|挥手然后停下|挥手再停|站起来然后停下|左转然后停|慢一点往前走一米|慢点走两米
+"""
 LOOKS_BOUND = """
+小车前行三秒，停下|小车前行三秒停下|小车前行三秒后停住！|小车前行三秒后停住，小心|小车三秒后停下|底盘左旋后停下|小车后停下
 turn left, stop!|go to the door and stop now|walk to the wall and stop, it is falling|走到这里停下|在这里停下|往后退，停
 back up, stop|go back to the door and stop right there
 """
@@ -70,6 +85,17 @@ back up, stop|go back to the door and stop right there
 @pytest.mark.parametrize("text", _rows(BLIND_BOUND))
 def test_law_13_the_shape_of_a_command_binds_its_stop_though_the_grammar_asks_back(text: str) -> None:
     assert stops(text) is None
+
+
+@pytest.mark.parametrize("text", _rows(MEASURED))
+def test_law_13_measured_motions_bind_the_stop_at_their_end_whoever_is_to_make_them(text: str) -> None:
+    assert stops(text) is None
+
+
+@pytest.mark.parametrize("text", _rows(WHOLE_COMMANDS))
+def test_law_13_a_command_that_the_grammar_understands_as_a_whole_is_no_stop(text: str) -> None:
+    assert stops(text) is None
+    assert stops(f"@quadruped {text}") is None
 
 
 @pytest.mark.parametrize("text", _rows(LOOKS_BOUND))
@@ -119,4 +145,16 @@ def test_law_13_the_wide_rule_holds_the_narrow_one(text: str) -> None:
 def test_law_13_hostile_repetition_stays_quick(unit: str) -> None:
     start = time.process_time()
     stop_while_moving(unit * (10_000 // len(unit)) + "x", ("quadruped",), ("humanoid",))
+    assert time.process_time() - start < 0.5
+
+
+@pytest.mark.parametrize(
+    "unit", ["转一半圈，", "转一圈再", "再后就并", "walk 1 m and ", "wait 1 s and then ", "下一，", "走到", "，"]
+)
+@pytest.mark.parametrize("end", ["停", "停x", " and stop x"])
+def test_law_13_the_longest_posts_whose_shape_is_read_stay_quick(unit: str, end: str) -> None:
+    text = "walk " + unit * (380 // len(unit)) + end
+    start = time.process_time()
+    stop_while_moving(text, ("quadruped",), ("humanoid",))
+    stop_while_moving(text.removeprefix("walk "), ("quadruped",), ("humanoid",))
     assert time.process_time() - start < 0.5

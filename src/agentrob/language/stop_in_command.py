@@ -143,6 +143,24 @@ _CHINESE = _Shape(
     goal=re.compile(rf"{_NUMBER_ZH}个?半?{_UNIT_ZH}|姿势|(?:到|去|往|向|朝|在)(?!这|此).{{1,20}}"),
     more=re.compile("(?:之后|再|接着|最后|然后|跟住)[^，,。]"),
 )
+#: The robot may be named where the post is nothing but motions, each with its amount, and a word other than a comma
+#: binds the stop at the end: 小车前行三秒后停住.
+_ROBOT_ZH = "(?:底盘|机器人|机器狗|机械狗|机身|小狗|小车|狗狗|车子)"
+_DIRECTION_ZH = "(?:向|往|朝)(?:前|右|后|左)(?:侧|方|边)?"
+_MOTION_ZH = _one_of(
+    """
+    倒退|前行|前进|右旋|右移|右转|后退|小跑|左旋|左移|左转|平移|旋转|移动|行走|行进|行驶|走|跑|转|转动|退
+    """
+)
+_AMOUNT_ZH = (
+    f"{_NUMBER_ZH}(?:[.点]{_NUMBER_ZH})?个?(?:公分|公尺|分钟|厘米|周|圈|尺|度|步|秒钟?|米)[一二三四五六七八九半]?"
+)
+_MEASURED_ZH = f"(?:(?:{_DIRECTION_ZH})?(?:原地)?{_MOTION_ZH}|{_DIRECTION_ZH}){_AMOUNT_ZH}"
+_MEASURED_THEN_STOP_ZH = re.compile(
+    rf"(?P<head>(?:请|麻烦)?让?{_ROBOT_ZH}?[，,\s]*(?:先|再|快速|慢慢|缓慢)*"
+    rf"{_MEASURED_ZH}(?:(?:[，,、\s]|再|并|接着|然后)+{_MEASURED_ZH})*)"
+    r"[，,、\s]*(?:之后|以后|再|后|就|并|接着|最后|然后)+停(?:下来|住|止|下)?(?:不动)?"
+)
 
 
 # ---------------------------------------------------------------------- judging
@@ -159,6 +177,8 @@ def _has_shape(text: str, stopping: StoppingClauses) -> bool:
     plain = " ".join(_MENTION.sub(" ", text).split()).strip(" .。")
     if found := _WAIT_THEN_ACT.fullmatch(plain):
         return not stopping(found["tail"])
+    if found := _MEASURED_THEN_STOP_ZH.fullmatch(plain):
+        return not stopping(found["head"])
     return any(_fits(shape, plain, stopping) for shape in (_ENGLISH, _CHINESE))
 
 
