@@ -75,6 +75,11 @@ take a picture of the table near the door|sit down and stop|wave twice and stop|
 stand up, turn around, and take a picture of what's behind you|sit down, then wait
 坐下然后停|挥手然后停下|挥手再停|站起来然后停下|左转然后停|慢一点往前走一米|慢点走两米
 """
+#: The first clause is a command that the grammar understands, and leaves the warning out as a remark.
+WARNS_BESIDES = """
+walk 2 m, there is a cat in front of you|go back 1 m, it is too close|turn around; there are stairs ahead of you
+sit down, and there is a dog behind you|别往前走，后退一米
+"""
 LOOKS_BOUND = """
 小车前行三秒，停下|小车前行三秒停下|小车前行三秒后停住！|小车前行三秒后停住，小心|小车三秒后停下|底盘左旋后停下|小车后停下
 turn left, stop!|go to the door and stop now|walk to the wall and stop, it is falling|走到这里停下|在这里停下|往后退，停
@@ -96,6 +101,12 @@ def test_law_13_measured_motions_bind_the_stop_at_their_end_whoever_is_to_make_t
 def test_law_13_a_command_that_the_grammar_understands_as_a_whole_is_no_stop(text: str) -> None:
     assert stops(text) is None
     assert stops(f"@quadruped {text}") is None
+
+
+@pytest.mark.parametrize("text", _rows(WARNS_BESIDES))
+def test_law_13_a_warning_beside_a_command_stops_though_the_grammar_leaves_it_out(text: str) -> None:
+    assert stops(text) is Intent.STOP
+    assert stops(f"@quadruped {text}") is Intent.STOP
 
 
 @pytest.mark.parametrize("text", _rows(LOOKS_BOUND))

@@ -30,7 +30,9 @@ def is_bound_in_command(
     other robots' handles in it. Whatever else stops in the post, a warning beside it for example, keeps it from being
     bound.
     """
-    return _has_shape(text, stopping) or _is_whole_command(visible, names, robots)
+    if _has_shape(text, stopping):
+        return True
+    return _is_whole_command(visible, names, robots) and not _warns_besides(text, stopping)
 
 
 def _one_of(lines: str) -> str:
@@ -216,3 +218,8 @@ def _is_whole_command(visible: str, names: Sequence[str], robots: Sequence[str])
 
 def _is_command(text: str, names: Iterable[str], robots: Iterable[str]) -> bool:
     return parse(text, list(names), list(robots), frozenset(Op)).intent is Intent.COMMAND
+
+
+def _warns_besides(text: str, stopping: StoppingClauses) -> bool:
+    """Whether a clause that stops is no command by itself: the grammar leaves it out as a remark beside the command."""
+    return any(not _BOUND_STOP.search(clause) and not _is_command(clause, (), ()) for clause in stopping(text))
