@@ -16,16 +16,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Pose, Primitive, RobotState
-from agentrob.robots import g1, go2
-from agentrob.robots.motion import RATE_HZ, Gait, Velocity, wrap
-from agentrob.robots.walk import TOLERANCE_DEG, TOLERANCE_M, axis, walk
-from agentrob.sim.g1 import G1
-from agentrob.sim.go2 import Go2
-from agentrob.sim.scene import OPEN_FLOOR
-from agentrob.sim.sensors import Odometry
-from agentrob.sim.world import PERIOD_S, World
+from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap
+from agentrob.robots.control.step_runner import TOLERANCE_DEG, TOLERANCE_M, axis, walk
+from agentrob.robots.unitree import g1, go2
+from agentrob.sim.bodies.g1 import G1
+from agentrob.sim.bodies.go2 import Go2
+from agentrob.sim.bodies.sensors import Odometry
+from agentrob.sim.world.scene import OPEN_FLOOR
+from agentrob.sim.world.world import PERIOD_S, World
 
 F, B, L, R = Direction
 STEPS = (
@@ -48,7 +48,7 @@ def gait_of(kind: str, mps: float | None) -> Gait:
 
 
 class SimulatedBody:
-    """A robot in simulated time, as `agentrob.robots.walk.Body`."""
+    """A robot in simulated time, as `agentrob.robots.control.step_runner.Body`."""
 
     def __init__(self, kind: str, seed: int, lag_s: float) -> None:
         self.body = GAITS[kind][0]()

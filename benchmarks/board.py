@@ -27,9 +27,10 @@ from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
-from agentrob.board import accounts, admin
+from agentrob.board.admin import bootstrap
+from agentrob.board.auth import accounts
 from agentrob.board.settings import BoardSettings
-from agentrob.config import BoardConfig
+from agentrob.config.load import BoardConfig
 from agentrob.model import Role
 
 SERVE = """
@@ -38,7 +39,7 @@ from pathlib import Path
 import structlog
 from agentrob.board import server
 from agentrob.board.settings import BoardSettings
-from agentrob.config_board import BoardConfig, BoardLimitsConfig
+from agentrob.config.board import BoardConfig, BoardLimitsConfig
 structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
 limits = BoardLimitsConfig(posts=10**6, commands=10**6, uploads=10**6, sign_ups=10**6)
 settings = BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0", limits=limits), Path(sys.argv[1]))
@@ -254,13 +255,13 @@ def seed(settings: BoardSettings, posts: int) -> int:
 @contextmanager
 def serving(folder: str, posts: int) -> Iterator[Server]:
     settings = BoardSettings.from_config(BoardConfig(), Path(folder))
-    admin.bootstrap(settings)
-    account = admin.create_account(settings, "bench", role=Role.OPERATOR)
-    token = admin.issue_token(settings, account)
-    with admin.writing(settings) as connection:
+    bootstrap.bootstrap(settings)
+    account = bootstrap.create_account(settings, "bench", role=Role.OPERATOR)
+    token = bootstrap.issue_token(settings, account)
+    with bootstrap.writing(settings) as connection:
         session = accounts.new_session(connection, int(account.id))
-    others = [admin.create_account(settings, f"listener-{n}") for n in range(4)]
-    listening = [admin.issue_token(settings, other) for other in others]
+    others = [bootstrap.create_account(settings, f"listener-{n}") for n in range(4)]
+    listening = [bootstrap.issue_token(settings, other) for other in others]
     topics = seed(settings, posts)
     with subprocess.Popen([sys.executable, "-c", SERVE, folder], stdout=subprocess.PIPE, text=True) as board:
         try:

@@ -28,16 +28,18 @@ import numpy as np
 from board import SERVE
 from sqlalchemy import create_engine, insert, text
 
-from agentrob.board import admin, alike, search, sight, words
-from agentrob.board import schema as db
-from agentrob.board.meanings import Meanings
-from agentrob.board.reader import Reader
+from agentrob.board.admin import bootstrap
+from agentrob.board.auth import visibility
+from agentrob.board.content.store import Store
+from agentrob.board.db import schema as db
+from agentrob.board.db.reader import Reader
+from agentrob.board.search import fulltext, search, semantic
+from agentrob.board.search.embeddings import Meanings
 from agentrob.board.settings import BoardSettings
-from agentrob.board.store import Store
-from agentrob.config import BoardConfig
+from agentrob.config.load import BoardConfig
 from agentrob.errors import BoardError
-from agentrob.meaning import SIZE, Encoder
 from agentrob.model import Role
+from agentrob.semantic.encoder import SIZE, Encoder
 
 CHINESE = (
     "机器人前进后退左转右停止走路米挥手拍照红球房间窗门桌椅地面电池充满任务完成失败请看一下这里那里上中小大快慢高低"
@@ -94,7 +96,7 @@ def fill(settings: BoardSettings, posts: int) -> None:
             made = ((n, 1 + n % topics, author, said, f"<p>{said}</p>", n, "[]") for n, said in some)
             columns = "id, topic_id, author_id, raw, html, created_us, mentions, version, removed"
             connection.executemany(f"INSERT INTO posts ({columns}) VALUES (?, ?, ?, ?, ?, ?, ?, 1, 0)", made)
-            indexed = ((n, *words.indexed(said)) for n, said in some)
+            indexed = ((n, *fulltext.indexed(said)) for n, said in some)
             connection.executemany("INSERT INTO post_words (rowid, words, chars) VALUES (?, ?, ?)", indexed)
             connection.commit()
             if sys.stderr.isatty():
@@ -118,8 +120,8 @@ def fill_postgres(settings: BoardSettings, posts: int) -> None:
             connection.commit()
             if sys.stderr.isatty():
                 print(f"\r{some[-1][0]} posts", end="", file=sys.stderr)
-        words.drop_index(connection)
-        words.create_index(connection)
+        fulltext.drop_index(connection)
+        fulltext.create_index(connection)
         connection.execute(text("ANALYZE"))
         connection.commit()
     engine.dispose()
@@ -155,7 +157,7 @@ def timed(find: Callable[[], int], trials: int) -> str:
 
 def by_index(settings: BoardSettings, trials: int) -> None:
     store = Store(settings)
-    sight.let_see(frozenset({"talk"}))  # as a reader who may not see every board
+    visibility.let_see(frozenset({"talk"}))  # as a reader who may not see every board
     finder: Reader = store._finder
     for name, query in QUERIES.items():
         print(f"{name}: {timed(lambda q=query: len(search.find(finder, q).items), trials)}", flush=True)
@@ -172,7 +174,7 @@ def by_meaning(vectors: int, trials: int) -> None:
 
     def compare() -> int:
         _, _, likeness = meanings.compared(wanted)
-        return sum(len(some) for some in islice(alike._most_alike_first(likeness), 1))
+        return sum(len(some) for some in islice(semantic._most_alike_first(likeness), 1))
 
     print(f"{vectors} vectors compared: {timed(compare, trials)}", flush=True)
     print(f"memory at most {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000:.0f} MB", flush=True)
@@ -211,11 +213,11 @@ def measure(folder: Path, posts: int, trials: int, database: str = "") -> None:
     settings = BoardSettings.from_config(BoardConfig(), folder)
     if database:
         settings = replace(settings, database=database)
-    admin.bootstrap(settings)
+    bootstrap.bootstrap(settings)
     try:
-        account = admin.find_account(settings, "bench")
+        account = bootstrap.find_account(settings, "bench")
     except BoardError:
-        account = admin.create_account(settings, "bench", role=Role.OPERATOR)
+        account = bootstrap.create_account(settings, "bench", role=Role.OPERATOR)
     start = time.perf_counter()
     (fill_postgres if database else fill)(settings, posts)
     size = settings.database_path.stat().st_size / 1e6 if settings.database_path else size_there(settings)
@@ -226,7 +228,7 @@ def measure(folder: Path, posts: int, trials: int, database: str = "") -> None:
     with subprocess.Popen([sys.executable, "-c", SERVE, str(folder)], stdout=subprocess.PIPE, text=True) as board:
         try:
             assert board.stdout is not None
-            by_http(int(board.stdout.readline()), admin.issue_token(settings, account), trials)
+            by_http(int(board.stdout.readline()), bootstrap.issue_token(settings, account), trials)
         finally:
             board.terminate()
 

@@ -28,22 +28,24 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from agentrob.agent import journal as journals
-from agentrob.agent import leftovers, presence, retention
-from agentrob.agent.status import is_final
-from agentrob.agent.turn import RobotAgent
-from agentrob.board import admin, server
-from agentrob.board import retention as board_retention
+from agentrob.agent.agent import RobotAgent
+from agentrob.agent.reporting import presence
+from agentrob.agent.reporting.status_post import is_final
+from agentrob.agent.store import engine_cleanup, retention
+from agentrob.agent.store import journal as journals
+from agentrob.board import server
+from agentrob.board.admin import bootstrap
+from agentrob.board.admin import retention as board_retention
 from agentrob.board.settings import BoardSettings
-from agentrob.config import ForumConfig, RobotConfig
-from agentrob.config_board import BoardConfig, BoardRetentionConfig
+from agentrob.config.board import BoardConfig, BoardRetentionConfig
+from agentrob.config.load import ForumConfig, RobotConfig
 from agentrob.errors import ForumUnreachable
-from agentrob.forums.board import BoardForum
-from agentrob.logs import log_to_stderr
+from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Role
-from agentrob.robots.client import DriverClient
-from agentrob.robots.driver import run_driver
+from agentrob.process.logs import log_to_stderr
+from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.process import run_driver
 
 ROBOT, EVENTS, LIMIT_S = "quadruped", 1000, 120.0
 #: How often the agent and the forum let go of what is kept too long; a line may see what came since.
@@ -68,10 +70,10 @@ def _board(folder: Path, told: Connection) -> None:
     board_retention.EVERY_S = PRUNED_EVERY_S
     keep = BoardRetentionConfig.model_construct(event_days=0.0, events=EVENTS)
     settings = replace(BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0"), folder), retention=keep)
-    admin.bootstrap(settings)
-    robot = admin.create_account(settings, ROBOT, kind=AccountKind.ROBOT_AGENT)
-    alice = admin.create_account(settings, "alice", role=Role.OPERATOR)
-    tokens = [admin.issue_token(settings, account) for account in (robot, alice)]
+    bootstrap.bootstrap(settings)
+    robot = bootstrap.create_account(settings, ROBOT, kind=AccountKind.ROBOT_AGENT)
+    alice = bootstrap.create_account(settings, "alice", role=Role.OPERATOR)
+    tokens = [bootstrap.issue_token(settings, account) for account in (robot, alice)]
     server.serve(settings, lambda served: told.send((served.base_url, *tokens)))
 
 
@@ -82,7 +84,7 @@ def _driver(settings: RobotConfig, folder: Path) -> None:
 
 def _agent(settings: RobotConfig, folder: Path, url: str, token: str, told: Connection) -> None:
     log_to_stderr()
-    retention.EVERY_S, leftovers.KEEP_S, journals.AT_LEAST_S = PRUNED_EVERY_S, -1.0, 0.0
+    retention.EVERY_S, engine_cleanup.KEEP_S, journals.AT_LEAST_S = PRUNED_EVERY_S, -1.0, 0.0
     presence.DEBOUNCE_S = SHOWN_EVERY_S
 
     async def run() -> None:

@@ -19,11 +19,11 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from agentrob import app
-from agentrob.child import Child, end_all
-from agentrob.demo import free_port
-from agentrob.forums.forum import EventKind, Forum
+from agentrob.demo.run import free_port
+from agentrob.forums.protocol import EventKind, Forum
 from agentrob.model import AccountKind, Role
+from agentrob.process.child import Child, end_all
+from agentrob.wiring import app
 
 ROBOT = "quadruped"
 GOALS_MS = {"seen": 150.0, "first_motion": 250.0}

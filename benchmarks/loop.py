@@ -29,18 +29,18 @@ from typing import Any, NamedTuple
 
 from instruments.loopback_model import HEAD, loopback_model, row, served_s
 
-from agentrob.agent.execute import Reins
-from agentrob.agent.look import look
-from agentrob.agent.look_goal import errand_of
-from agentrob.agent.permission import Terms, permission
-from agentrob.config import LookConfig, MindConfig
-from agentrob.forums.memory import MemoryForum
+from agentrob.agent.execution.execute import Reins
+from agentrob.agent.execution.visual import look
+from agentrob.agent.intake.authorization import Terms, permission
+from agentrob.agent.understanding.visual_goal import errand_of
+from agentrob.config.load import LookConfig, MindConfig
+from agentrob.forums.memory.forum import MemoryForum
 from agentrob.language.goal import Aim, Goal, Task
-from agentrob.minds.chain import ChatChain
-from agentrob.minds.chat import Answer, Message, Replied, Tool
-from agentrob.minds.configured import ConfiguredModel
+from agentrob.minds.llm.chat import Answer, Message, Replied, Tool
+from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.model import ActionResult, Command, Primitive, Role
-from agentrob.robots.client import DriverClient
+from agentrob.robots.driver.client import DriverClient
 
 CALLED = """
 side = ["left", "right"]
@@ -52,8 +52,8 @@ DRIVER = """
 import io, json, sys
 from pathlib import Path
 from PIL import Image
-from agentrob.config import RobotConfig
-from agentrob.robots.driver import run_driver
+from agentrob.config.load import RobotConfig
+from agentrob.robots.driver.process import run_driver
 from agentrob.robots.fake import FakeRobot
 out = io.BytesIO()
 width, height = map(int, sys.argv.pop().split("x"))

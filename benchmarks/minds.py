@@ -22,12 +22,12 @@ from pathlib import Path
 from instruments.loopback_model import HEAD, loopback_model, row, served_s
 from pydantic import BaseModel
 
-from agentrob.config import MindConfig
-from agentrob.minds.chain import ChatChain
-from agentrob.minds.chat import Image, Said, Tool
-from agentrob.minds.configured import ConfiguredModel
-from agentrob.minds.mind import Listener
-from agentrob.minds.model_mind import ModelMind
+from agentrob.config.load import MindConfig
+from agentrob.minds.extraction.mind import ModelMind
+from agentrob.minds.llm.chat import Image, Said, Tool
+from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.llm.model import ConfiguredModel
+from agentrob.minds.protocol import Listener
 from agentrob.model import Capabilities, Intent, Op
 
 CALLED = """

@@ -31,14 +31,14 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from agentrob import app
-from agentrob.child import Child, end_all
-from agentrob.config import Config
-from agentrob.demo import OwnDomain
+from agentrob.config.load import Config
+from agentrob.demo.run import OwnDomain
 from agentrob.model import Direction, Op, Plan, Primitive
-from agentrob.robots import unitree
-from agentrob.robots.client import run_plan
-from agentrob.sim.services import REQUESTS, RESPONSES, Node  # before any type of the SDK
+from agentrob.process.child import Child, end_all
+from agentrob.robots.driver.client import run_plan
+from agentrob.robots.unitree import sdk
+from agentrob.sim.services.dds import REQUESTS, RESPONSES, Node  # before any type of the SDK
+from agentrob.wiring import app
 
 # isort: split
 from unitree_sdk2py.comm.motion_switcher.motion_switcher_client import MotionSwitcherClient
@@ -218,8 +218,8 @@ def benchmark(calls: int, walks: int) -> None:
             arguments = ["driver", "bench", "--config", str(work / "agentrob.toml")]
             children.append(Child("driver", arguments, work / "driver.log", {"AGENTROB_RUNTIME": folder}))
             socket = Path(children[1].wait_ready()["socket"])
-            unitree.connect(domain, "lo")
-            clients = unitree.clients((SportClient, 5.0), (MotionSwitcherClient, 5.0))
+            sdk.connect(domain, "lo")
+            clients = sdk.clients((SportClient, 5.0), (MotionSwitcherClient, 5.0))
             load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
             print(f"load average at the beginning: {load}; {os.cpu_count()} cores\n")
             print("| what | beside | n | p50 | p99 | worst |\n|---|---|---|---|---|---|")

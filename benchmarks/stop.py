@@ -49,14 +49,14 @@ from unittest import mock
 
 import httpx2
 
-from agentrob import app
-from agentrob.board.accounts import new_session
-from agentrob.board.database import open_engine
-from agentrob.demo import VISITOR, Demo, DemoSettings, sigterm_interrupts
-from agentrob.forums.forum import Forum
+from agentrob.board.auth.accounts import new_session
+from agentrob.board.db.database import open_engine
+from agentrob.demo.run import VISITOR, Demo, DemoSettings, sigterm_interrupts
+from agentrob.demo.visitor import FINAL
+from agentrob.forums.protocol import Forum
 from agentrob.model import AccountKind, Post, Role
-from agentrob.sim.services import Node  # before any type of the SDK
-from agentrob.visit import FINAL
+from agentrob.sim.services.dds import Node  # before any type of the SDK
+from agentrob.wiring import app
 
 # isort: split
 from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_

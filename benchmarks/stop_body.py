@@ -29,9 +29,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Primitive
-from agentrob.robots.unitree_robot import MOVING_MPS, MOVING_RPS
+from agentrob.robots.unitree.robot import MOVING_MPS, MOVING_RPS
 
 REST_M, REST_DEG = 0.02, 2.0
 PERIOD_S, MEAN = 0.02, 5  # speeds are means over so many periods
@@ -51,7 +51,7 @@ class Case(NamedTuple):
 
 def cases(robot: str) -> Sequence[Case]:
     if robot == "go2":
-        from agentrob.sim import sport
+        from agentrob.sim.services import go2_sport
 
         return (
             Case("0.5 m/s forward, the default limit", (0.5, 0, 0), goal=True),
@@ -60,8 +60,8 @@ def cases(robot: str) -> Sequence[Case]:
             Case("0.3 m/s sideways, the fastest", (0, 0.3, 0), goal=True),
             Case("45°/s, the default limit", (0, 0, math.radians(45)), goal=True),
             Case("90°/s, the highest limit", (0, 0, math.radians(90))),
-            Case("in the middle of hello", gesture=sport.HELLO),
-            Case("in the middle of a flip", gesture=sport.BACK_FLIP),
+            Case("in the middle of hello", gesture=go2_sport.HELLO),
+            Case("in the middle of a flip", gesture=go2_sport.BACK_FLIP),
         )
     return (
         Case("0.2 m/s forward, its limit", (0.2, 0, 0), goal=True),
@@ -80,13 +80,13 @@ class Simulated:
     robot: str
 
     def __post_init__(self) -> None:
-        from agentrob.sim.g1 import G1
-        from agentrob.sim.g1_sport import G1Sport
-        from agentrob.sim.go2 import Go2
-        from agentrob.sim.ledger import Ledger
-        from agentrob.sim.scene import OPEN_FLOOR
-        from agentrob.sim.sport import Sport
-        from agentrob.sim.world import World
+        from agentrob.sim.bodies.g1 import G1
+        from agentrob.sim.bodies.go2 import Go2
+        from agentrob.sim.event_log import Ledger
+        from agentrob.sim.services.g1_sport import G1Sport
+        from agentrob.sim.services.go2_sport import Sport
+        from agentrob.sim.world.scene import OPEN_FLOOR
+        from agentrob.sim.world.world import World
 
         self.body: Any = Go2() if self.robot == "go2" else G1()
         self.world = World([self.body], OPEN_FLOOR)
@@ -187,7 +187,7 @@ class Bystander:
     """When zero velocity was seen on the robot's domain."""
 
     def __init__(self, domain: int) -> None:
-        from agentrob.sim.services import Node  # patches DDS: before IDL types
+        from agentrob.sim.services.dds import Node  # patches DDS: before IDL types
 
         # isort: split
         from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_
@@ -243,8 +243,8 @@ def trial(robot: Any, condition: str, number: int) -> float:
 
 def drive(kind: str, domain: int, trials: int) -> None:
     """The driver's robot, in a process of its own: prints when each stop was called."""
-    from agentrob.robots.g1 import G1
-    from agentrob.robots.go2 import Go2
+    from agentrob.robots.unitree.g1 import G1
+    from agentrob.robots.unitree.go2 import Go2
 
     settings = RobotConfig(model=kind, domain=domain, simulated=True)
     robot: Any = Go2(settings) if kind == "go2" else G1(settings)
@@ -258,7 +258,7 @@ def drive(kind: str, domain: int, trials: int) -> None:
 
 def wire_table(kind: str, domain: int, trials: int) -> bool:
     """Print it; whether all rows reach the goal."""
-    command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", f"{kind}={domain}"]
+    command = [sys.executable, "-m", "agentrob.sim.server", "--domain", f"{kind}={domain}"]
     world = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert world.stdout is not None
     try:

@@ -20,10 +20,10 @@ from pathlib import Path
 import httpx2
 import stop as posts
 
-from agentrob import app
-from agentrob.child import Child
-from agentrob.config_service import ServiceConfig
-from agentrob.demo import Demo, DemoSettings, sigterm_interrupts
+from agentrob.config.service import ServiceConfig
+from agentrob.demo.run import Demo, DemoSettings, sigterm_interrupts
+from agentrob.process.child import Child
+from agentrob.wiring import app
 
 TOKEN = "benchmark-token-of-nobody"
 

@@ -18,11 +18,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from agentrob.judge.screen import screen
-from agentrob.language.grammar import parse
-from agentrob.language.score import Score, score
-from agentrob.language.visible import visible_text
+from agentrob.evals.scoring import Score, score
+from agentrob.language.parser.grammar import parse
+from agentrob.language.visible_text import visible_text
 from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Op, Role, Understanding
+from agentrob.screening.screen import screen
 
 Row = dict[str, Any]
 OPS = frozenset(Op) - {Op.SHAKE}  # "shake hands" is a hello then, as of a Go2

@@ -20,7 +20,7 @@ from typing import Any
 import httpx2
 import numpy as np
 
-from agentrob.sim.services import Node  # patches DDS: before IDL types
+from agentrob.sim.services.dds import Node  # patches DDS: before IDL types
 
 # isort: split
 from cyclonedds.core import Listener
@@ -44,9 +44,9 @@ WALKS = {
 
 
 def in_simulated_time(seconds: float) -> None:
-    from agentrob.sim.g1 import G1
-    from agentrob.sim.go2 import Go2
-    from agentrob.sim.world import World
+    from agentrob.sim.bodies.g1 import G1
+    from agentrob.sim.bodies.go2 import Go2
+    from agentrob.sim.world.world import World
 
     began = time.perf_counter()
     go2, g1 = Go2(), G1()
@@ -88,7 +88,7 @@ class Caller:
 
 
 def _reliable() -> Any:
-    from agentrob.sim.services import RESPONSES
+    from agentrob.sim.services.dds import RESPONSES
 
     return RESPONSES
 
@@ -141,7 +141,7 @@ def served(domain: int, seconds: float) -> None:
     began = time.monotonic()
     domains = {"go2": domain, "g1": domain + 1}
     options = [word for robot, number in domains.items() for word in ("--domain", f"{robot}={number}")]
-    command = [sys.executable, "-m", "agentrob.sim.serve", *options]
+    command = [sys.executable, "-m", "agentrob.sim.server", *options]
     world = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert world.stdout is not None
     try:

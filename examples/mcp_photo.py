@@ -19,7 +19,7 @@ from typing import Any
 
 from agentrob.mcp import results
 from agentrob.mcp.client import ForumClient
-from agentrob.mcp.resources import address
+from agentrob.mcp.forum.resources import address
 
 ROBOT = "quadruped"
 ENDED = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired"}

@@ -17,29 +17,29 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from agentrob.sim.world.world.room import ROOM_GROUP
+from agentrob.sim.world.world.scene import OPEN_FLOOR, Start, load
+from agentrob.sim.world.world.world import PERIOD_S, ROBOT_GROUP, World
 from PIL import Image, ImageDraw
 
-from agentrob.sim import g1_sport, sport
-from agentrob.sim.cameras import View, choose_backend, open_renderer
-from agentrob.sim.g1 import G1
-from agentrob.sim.g1_gestures import GESTURES, RELEASE
-from agentrob.sim.go2 import Go2
-from agentrob.sim.ledger import Ledger
-from agentrob.sim.legged import Array
-from agentrob.sim.room import ROOM_GROUP
-from agentrob.sim.scene import OPEN_FLOOR, Start, load
-from agentrob.sim.world import PERIOD_S, ROBOT_GROUP, World
+from agentrob.sim.bodies.g1 import G1
+from agentrob.sim.bodies.g1_gestures import GESTURES, RELEASE
+from agentrob.sim.bodies.go2 import Go2
+from agentrob.sim.bodies.legged import Array
+from agentrob.sim.event_log import Ledger
+from agentrob.sim.rendering.cameras import View, choose_backend, open_renderer
+from agentrob.sim.services.dds import g1_sport, go2_sport
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
 PICTURES, SIDE_PX, COLOURS = 8, 240, 96
 FACING = Start(0.0, 0.0, -1.9)  # towards the camera, half turned
 LIMIT_S = 30.0
 GO2 = {
-    "hello": sport.HELLO,
-    "heart": sport.HEART,
-    "stretch": sport.STRETCH,
-    "sit": sport.SIT,
-    "backflip": sport.BACK_FLIP,
+    "hello": go2_sport.HELLO,
+    "heart": go2_sport.HEART,
+    "stretch": go2_sport.STRETCH,
+    "sit": go2_sport.SIT,
+    "backflip": go2_sport.BACK_FLIP,
 }
 ACTIONS = {gesture.name.replace(" ", "-"): id_ for id_, gesture in GESTURES.items()}
 
@@ -76,7 +76,7 @@ def stage(robot: str) -> Stage:
     if robot == "go2":
         go2 = Go2(start=FACING)
         world = World([go2], OPEN_FLOOR)
-        service = sport.Sport(go2, lambda: world.time_s, Ledger())
+        service = go2_sport.Sport(go2, lambda: world.time_s, Ledger())
         return Stage(world, go2, service, lambda n: [lambda answer: service.call(GO2[n], {}, answer)], 1.35, 0.22)
     g1 = G1(start=FACING)
     world = World([g1], OPEN_FLOOR)

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import settings
 
 from agentrob.errors import RobotBusy
-from agentrob.hostlock import HostLock
+from agentrob.process.host_lock import HostLock
 
 #: Of the fake robots. Those above are for the tests that speak real DDS: a file has ten of its own, and takes that of
 #: its process's number.

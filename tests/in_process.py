@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from typer.testing import CliRunner
 
-from agentrob.cli import cli, told
+from agentrob.cli.main import cli, told
 from agentrob.errors import AgentRobError
 
 

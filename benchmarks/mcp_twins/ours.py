@@ -10,14 +10,14 @@ def main() -> None:
     from agentrob.mcp.sdk import sdk_imports
 
     with sdk_imports("--http" in sys.argv):
-        from agentrob.forums.memory import MemoryForum
-        from agentrob.logs import log_to_stderr
-        from agentrob.mcp import tools
-        from agentrob.mcp.identity import Accounts, Identity, Rights
-        from agentrob.mcp.stdio import run
+        from agentrob.forums.memory.forum import MemoryForum
+        from agentrob.mcp.forum import tools
+        from agentrob.mcp.forum.identity import Accounts, Identity, Rights
+        from agentrob.mcp.forum.stdio import run
+        from agentrob.process.logs import log_to_stderr
 
         if "--http" in sys.argv:
-            import agentrob.mcp.streamable  # noqa: F401
+            import agentrob.mcp.forum.http  # noqa: F401
         log_to_stderr()
         from agentrob.model import Role
 
@@ -34,8 +34,8 @@ def main() -> None:
     tools.TOOLS = tuple(t for t in tools.TOOLS if t.name != "edit_post")
     identity = Identity("admin", forum, Rights(True, frozenset({"core", "social"})))
     if "--http" in sys.argv:
-        from agentrob.config_mcp import McpConfig
-        from agentrob.mcp.streamable import serve
+        from agentrob.config.mcp import McpConfig
+        from agentrob.mcp.forum.http import serve
 
         serve(McpConfig(listen="127.0.0.1:0"), {"admin": (identity, "token-of-the-benchmark", "")})
     else:

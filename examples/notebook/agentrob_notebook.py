@@ -19,10 +19,10 @@ from pathlib import Path
 from typing import Any, TypeVar
 from uuid import uuid4
 
-from agentrob.config import ForumConfig
+from agentrob.config.load import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumNotFound, ForumUnreachable
 from agentrob.forums.cards import card_by
-from agentrob.forums.forum import Board, Event, EventKind, Page, Topic, Written
+from agentrob.forums.protocol import Board, Event, EventKind, Page, Topic, Written
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 T = TypeVar("T")
@@ -44,7 +44,7 @@ class Pages:
 
 
 class Notebook:
-    """See `agentrob.forums.forum.Forum`. `url` is a folder, the token is the account's name; there are no secrets."""
+    """See `agentrob.forums.protocol.Forum`. `url` is a folder, the token is the account's name; there are no secrets."""
 
     max_edits: int | None = None
     live = False

@@ -10,12 +10,12 @@ import random
 import threading
 import time
 
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.model import ActionResult, Capabilities, Direction, Op, Outcome, Pose, Primitive, RobotState, StopResult
-from agentrob.robots.motion import RATE_HZ, Gait, Velocity, wrap
-from agentrob.robots.robot import Watch, limits_of
-from agentrob.robots.walk import REST_LIMIT_S, walk
+from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap
+from agentrob.robots.control.step_runner import REST_LIMIT_S, walk
+from agentrob.robots.protocol import Watch, limits_of
 
 TRACK_M = 0.4  # from wheel to wheel
 WHEEL_MPS = 0.8  # no wheel turns faster
@@ -27,7 +27,7 @@ GAIT = Gait(speed_mps=0.6, turn_rps=1.2, coast_s=LAG_S, coast_turn_s=LAG_S, sett
 
 
 class Rover:
-    """See `agentrob.robots.robot.Robot`."""
+    """See `agentrob.robots.protocol.Robot`."""
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
@@ -87,7 +87,7 @@ class Rover:
     def close(self) -> None:
         self.rest()
 
-    # ------------------------------------------------------------ the body (agentrob.robots.walk.Body)
+    # ------------------------------------------------------------ the body (agentrob.robots.control.step_runner.Body)
     def now_s(self) -> float:
         return time.monotonic()
 

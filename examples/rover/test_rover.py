@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import pytest
 from agentrob_rover import Rover
 
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.model import Direction, Op, Outcome, Primitive
 from agentrob.robots.contract import RobotContract, go_on
-from agentrob.robots.robot import Robot
+from agentrob.robots.protocol import Robot
 
 SETTINGS = RobotConfig(model="rover", simulated=True)
 

@@ -4,14 +4,14 @@
 
     drive_go2_robot("walk forward 1 m and wave")
 
-These calls, and what they give back (`Driven`), are in `agentrob.drive`; it is imported when one is first asked for.
+These calls, and what they give back (`Driven`), are in `agentrob.wiring.drive`; it is imported when one is first asked for.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from agentrob.drive import Driven, drive_g1_robot, drive_go2_robot, robot_command_driver
+    from agentrob.wiring.drive import Driven, drive_g1_robot, drive_go2_robot, robot_command_driver
 
 __version__ = "0.1.0"
 __all__ = ["Driven", "__version__", "drive_g1_robot", "drive_go2_robot", "robot_command_driver"]
@@ -19,7 +19,7 @@ __all__ = ["Driven", "__version__", "drive_g1_robot", "drive_go2_robot", "robot_
 
 def __getattr__(name: str) -> Any:
     if name in __all__:
-        return getattr(import_module("agentrob.drive"), name)
+        return getattr(import_module("agentrob.wiring.drive"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -1,12 +1,12 @@
 """`python -m agentrob` and the command `agentrob`: the same words, started quickly."""
 
-from agentrob.quick import quick_imports
+from agentrob.process.quick import quick_imports
 
 
 def main() -> None:
     """The entry point of the command."""
     with quick_imports():
-        from agentrob import cli
+        from agentrob.cli import main as cli
 
     cli.main()
 

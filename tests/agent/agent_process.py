@@ -9,22 +9,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from agent_scene import FINAL, ROBOT, Driver
-
-sys.path.append(str(Path(__file__).parents[1] / "board"))
-from running_board import RunningBoard
+from tests.agent.agent_scene import FINAL, ROBOT, Driver
+from tests.board.running_board import RunningBoard
 
 _AGENT = """
 import asyncio, sys
 from pathlib import Path
-from agentrob.quick import quick_imports
+from agentrob.process.quick import quick_imports
 with quick_imports():
-    from agentrob.agent.turn import RobotAgent
-    from agentrob.logs import log_to_stderr
-    from agentrob.config import ForumConfig, RobotConfig
-    from agentrob.forums.board import BoardForum
+    from agentrob.agent.agent import RobotAgent
+    from agentrob.process.logs import log_to_stderr
+    from agentrob.config.load import ForumConfig, RobotConfig
+    from agentrob.forums.agentrob.forum import BoardForum
     from agentrob.minds.rules import RulesMind
-    from agentrob.robots.client import DriverClient
+    from agentrob.robots.driver.client import DriverClient
 name, settings, socket, data, url, token = sys.argv[1:]
 log_to_stderr()
 async def main():

@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agentrob.agent.turn import RobotAgent
-from agentrob.config import RobotConfig
-from agentrob.forums.forum import Forum
-from agentrob.forums.memory import MemoryForum, MemoryWorld
-from agentrob.minds.mind import Mind
+from agentrob.agent.agent import RobotAgent
+from agentrob.config.load import RobotConfig
+from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
+from agentrob.forums.protocol import Forum
+from agentrob.minds.protocol import Mind
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Post, Role
-from agentrob.robots.client import DriverClient
+from agentrob.robots.driver.client import DriverClient
 
 ROBOT = "quadruped"
 WIDE = {"x_min_m": -1000.0, "x_max_m": 1000.0, "y_min_m": -1000.0, "y_max_m": 1000.0}
@@ -45,10 +45,10 @@ def robot_settings(**more: Any) -> RobotConfig:
 _DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.quick import quick_imports
+from agentrob.process.quick import quick_imports
 with quick_imports():
-    from agentrob.config import RobotConfig
-    from agentrob.robots.driver import run_driver
+    from agentrob.config.load import RobotConfig
+    from agentrob.robots.driver.process import run_driver
 name, settings, socket, data = sys.argv[1:]
 run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
 """

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from agent_process import end_agents
-from agent_scene import Driver, Scene, make_scene, robot_settings
 
-from agentrob.agent import pictures
+from agentrob.agent.media import pictures
+from tests.agent.agent_process import end_agents
+from tests.agent.agent_scene import Driver, Scene, make_scene, robot_settings
 
 #: The smallest PNG.
 BLANK = bytes.fromhex(

@@ -15,14 +15,15 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-from postgres_server import open_to_all, postgres_server
-from running_board import LIMIT_S, database_for
 from sqlalchemy import create_engine, text
 
-from agentrob.board import accounts, admin
+from agentrob.board.admin import bootstrap
+from agentrob.board.auth import accounts
 from agentrob.board.settings import BoardSettings
-from agentrob.config_board import BoardConfig
+from agentrob.config.board import BoardConfig
 from agentrob.model import AccountKind, Role
+from tests.board.db.postgres_server import open_to_all, postgres_server
+from tests.board.running_board import LIMIT_S, database_for
 
 #: What browsers see: a proxy would stand there.
 SEEN_AS = "http://forum.example.org"
@@ -140,9 +141,9 @@ class Forum:
         self.add("quadruped", kind=AccountKind.ROBOT_AGENT)
 
     def add(self, name: str, **options: Any) -> str:
-        account = admin.create_account(self.settings, name, **options)
+        account = bootstrap.create_account(self.settings, name, **options)
         scopes = accounts.SCOPES if account.role is Role.ADMIN else ("read", "write")
-        self.tokens[name] = admin.issue_token(self.settings, account, scopes=scopes)
+        self.tokens[name] = bootstrap.issue_token(self.settings, account, scopes=scopes)
         return self.tokens[name]
 
     def as_(self, name: str, on: BoardProcess) -> httpx2.Client:

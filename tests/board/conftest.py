@@ -7,7 +7,8 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from running_board import RunningBoard, running_board
+
+from tests.board.running_board import RunningBoard, running_board
 
 
 @pytest.fixture(scope="module")

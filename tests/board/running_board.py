@@ -19,12 +19,13 @@ import httpx2
 from argon2 import PasswordHasher
 from sqlalchemy import create_engine, make_url, text
 
-from agentrob.board import accounts, admin
-from agentrob.board.database import open_engine
+from agentrob.board.admin import bootstrap
+from agentrob.board.auth import accounts
+from agentrob.board.db.database import open_engine
 from agentrob.board.server import Server, create_app
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings
-from agentrob.config_board import BoardConfig
+from agentrob.config.board import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
@@ -64,7 +65,7 @@ def fresh_database() -> tuple[bytes, dict[str, str]]:
     """A database with the first boards and accounts, made once for all boards of this process, and their tokens."""
     with TemporaryDirectory() as folder:
         settings = BoardSettings.from_config(BoardConfig(), Path(folder))
-        admin.bootstrap(settings)
+        bootstrap.bootstrap(settings)
         tokens = {name: had(settings, name, **options) for name, options in FIRST.items()}
         assert settings.database_path is not None
         return settings.database_path.read_bytes(), tokens
@@ -73,11 +74,11 @@ def fresh_database() -> tuple[bytes, dict[str, str]]:
 def had(settings: BoardSettings, name: str, **options: Any) -> str:
     """A new token of an account, which is made when it is not there."""
     try:
-        account = admin.find_account(settings, name)
+        account = bootstrap.find_account(settings, name)
     except BoardError:
-        account = admin.create_account(settings, name, **options)
+        account = bootstrap.create_account(settings, name, **options)
     scopes = accounts.SCOPES if account.role is Role.ADMIN else ("read", "write")
-    return admin.issue_token(settings, account, scopes=scopes)
+    return bootstrap.issue_token(settings, account, scopes=scopes)
 
 
 def prepared(settings: BoardSettings) -> dict[str, str]:
@@ -88,7 +89,7 @@ def prepared(settings: BoardSettings) -> dict[str, str]:
         content, tokens = fresh_database()
         path.write_bytes(content)
         return dict(tokens)
-    admin.bootstrap(settings)
+    bootstrap.bootstrap(settings)
     return {name: had(settings, name, **options) for name, options in FIRST.items()}
 
 
@@ -115,8 +116,8 @@ class RunningBoard:
         return parts
 
     def add(self, name: str, **options: Any) -> Account:
-        account = admin.create_account(self.settings, name, **options)
-        self.tokens[name] = admin.issue_token(self.settings, account)
+        account = bootstrap.create_account(self.settings, name, **options)
+        self.tokens[name] = bootstrap.issue_token(self.settings, account)
         return account
 
     def have(self, name: str, **options: Any) -> None:
@@ -135,7 +136,7 @@ class RunningBoard:
         client = httpx2.Client(base_url=self.url, timeout=LIMIT_S)
         self._clients.append(client)
         if name is not None:
-            account = admin.find_account(self.settings, name)
+            account = bootstrap.find_account(self.settings, name)
             engine = open_engine(self.settings, writes=True)
             with engine.begin() as connection:
                 session = accounts.new_session(connection, int(account.id))

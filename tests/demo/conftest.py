@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 
 import pytest
-from running import RUNNING, RunningDemo, end_left, start_demo
+
+from tests.demo.running import RUNNING, RunningDemo, end_left, start_demo
 
 
 @pytest.fixture(scope="module")

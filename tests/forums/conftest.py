@@ -8,11 +8,11 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from discourse_world import DiscourseWorld, Double, Worlds, double_world, write
-from nodebb_tape import Player, Recorder, Tape, serving
-from nodebb_world import ADMIN, NodeBBWorld, prepared
 
-from agentrob.forums.discourse import DiscourseForum
+from agentrob.forums.discourse.forum import DiscourseForum
+from tests.forums.discourse.discourse_world import DiscourseWorld, Double, Worlds, double_world, write
+from tests.forums.nodebb.nodebb_tape import Player, Recorder, Tape, serving
+from tests.forums.nodebb.nodebb_world import ADMIN, NodeBBWorld, prepared
 
 TAPES = Path(__file__).parent / "nodebb_tapes"
 RECORD = os.environ.get("AGENTROB_TEST_NODEBB_RECORD", "")

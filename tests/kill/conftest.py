@@ -6,7 +6,8 @@ import os
 from collections.abc import Iterator
 
 import pytest
-from kill_house import House
+
+from tests.kill.kill_house import House
 
 
 @pytest.fixture(scope="module")

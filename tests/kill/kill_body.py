@@ -16,10 +16,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from agentrob.config import RobotConfig
-from agentrob.robots import wire
+from agentrob.config.load import RobotConfig
+from agentrob.robots import codec
+from agentrob.robots.control.controller import Velocity
 from agentrob.robots.fake import FakeRobot
-from agentrob.robots.motion import Velocity
 
 FAR = 2000.0
 #: Slower than this is standing still: a tenth of the speed limit. Below it a body that coasts only fades.
@@ -55,7 +55,7 @@ class Body:
         self.look()
         match asked["what"]:
             case "state":
-                return wire.encode(self.robot.state())
+                return codec.encode(self.robot.state())
             case "moving":
                 return self.moving
             case "step":
@@ -99,7 +99,7 @@ def main(path: str, ledger: str) -> None:
 
 
 if __name__ == "__main__":
-    from agentrob.child import follow_parent
+    from agentrob.process.child import follow_parent
 
     follow_parent()
     main(*sys.argv[1:])

@@ -17,11 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-from kill_process import AGENTROB, HERE, Mortal, environment, wait_for
 
-from agentrob import app, demo, visit
-from agentrob.config import BoardConfig, Config, FenceConfig, ForumConfig, RatesConfig, RobotConfig
+from agentrob.config.load import BoardConfig, Config, FenceConfig, ForumConfig, RatesConfig, RobotConfig
+from agentrob.demo import run as demo
+from agentrob.demo import visitor
 from agentrob.model import AccountKind, Role
+from agentrob.wiring import app
+from tests.kill.kill_process import AGENTROB, HERE, Mortal, environment, wait_for
 
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
@@ -228,7 +230,7 @@ class House:
         """The final reply, once it is there, the agent has closed its journal over it, and the robot stands."""
 
         def told() -> list[dict[str, Any]]:
-            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in visit.FINAL]
+            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in visitor.FINAL]
 
         wait_for(f"a final reply to {asked.text!r}", told, END_S)
         wait_for("the journal is closed over the command", lambda: self.journal(asked), 60.0)

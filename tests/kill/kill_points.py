@@ -76,7 +76,7 @@ def main() -> None:
     from agentrob.__main__ import main
 
     if version := os.environ.get("KILL_VERSION"):
-        from agentrob.agent import journal
+        from agentrob.agent.store import journal
 
         journal.VERSION = version
     threading.Thread(target=take_orders, name="orders", daemon=True).start()

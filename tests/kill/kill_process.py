@@ -18,7 +18,7 @@ import agentrob
 START_S = 100.0
 HERE = Path(__file__).parent
 SOURCE = Path(agentrob.__file__).parents[1]
-AGENTROB = ("-c", "from kill_points import main; main()")
+AGENTROB = ("-c", "from tests.kill.kill_points import main; main()")
 
 
 def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:

@@ -14,18 +14,18 @@ from typing import Any
 
 from PIL import Image
 
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Primitive, RobotState, StopResult
-from agentrob.robots import wire
-from agentrob.robots.motion import RATE_HZ, Gait, Velocity
-from agentrob.robots.robot import Watch, limits_of
-from agentrob.robots.walk import REST_LIMIT_S, walk
+from agentrob.robots import codec
+from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity
+from agentrob.robots.control.step_runner import REST_LIMIT_S, walk
+from agentrob.robots.protocol import Watch, limits_of
 
 GAIT = Gait(gain_speed=3.0, gain_turn=4.0, coast_s=0.15, coast_turn_s=0.15, settle_s=0.4)
 
 
 class FarRobot:
-    """See `agentrob.robots.robot.Robot`. `options.body` is the socket of its body."""
+    """See `agentrob.robots.protocol.Robot`. `options.body` is the socket of its body."""
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
@@ -50,7 +50,7 @@ class FarRobot:
 
     # ------------------------------------------------------------ the robot
     def state(self) -> RobotState:
-        return wire.decode_state(self._ask("state"))
+        return codec.decode_state(self._ask("state"))
 
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
         before = self._stops
@@ -82,7 +82,7 @@ class FarRobot:
     def close(self) -> None:
         self.rest()
 
-    # ------------------------------------------------------------ agentrob.robots.walk.Body
+    # ------------------------------------------------------------ agentrob.robots.control.step_runner.Body
     def now_s(self) -> float:
         return time.monotonic()
 

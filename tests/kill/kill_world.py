@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from kill_house import House
-from kill_process import AGENTROB, Mortal
-
-from agentrob.config import RobotConfig
-from agentrob.demo import OwnDomain
+from agentrob.config.load import RobotConfig
+from agentrob.demo.run import OwnDomain
+from tests.kill.kill_house import House
+from tests.kill.kill_process import AGENTROB, Mortal
 
 
 class WorldHouse(House):

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from kill_house import ROBOT, WALK, Asked, House, check
-from kill_process import wait_for
 
-from agentrob import app
-from agentrob.board import admin, administration
-from agentrob.board.audit import SHELL
+from agentrob.board.admin import administration, bootstrap
+from agentrob.board.admin.audit import SHELL
+from agentrob.wiring import app
+from tests.kill.kill_house import ROBOT, WALK, Asked, House, check
+from tests.kill.kill_process import wait_for
 
 pytestmark = pytest.mark.slow
 JOURNAL, APPROVALS, FORUM = "agent.journal:Journal.", "agent.approvals:Approvals.", "forums.board:BoardForum."
@@ -27,7 +27,7 @@ class AskingHouse(House):
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
-        with admin.writing(app.board_settings(self.config)) as connection:
+        with bootstrap.writing(app.board_settings(self.config)) as connection:
             rights = {"approval": ("move",), "approve": "operator", "approve_own": True}
             administration.change_robot(connection, SHELL, ROBOT, **rights)
 

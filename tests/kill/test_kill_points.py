@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
-from kill_house import DRIVER_AWAY, DRIVER_DIED, LONG_WALK, PHOTO, WALK, House, check
-from kill_process import wait_for
+
+from tests.kill.kill_house import DRIVER_AWAY, DRIVER_DIED, LONG_WALK, PHOTO, WALK, House, check
+from tests.kill.kill_process import wait_for
 
 #: What was asked, and what a velocity that is held for a second and then coasts out can add.
 MOST_M = 0.3 + 0.6
@@ -107,17 +108,17 @@ ENDED = [
     agent("journal closed", JOURNAL + "finish", "after", DONE, 1),
 ]
 DRIVER = [
-    driver("lease asked for", "agentrob.robots.driver:Driver.take", "before", 0, DRIVER_AWAY),
-    driver("lease given", "agentrob.robots.driver:Driver.take", "after", 0, DRIVER_AWAY),
-    driver("lease renewed", "agentrob.robots.lease:Leases.renew", "after", nth=3),
-    driver("step asked for", "agentrob.robots.driver:Driver.step", "before", 0),
+    driver("lease asked for", "agentrob.robots.driver.process:Driver.take", "before", 0, DRIVER_AWAY),
+    driver("lease given", "agentrob.robots.driver.process:Driver.take", "after", 0, DRIVER_AWAY),
+    driver("lease renewed", "agentrob.robots.driver.lease:Leases.renew", "after", nth=3),
+    driver("step asked for", "agentrob.robots.driver.process:Driver.step", "before", 0),
     driver("step begun", "kill_robot:FarRobot.step", "before", 0),
     driver("first velocity commanded", "kill_robot:FarRobot.command", "after", 1),
     driver("walking", "kill_robot:FarRobot.command", "before", 1, nth=8),
     driver("to rest", "kill_robot:FarRobot.rest", "before", 1),
     driver("at rest", "kill_robot:FarRobot.rest", "after", 1),
     driver("step measured", "kill_robot:FarRobot.step", "after", 1),
-    driver("result to be sent", "agentrob.robots.driver:Driver.step", "after", 1),
+    driver("result to be sent", "agentrob.robots.driver.process:Driver.step", "after", 1),
 ]
 #: While the board is away nobody could stop the robot, so a motion may be interrupted, or not begin;
 #: nor can it be asked whether the command still holds, which cancels it before anything moved (see `check`).
@@ -168,7 +169,7 @@ def test_law_6_killed_at(point: Point, house: House) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("nth", [3, 11, 23])
 def test_law_11_the_agent_is_killed_on_a_long_walk_and_the_robot_stands_within_1_5_s(house: House, nth: int) -> None:
-    house.arm("agent", {"target": "agentrob.agent.execute:Run._must_end", "when": "before", "nth": nth})
+    house.arm("agent", {"target": "agentrob.agent.execution.execute:Run._must_end", "when": "before", "nth": nth})
     asked = house.ask(LONG_WALK)
     died_s = house.died("agent")
     house.start("agent")
@@ -187,10 +188,10 @@ def test_law_11_the_agent_is_killed_on_a_long_walk_and_the_robot_stands_within_1
 @pytest.mark.parametrize(
     ("target", "when"),
     [
-        ("agentrob.robots.driver:Driver.stop", "before"),
-        ("agentrob.robots.guard:Guard.stop", "before"),
+        ("agentrob.robots.driver.process:Driver.stop", "before"),
+        ("agentrob.robots.safety.guard:Guard.stop", "before"),
         ("kill_robot:FarRobot.stop", "after"),
-        ("agentrob.robots.driver:Driver.stop", "after"),
+        ("agentrob.robots.driver.process:Driver.stop", "after"),
     ],
 )
 def test_law_14_a_driver_killed_in_a_stop_leaves_a_robot_that_stands_and_never_goes_on(

@@ -9,15 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from kill_backup import Backup, delete
-from kill_house import LONG_WALK, WALK, Asked, House, check
-from kill_process import wait_for
 
-THINKING, JOURNAL = "agentrob.agent.thinking:", "agentrob.agent.journal:Journal."
+from tests.kill.kill_backup import Backup, delete
+from tests.kill.kill_house import LONG_WALK, WALK, Asked, House, check
+from tests.kill.kill_process import wait_for
+
+THINKING, JOURNAL = "agentrob.agent.understanding.understand:", "agentrob.agent.store.journal:Journal."
 #: Where an agent is killed with a command that waits, and with one that walks.
 SCREENED = {"target": THINKING + "judge", "when": "after"}
 CLAIMED = {"target": JOURNAL + "posted", "when": "after"}
-WALKING = {"target": "agentrob.agent.execute:Run._must_end", "when": "before", "nth": 5}
+WALKING = {"target": "agentrob.agent.execution.execute:Run._must_end", "when": "before", "nth": 5}
 
 
 def slow(*values: Any, id: str) -> Any:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from kill_house import DRIVER_DIED, PHOTO, WALK
-from kill_world import WorldHouse
+
+from tests.kill.kill_house import DRIVER_DIED, PHOTO, WALK
+from tests.kill.kill_world import WorldHouse
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
-SPORT, SERVICES = "agentrob.sim.sport:Sport.", "agentrob.sim.robot_services:RobotServices."
+SPORT, SERVICES = "agentrob.sim.services.go2_sport:Sport.", "agentrob.sim.services.unitree:RobotServices."
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +26,7 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WorldHouse]:
         pytest.param(SPORT + "_move", "before", 1, "", WALK, id="first Move received"),
         pytest.param(SPORT + "_move", "after", 6, "", WALK, id="walking"),
         pytest.param(SERVICES + "after_tick", "after", 60, "", WALK, id="state published"),
-        pytest.param("agentrob.sim.cameras:Cameras._fresh", "after", 1, "/front", PHOTO, id="image rendered"),
+        pytest.param("agentrob.sim.rendering.cameras:Cameras._fresh", "after", 1, "/front", PHOTO, id="image rendered"),
     ],
 )
 def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
@@ -49,7 +50,7 @@ def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
 def test_law_6_a_go2_whose_driver_dies_stands_still_and_the_motion_is_not_repeated(
     house: WorldHouse, when: str, nth: int
 ) -> None:
-    house.arm("driver", {"target": "agentrob.robots.go2:Go2.command", "when": when, "nth": nth})
+    house.arm("driver", {"target": "agentrob.robots.unitree.go2:Go2.command", "when": when, "nth": nth})
     asked = house.ask(WALK)
     house.died("driver")
     at_death = len(house.ledger())

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from agentrob.language.again import Background
-from agentrob.language.grammar import parse
-from agentrob.language.visible import visible_text
+from agentrob.language.parser.grammar import parse
+from agentrob.language.parser.repetition import Background
+from agentrob.language.visible_text import visible_text
 from agentrob.model import Direction, Op, Plan, Primitive, Understanding
 
 OPS = frozenset(Op)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).parents[1] / "board"))
-sys.path.append(str(Path(__file__).parent))
-from running_board import RunningBoard, running_board
-from running_mcp import McpSetup
+from tests.board.running_board import RunningBoard, running_board
+from tests.mcp.running_mcp import McpSetup
 
 
 @pytest.fixture(scope="module")

@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import Any
 
 import uvicorn
-from inside import ALL, a_world
 
-from agentrob.config_mcp import McpConfig
-from agentrob.config_service import McpRobotConfig
-from agentrob.mcp.identity import Identity, Rights
-from agentrob.mcp.streamable import make_app, trimmed
-from agentrob.mcp_robot import over_http
-from agentrob.mcp_robot.robots import Robots, Service
-from agentrob.mcp_robot.server import RobotServer
-from agentrob.mcp_robot.tools import allowed
+from agentrob.config.mcp import McpConfig
+from agentrob.config.service import McpRobotConfig
+from agentrob.mcp.forum.http import make_app, trimmed
+from agentrob.mcp.forum.identity import Identity, Rights
+from agentrob.mcp.robots import http as over_http
+from agentrob.mcp.robots.server import RobotServer
+from agentrob.mcp.robots.service_client import Robots, Service
+from agentrob.mcp.robots.tools import allowed
+from tests.mcp.forum.inside import ALL, a_world
 
 TOKEN = "mcp-token-for-conformance"
 

@@ -14,9 +14,7 @@ from threading import Timer
 from typing import Any
 
 from agentrob.mcp.client import ForumClient
-
-sys.path.append(str(Path(__file__).parents[1] / "board"))
-from running_board import RunningBoard
+from tests.board.running_board import RunningBoard
 
 #: A server must have started within this.
 LIMIT_S = 60.0

@@ -8,12 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from faulty_server import FaultyServer, called, faulty_server, said
-
-from agentrob.config import MindConfig
-from agentrob.minds.chain import ChatChain
-from agentrob.minds.configured import ConfiguredModel
-from agentrob.minds.model_mind import ModelMind
+from agentrob.config.load import MindConfig
+from agentrob.minds.extraction.mind import ModelMind
+from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.llm.model import ConfiguredModel
+from tests.minds.faulty_server import FaultyServer, called, faulty_server, said
 
 #: How the system prompt of each kind of question begins.
 _KINDS = {"Reading posts": "read", "Looking at": "screen", "Wording a": "summary"}

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from faulty_server import KEY, FaultyServer, faulty_server
-from model_double import Double, model_double
 
-from agentrob.config import MindConfig
-from agentrob.minds.configured import ConfiguredModel
+from agentrob.config.load import MindConfig
+from agentrob.minds.llm.model import ConfiguredModel
+from tests.minds.faulty_server import KEY, FaultyServer, faulty_server
+from tests.minds.model_double import Double, model_double
 
 
 @pytest.fixture

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from driver_scene import Drivers, Standing, at_rest, until
-from guard_scene import Make
-from sim_scene import Place
 
-from agentrob.config import RobotConfig
-from agentrob.robots.client import DriverClient
+from agentrob.config.load import RobotConfig
+from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.fake import FakeRobot
-from agentrob.robots.guard import Guard
-from agentrob.robots.halt import Halt
+from agentrob.robots.safety.guard import Guard
+from agentrob.robots.safety.lock import Halt
+from tests.robots.driver_scene import Drivers, Standing, at_rest, until
+from tests.robots.guard_scene import Make
+from tests.robots.sim_scene import Place
 
 pytest.register_assert_rewrite("agentrob.robots.contract")
 

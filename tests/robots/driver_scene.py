@@ -13,7 +13,7 @@ from typing import Any
 from uuid import uuid4
 
 from agentrob.model import Direction, Op, Primitive
-from agentrob.robots.client import DriverClient
+from agentrob.robots.driver.client import DriverClient
 
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0)
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
@@ -21,11 +21,11 @@ NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.quick import quick_imports
+from agentrob.process.quick import quick_imports
 with quick_imports():
-    from agentrob.config import RobotConfig
+    from agentrob.config.load import RobotConfig
     from agentrob.errors import RobotError
-    from agentrob.robots.driver import run_driver
+    from agentrob.robots.driver.process import run_driver
 name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])
 settings = {"model": "fake", "simulated": True, "home_on_start": True, **settings}
 try:
@@ -38,7 +38,7 @@ HOLDER = """
 import asyncio, sys
 from pathlib import Path
 from agentrob.model import Direction, Op, Primitive
-from agentrob.robots.client import DriverClient
+from agentrob.robots.driver.client import DriverClient
 
 async def main():
     async with DriverClient(sys.argv[1], Path(sys.argv[2])) as robot, robot.lease("walker") as lease:

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 from agentrob.errors import RobotError
 from agentrob.model import Direction, Op, Primitive
+from agentrob.robots.control.controller import Velocity
 from agentrob.robots.fake import FakeRobot
-from agentrob.robots.guard import Guard
-from agentrob.robots.motion import Velocity
+from agentrob.robots.safety.guard import Guard
 
 F, B, L, R = Direction
 Make = Callable[..., Guard]

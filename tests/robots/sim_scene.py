@@ -18,7 +18,7 @@ import httpx2
 
 from agentrob.errors import RobotError
 from agentrob.model import RobotState
-from agentrob.robots.client import DriverClient
+from agentrob.robots.driver.client import DriverClient
 
 #: Not those of other test files.
 DOMAINS = range(191, 201)
@@ -31,10 +31,10 @@ FENCE = {"x_min_m": -1.0, "x_max_m": 2.5, "y_min_m": -1.0, "y_max_m": 0.2}
 DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.robots.driver import run_driver
-import agentrob.robots.go2, agentrob.robots.service, agentrob.dds
+from agentrob.robots.driver.process import run_driver
+import agentrob.robots.unitree.go2, agentrob.robots.driver.api, agentrob.process.dds
 import unitree_sdk2py.go2.sport.sport_client, unitree_sdk2py.go2.video.video_client
 name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])
 print("warm", flush=True)
@@ -284,7 +284,7 @@ def _serve() -> tuple[subprocess.Popen[str], int, str]:
     """A world without cameras on the first domain that nobody holds."""
     for domain in DOMAINS:
         process = subprocess.Popen(
-            [sys.executable, "-m", "agentrob.sim.serve", "--domain", str(domain)],
+            [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain)],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -6,10 +6,9 @@ import asyncio
 import time
 from collections.abc import Callable
 
-from sim_scene import Place, Sample, apart_m
-
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
-from agentrob.robots.client import DriverClient
+from agentrob.robots.driver.client import DriverClient
+from tests.robots.sim_scene import Place, Sample, apart_m
 
 FAR, METRE, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (2.0, 1.0, 0.3))
 #: From an order to stop to standing still: the body coasts for about 0.4 s; the rest is for busy machines.

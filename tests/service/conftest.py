@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).parents[1] / "agent"))
-
-from agent_scene import Driver, robot_settings
-from service_scene import Service, make_service
+from tests.agent.agent_scene import Driver, robot_settings
+from tests.service.service_scene import Service, make_service
 
 
 @pytest.fixture(scope="module")

@@ -11,18 +11,18 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-from agent_scene import ROBOT, Driver, Scene, make_scene
 
-from agentrob.agent.turn import RobotAgent
-from agentrob.config_service import Scope
-from agentrob.forums.memory import MemoryWorld
+from agentrob.agent.agent import RobotAgent
+from agentrob.config.service import Scope
+from agentrob.forums.memory.forum import MemoryWorld
 from agentrob.model import AccountKind, Report, Role
-from agentrob.service.callers import Caller, Callers
-from agentrob.service.desk import Desk
-from agentrob.service.figures import Figures
-from agentrob.service.parts import Parts
+from agentrob.process.webhooks import Outbox, Receiver
+from agentrob.service.auth import Caller, Callers
+from agentrob.service.commands import Desk
+from agentrob.service.dependencies import Parts
+from agentrob.service.metrics import Figures
 from agentrob.service.server import serving
-from agentrob.webhook import Outbox, Receiver
+from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 
 ALL: frozenset[Scope] = frozenset(("look", "preview", "command", "stop"))
 #: Who may call: the account of the forum, its role and kind, and the scopes of its token.

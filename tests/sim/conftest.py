@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-from served_world import Served, start_world
 
-from agentrob.sim.go2 import Go2
-from agentrob.sim.ledger import Ledger
-from agentrob.sim.scene import OPEN_FLOOR
-from agentrob.sim.sport import MOVE, STOP_MOVE, Sport
-from agentrob.sim.world import PERIOD_S, World
+from agentrob.sim.bodies.go2 import Go2
+from agentrob.sim.event_log import Ledger
+from agentrob.sim.services.go2_sport import MOVE, STOP_MOVE, Sport
+from agentrob.sim.world.scene import OPEN_FLOOR
+from agentrob.sim.world.world import PERIOD_S, World
+from tests.sim.served_world import Served, start_world
 
 
 @dataclass

@@ -49,7 +49,7 @@ def start_world(folder: Path, *options: str, environment: Mapping[str, str] | No
     """Serve on the first free test domain."""
     ledger = folder / "ledger.jsonl"
     for domain in DOMAINS:
-        command = [sys.executable, "-m", "agentrob.sim.serve", "--domain", str(domain), "--ledger", str(ledger)]
+        command = [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain), "--ledger", str(ledger)]
         process = subprocess.Popen(
             [*command, *options],
             stdout=subprocess.PIPE,

@@ -31,7 +31,6 @@ from __future__ import annotations
 import asyncio
 import math
 import re
-import sys
 import tomllib
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -40,13 +39,11 @@ from typing import Any
 
 import pytest
 
-from agentrob.agent.turn import RobotAgent
-from agentrob.forums.memory import MemoryForum
+from agentrob.agent.agent import RobotAgent
+from agentrob.forums.memory.forum import MemoryForum
 from agentrob.model import AccountKind, Capabilities, Post, Role
-from agentrob.robots.client import DriverClient
-
-sys.path.append(str(Path(__file__).parents[1] / "agent"))
-from agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from agentrob.robots.driver.client import DriverClient
+from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 FOLDER = Path(__file__).parent
 STORIES = sorted(FOLDER.glob("*.md"))

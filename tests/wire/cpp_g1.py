@@ -10,7 +10,7 @@ import os
 import sys
 import time
 
-from peer_body import PICTURE, Body, Told
+from tests.wire.peer_body import PICTURE, Body, Told
 
 sys.setdlopenflags(os.RTLD_GLOBAL | os.RTLD_NOW)  # the shim finds the server in it
 import unitree_interface  # noqa: E402

@@ -6,11 +6,12 @@ import sys
 import time
 from pathlib import Path
 
-from agentrob import config, robot_command_driver
-from agentrob.drive import describe
+from agentrob import robot_command_driver
+from agentrob.config import load
 from agentrob.errors import RobotError
 from agentrob.model import RobotState
-from agentrob.robots.client import DriverClient
+from agentrob.robots.driver.client import DriverClient
+from agentrob.wiring.drive import describe
 
 LIMIT_S = 60.0
 
@@ -29,7 +30,7 @@ async def set_home(name: str) -> RobotState:
                 await asyncio.sleep(0.1)
 
 
-settings, name, text = config.load(Path(sys.argv[1])), sys.argv[2], sys.argv[3]
+settings, name, text = load.load(Path(sys.argv[1])), sys.argv[2], sys.argv[3]
 state = asyncio.run(set_home(name))
 driven = robot_command_driver(text, name, config=settings)
 steps = [describe(result) | {"picture": len(result.image or b"")} for result in driven.results]

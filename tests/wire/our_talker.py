@@ -4,7 +4,7 @@ import sys
 import time
 
 if sys.argv[1] == "patched":
-    import agentrob.dds  # noqa: F401  before any type of the SDK
+    import agentrob.process.dds  # noqa: F401  before any type of the SDK
 
 from unitree_sdk2py.core.channel import ChannelFactoryInitialize, ChannelPublisher
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__SportModeState_

@@ -6,11 +6,12 @@ import random
 import sys
 import time
 
-from peer_body import PICTURE, Body, Told
 from unitree_sdk2py.core.channel import ChannelFactoryInitialize, ChannelPublisher
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__LowState_, unitree_go_msg_dds__SportModeState_
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 from unitree_sdk2py.rpc.server import Server
+
+from tests.wire.peer_body import PICTURE, Body, Told
 
 IDLE, WALKING = 1013, 1015
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from wire_scene import HERE, OURS, PEER, SHIM, Network
+
+from tests.wire.wire_scene import HERE, OURS, PEER, SHIM, Network
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
@@ -96,7 +97,7 @@ def test_unitrees_cpp_library_reads_the_joints_of_our_simulated_robot(
 def test_without_our_patch_of_cyclonedds_11_unitrees_cpp_library_hears_nothing(
     network: Network, tmp_path: Path
 ) -> None:
-    """What the other tests would find without `agentrob.dds`; when this fails, its patch may not be needed any more."""
+    """What the other tests would find without `agentrob.process.dds`; when this fails, its patch may not be needed any more."""
     heard = {}
     for way in ("plain", "patched"):
         network.start(OURS, HERE / "our_talker.py", way, log=tmp_path / f"{way}.log")

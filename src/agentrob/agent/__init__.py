@@ -1,1 +1,1 @@
-"""The agent of one robot: perceive, extract, plan, screen, execute, report."""
+"""The agent of one robot: a post comes in, the robot moves, a reply goes out."""

@@ -1,1 +1,1 @@
-"""The embedded forum: store, accounts, JSON API, events and pages."""
+"""The embedded forum: database, accounts, JSON API, events and pages."""

@@ -21,34 +21,30 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from agentrob import __version__
-from agentrob.board import (
-    api,
-    api_admin,
-    api_commands,
-    api_moderation,
-    api_robots,
-    api_tags,
-    api_unread,
-    hooks,
-    retention,
-    unread,
-    uploads,
-)
-from agentrob.board.admin import bootstrap
-from agentrob.board.alone import to_serve
-from agentrob.board.api_models import Problem
-from agentrob.board.events import Hub
-from agentrob.board.gate import Gate
-from agentrob.board.hot import Hot
-from agentrob.board.peers import Peers
-from agentrob.board.problem import of_http, of_validation, problem
+from agentrob.board.admin import retention
+from agentrob.board.admin.bootstrap import bootstrap
+from agentrob.board.api import admin as api_admin
+from agentrob.board.api import commands as api_commands
+from agentrob.board.api import forum as api
+from agentrob.board.api import moderation, tags
+from agentrob.board.api import robots as api_robots
+from agentrob.board.api import unread as api_unread
+from agentrob.board.api.models import Problem
+from agentrob.board.api.problem import of_http, of_validation, problem
+from agentrob.board.content import unread, uploads
+from agentrob.board.content.store import Store
+from agentrob.board.db.serving_lock import to_serve
+from agentrob.board.events import webhooks
+from agentrob.board.events.cluster import Peers
+from agentrob.board.events.hub import Hub
+from agentrob.board.middleware import Gate
+from agentrob.board.response_cache import Hot
+from agentrob.board.robots.presence import Stage
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings, address_of
-from agentrob.board.stage import Stage
-from agentrob.board.store import Store
 from agentrob.errors import BoardError
-from agentrob.meaning import Encoder, require_model
-from agentrob.webhook import Receiver
+from agentrob.process.webhooks import Receiver
+from agentrob.semantic.encoder import Encoder, require_model
 
 log = structlog.get_logger(__name__)
 #: How often pictures are deleted that are older than they are kept.
@@ -57,7 +53,7 @@ EXPIRE_S = 3600.0
 
 def create_app(settings: BoardSettings) -> FastAPI:
     """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
-    told = hooks.receivers(settings)
+    told = webhooks.receivers(settings)
     if settings.encoder is Encoder:
         require_model()
 
@@ -91,8 +87,8 @@ def create_app(settings: BoardSettings) -> FastAPI:
     app.add_middleware(Hot)
     app.add_middleware(Gate, settings=settings)
     for router in (
-        *(api.router, api_robots.router, api_commands.router, api_admin.router, api_moderation.router),
-        *(api_tags.router, api_unread.router, api_robots.files),
+        *(api.router, api_robots.router, api_commands.router, api_admin.router, moderation.router),
+        *(tags.router, api_unread.router, api_robots.files),
     ):
         app.include_router(router)
     _add_pages(app)
@@ -106,7 +102,7 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
 
     async def duties(taken_over: bool) -> None:
         letting_go = api_admin.expire_pictures(parts, EXPIRE_S), retention.keep_pruning(parts)
-        await asyncio.gather(*letting_go, hooks.run(parts.hub, told, taken_over))
+        await asyncio.gather(*letting_go, webhooks.run(parts.hub, told, taken_over))
 
     if parts.settings.shared:
         peers = Peers(parts.settings, me, parts.hub, parts.stage, duties)
@@ -137,9 +133,11 @@ def end_streams(app: FastAPI) -> None:
 
 
 def _add_pages(app: FastAPI) -> None:
-    from agentrob.board import pages, pages_admin, pages_entry, pages_moderation
+    from agentrob.board.web import topics
+    from agentrob.board.web.admin import admin as pages_admin
+    from agentrob.board.web.admin import entry, moderation
 
-    for module in (pages, pages_admin, pages_moderation, pages_entry):
+    for module in (topics, pages_admin, moderation, entry):
         app.include_router(module.router)
 
 
@@ -149,7 +147,7 @@ def _add_errors(app: FastAPI) -> None:
             log.error("board.request_failed", path=_logged(request), code=error.code, error=str(error))
         if request.url.path.startswith("/api/"):
             return problem(error)
-        from agentrob.board.pages import error_page
+        from agentrob.board.web.topics import error_page
 
         return await error_page(request, error)
 

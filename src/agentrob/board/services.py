@@ -8,12 +8,12 @@ from typing import cast
 
 from starlette.requests import HTTPConnection
 
-from agentrob.board.events import Hub
-from agentrob.board.hot import Topics
+from agentrob.board.content.store import Store
+from agentrob.board.content.unread import Marks
+from agentrob.board.events.hub import Hub
+from agentrob.board.response_cache import Topics
+from agentrob.board.robots.presence import Stage
 from agentrob.board.settings import BoardSettings
-from agentrob.board.stage import Stage
-from agentrob.board.store import Store
-from agentrob.board.unread import Marks
 
 
 @dataclass(frozen=True, slots=True)

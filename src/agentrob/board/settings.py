@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from agentrob.config_board import BoardConfig, BoardLimitsConfig, BoardRetentionConfig
-from agentrob.config_service import HookOutConfig
+from agentrob.config.board import BoardConfig, BoardLimitsConfig, BoardRetentionConfig
+from agentrob.config.service import HookOutConfig
 from agentrob.errors import ConfigError
-from agentrob.meaning import Encoder, Encodes
+from agentrob.semantic.encoder import Encoder, Encodes
 
 PROPOSED_PORT = 8088
 NO_LIMITS = BoardLimitsConfig(posts=0, commands=0, uploads=0, sign_ups=0)

@@ -17,9 +17,9 @@ from typing import Any, Protocol
 import pytest
 
 from agentrob.errors import ForumDenied, ForumNotFound, ForumUnoffered, ForumUnreachable
-from agentrob.forums.forum import Event, EventKind, Forum, Notices, Permissions, Registrar, Searcher
-from agentrob.language.shown import text_in
-from agentrob.language.visible import OMITTED, mentions
+from agentrob.forums.protocol import Event, EventKind, Forum, Notices, Permissions, Registrar, Searcher
+from agentrob.language.rendered_text import text_in
+from agentrob.language.visible_text import OMITTED, mentions
 from agentrob.model import AccountKind, Post, Role, StatusCard
 
 #: Ends what hangs, also on a busy machine.

@@ -6,8 +6,8 @@ import re
 from collections.abc import Collection, Sequence
 from functools import cache
 
-from agentrob.language.languages import known
-from agentrob.language.visible import mention_spans, without_mentions
+from agentrob.language.registry import known
+from agentrob.language.visible_text import mention_spans, without_mentions
 
 _ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all|please|请|你|都)*", re.IGNORECASE)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from enum import StrEnum
 
-from agentrob.language.visible import without_mentions
+from agentrob.language.visible_text import without_mentions
 
 
 class Said(StrEnum):

@@ -22,7 +22,7 @@ class Aim(StrEnum):
 class Task:
     """One part of a goal, in words of a closed vocabulary: nothing here was written by anybody else.
 
-    `thing` and `colour` are English words of `agentrob.minds.loop_words`, `where` is a relation to the thing (beside,
+    `thing` and `colour` are English words of `agentrob.minds.visual_loop.vocabulary`, `where` is a relation to the thing (beside,
     behind, …) or `around`; a `look` without a thing is at whatever is there. `step` is what a `step` does.
     """
 

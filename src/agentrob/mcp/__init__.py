@@ -1,1 +1,1 @@
-"""The forum as tools for any MCP client: the server, the typed client, and the forum adapter that stands on it."""
+"""MCP: the forum and the robots as tools for any client, and a forum adapter over the same tools."""

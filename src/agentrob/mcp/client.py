@@ -86,7 +86,7 @@ class ForumClient:
             from mcp.client.client import Client
             from mcp.client.streamable_http import streamable_http_client
 
-            from agentrob.tls import tls
+            from agentrob.process.tls import tls
 
             http = httpx2.AsyncClient(
                 headers={"Authorization": f"Bearer {token}"},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from agentrob.quick import quick_imports
+from agentrob.process.quick import quick_imports
 
 #: What the SDK imports to serve over HTTP, whether it does or not; and the models of both eras of the protocol, of
 #: which a client speaks one.

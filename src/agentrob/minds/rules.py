@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from agentrob.language.again import Background
-from agentrob.language.grammar import parse, talk_of
-from agentrob.language.phrases import say
-from agentrob.language.talk import Talk
-from agentrob.minds.mind import Listener
+from agentrob.language.messages.catalog import say
+from agentrob.language.parser.grammar import parse, talk_of
+from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.small_talk import Talk
+from agentrob.minds.protocol import Listener
 from agentrob.model import Intent, Plan, Understanding
 
 #: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from agentrob.config import PriceConfig
+from agentrob.config.load import PriceConfig
 
 #: What an image is counted as when the server does not say (a 1024 px JPEG is 765 to 1,600 tokens at the large ones).
 IMAGE_TOKENS = 1_600

@@ -19,10 +19,10 @@ import threading
 import time
 from importlib.metadata import entry_points
 
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
-from agentrob.robots.motion import wrap
-from agentrob.robots.robot import Robot, Sighted
+from agentrob.robots.control.controller import wrap
+from agentrob.robots.protocol import Robot, Sighted
 
 FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
@@ -49,7 +49,7 @@ def complete(result: ActionResult, primitive: Primitive) -> None:
 
 
 class RobotContract:
-    """See the module's text. Each method is one promise of `agentrob.robots.robot.Robot`."""
+    """See the module's text. Each method is one promise of `agentrob.robots.protocol.Robot`."""
 
     def test_it_says_what_it_can_do(self, robot: Robot) -> None:
         capabilities = robot.capabilities

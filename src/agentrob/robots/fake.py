@@ -18,12 +18,12 @@ import time
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from agentrob.config import RobotConfig
+from agentrob.config.load import RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
-from agentrob.robots.motion import RATE_HZ, REST, Gait, Velocity, rotate, wrap
-from agentrob.robots.robot import Watch, limits_of
-from agentrob.robots.walk import REST_LIMIT_S, walk
+from agentrob.robots.control.controller import RATE_HZ, REST, Gait, Velocity, rotate, wrap
+from agentrob.robots.control.step_runner import REST_LIMIT_S, walk
+from agentrob.robots.protocol import Watch, limits_of
 
 TICK_S = 0.01
 LAG_S = 0.15
@@ -51,7 +51,7 @@ class Faults:
 
 
 class FakeRobot:
-    """See `agentrob.robots.robot.Robot`. `commanded` is the fastest velocity it was ever commanded, for tests."""
+    """See `agentrob.robots.protocol.Robot`. `commanded` is the fastest velocity it was ever commanded, for tests."""
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
@@ -121,7 +121,7 @@ class FakeRobot:
     def close(self) -> None:
         self.rest()
 
-    # ------------------------------------------------------------ the body (agentrob.robots.walk.Body)
+    # ------------------------------------------------------------ the body (agentrob.robots.control.step_runner.Body)
     def now_s(self) -> float:
         with self._lock:  # the setter of `time_scale` changes two fields
             if math.isinf(self._time_scale):

@@ -9,11 +9,11 @@ from prometheus_client import CONTENT_TYPE_LATEST
 from starlette.responses import JSONResponse, Response
 
 from agentrob.errors import RobotBusy, RobotError, RobotUnreachable, ServiceError
-from agentrob.service import hooks, models
-from agentrob.service.callers import Caller
-from agentrob.service.desk import Desk
-from agentrob.service.gate import Place
-from agentrob.service.parts import Parts
+from agentrob.service import models, webhooks
+from agentrob.service.admission import Place
+from agentrob.service.auth import Caller
+from agentrob.service.commands import Desk
+from agentrob.service.dependencies import Parts
 from agentrob.service.problem import documented
 
 router = APIRouter(prefix="/api/v1")
@@ -165,7 +165,7 @@ async def hook(request: Request, hook: Annotated[str, Path(pattern=r"^[a-z][a-z0
         raise ServiceError(404, "no_such_hook", f"no webhook {hook!r} is configured")
     kind, secret = here.hooks_in[hook]
     try:
-        hooks.verify(kind, await request.body(), request.headers, secret)
+        webhooks.verify(kind, await request.body(), request.headers, secret)
     except ServiceError:
         here.figures.count(here.figures.hooks_in, "false")
         raise

@@ -16,21 +16,21 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from agentrob import __version__
-from agentrob.config_service import ServiceConfig
+from agentrob.config.service import ServiceConfig
 from agentrob.errors import ConfigError
-from agentrob.forums.forum import Forum
+from agentrob.forums.protocol import Forum
 from agentrob.model import Report
-from agentrob.service import api, callers
-from agentrob.service.desk import Desk
-from agentrob.service.figures import Figures
-from agentrob.service.gate import Gate
+from agentrob.process.webhooks import Outbox, Receiver, read_secret
+from agentrob.service import api, auth
+from agentrob.service.admission import Gate
+from agentrob.service.commands import Desk
+from agentrob.service.dependencies import Parts
+from agentrob.service.metrics import Figures
 from agentrob.service.models import Problem
-from agentrob.service.parts import Parts
 from agentrob.service.problem import add_errors
-from agentrob.webhook import Outbox, Receiver, read_secret
 
 if TYPE_CHECKING:
-    from agentrob.agent.turn import RobotAgent
+    from agentrob.agent.agent import RobotAgent
 
 _log = structlog.get_logger()
 #: Makes the agent, which tells each end of a command to the function it is given.
@@ -74,7 +74,7 @@ def assemble(config: ServiceConfig, name: str, make_agent: MakeAgent, open_forum
         raise ConfigError("nobody may use the service: add a table [service.tokens.NAME] with token_env and scopes")
     receivers = [Receiver(hook, h.url, read_secret(h.secret_env)) for hook, h in config.hooks_out.items()]
     hooks_in = {hook: (h.kind, read_secret(h.secret_env)) for hook, h in config.hooks_in.items()}
-    who = callers.configured(config, read_secret, open_forum)
+    who = auth.configured(config, read_secret, open_forum)
     figures = Figures(name)
     outbox = Outbox(receivers, figures.hook_out)
     desks: list[Desk] = []

@@ -1,0 +1,533 @@
+"""The agent of one robot: a post comes in, the robot moves, a reply goes out.
+
+Here it lives, hears and accepts; `course` takes each command through the deeds. Only these two know their neighbours.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import traceback
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import structlog
+
+from agentrob.agent.execution.execute import SHUTDOWN, STOP
+from agentrob.agent.intake.event_stream import Channel, elapsed_s
+from agentrob.agent.intake.inbox import Inbox
+from agentrob.agent.intake.rate_limit import Pace
+from agentrob.agent.intake.reconcile import close_unknown, gap_after, is_open, recent_posts
+from agentrob.agent.intake.triage import Call, Ears, Heard, obeyed, perceive
+from agentrob.agent.media import plot
+from agentrob.agent.media.camera import Camera
+from agentrob.agent.media.image_store import ImageStore
+from agentrob.agent.media.recorder import Recorder, look_of
+from agentrob.agent.pipeline import Course
+from agentrob.agent.queue.approvals import Approvals
+from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.reporting import report as words
+from agentrob.agent.reporting.presence import Presence, reset_room
+from agentrob.agent.reporting.status_post import insist
+from agentrob.agent.stop.known_robots import KnownRobots
+from agentrob.agent.stop.moderator_alert import Alarm
+from agentrob.agent.stop.owner import Owner
+from agentrob.agent.stop.replies import StopReply, Stops
+from agentrob.agent.stop.stop_handler import Brake
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.records import Records
+from agentrob.agent.store.retention import keep_pruning, prune
+from agentrob.agent.understanding import extract
+from agentrob.agent.understanding.surroundings import Surroundings
+from agentrob.agent.understanding.understand import Thinking
+from agentrob.config.load import RobotConfig
+from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
+from agentrob.forums.protocol import BEFORE_ALL, Event, EventKind, Forum, Stage
+from agentrob.minds.extraction.mind import ModelMind
+from agentrob.minds.protocol import LivingMind, Mind
+from agentrob.model import Account, Command, Decision, Post, Report, StopResult
+from agentrob.robots.driver.client import DriverClient
+from agentrob.screening.rights import may
+from agentrob.screening.screen import prepare as prepare_screen
+
+#: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
+LOOK_BACK = timedelta(minutes=10)
+#: How long a running command may take to tell its end when the agent is ended.
+LAST_WORDS_S = 2.5
+DRIVER_WAIT_S = 5.0
+#: Clocks that turned out to agree are not compared again for so long; and how long that may take.
+COMPARE_S, COMPARING_S = 1.0, 5.0
+#: That the forum's clock was set is told for so long, in replies that it touches.
+SAID_S = 60.0
+#: A task that only shows things begins anew so long after it failed.
+RESTART_S = 1.0
+_log = structlog.get_logger()
+
+
+class RobotAgent:
+    """One robot's agent on one forum. `run()` until cancelled, or `once()`; then `close()`.
+
+    `ready` is set when a post would be answered. Raises `JournalError` when another agent of this robot runs.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        settings: RobotConfig,
+        forum: Forum,
+        driver: DriverClient,
+        mind: Mind,
+        data: Path,
+        store: ImageStore | None = None,
+        on_end: Callable[[Report], None] = lambda _: None,
+        listens: bool = True,
+    ) -> None:
+        prepare_screen()  # not while it serves: stops would wait
+        self.name = name
+        self.settings = settings
+        self.forum = forum
+        self.driver = driver
+        self.mind = mind
+        self._store = store
+        self.folder = data / "agents" / name
+        self.ready = asyncio.Event()
+        self.channel = Channel(forum, "", settings.poll_s, listens, self._notice)
+        self._on_end = on_end
+        self.records = Records(self.folder)
+        self.line = Line(self._line_changed)
+        self.inbox = Inbox(
+            name, lambda: self.journal, self.line, lambda at: self.brake.why_not(at), self._settle, self._take_up,  # noqa: PLW0108 (the brake comes later)
+            self._decline, self._approve,
+        )  # fmt: skip
+        self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
+        self.stops = Stops(forum, driver, settings, self.channel.now, self._stop_reply, self._compared)
+        self.brake = Brake(
+            self.line, self.inbox, self.stops, self.alarm, lambda: self._journal, self.channel, self._spawn
+        )
+        self.owner = Owner(
+            name, settings, forum, driver, self.stops, self.brake, self.channel.now, self._line_changed
+        )  # fmt: skip
+        stage = forum if isinstance(forum, Stage) else None
+        self.presence = Presence(stage, driver, name, settings, lambda: self.line.posts, self.owner) if stage else None
+        seen_by = settings.room_camera
+        live, view = stage is not None and bool(seen_by), settings.recording.view
+        self.recorder = Recorder(
+            self.folder / "recordings",
+            settings.recording,
+            None if live and view == "room" else look_of(settings, driver),
+        )
+        seen = self.recorder.see if view in ("auto", "room") else lambda _: None
+        moving = lambda: self.line.moving is not None  # noqa: E731
+        self.camera = Camera(stage, name, seen_by, moving, seen) if stage and seen_by else None
+        self._journal: Journal | None = None
+        self._course: Course | None = None
+        self._me: Account | None = None
+        self._begun = datetime.min.replace(tzinfo=UTC), elapsed_s()
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._claimed_topics: frozenset[str] = frozenset()
+        self._comparing: asyncio.Task[Any] | None = None
+        self._compared_s = -math.inf
+        self.known_robots = KnownRobots(forum, self._spawn)
+        self._accepting = True
+        self._ending = False
+
+    # ------------------------------------------------------------------ life
+    async def prepare(self) -> None:
+        """Import all that would make stops wait while it serves; asks nobody anything. Once is enough."""
+        plot.warm_up()
+        await extract.prepare(self.mind)
+
+    async def run(self, on_ready: Callable[[], None] = lambda: None) -> None:
+        """Serve the forum until cancelled; then the robot is stopped and what ran is told as interrupted."""
+        try:
+            await self._start()
+            async with asyncio.TaskGroup() as group:
+                pruning = keep_pruning(self.journal, self.records, self.settings.retention)
+                for work in (self._listen(), self.inbox.take_all(), pruning, *self._stage_work()):
+                    group.create_task(work)
+                self.ready.set()
+                on_ready()
+        finally:
+            await self._wind_down()
+
+    async def once(self) -> None:
+        """Handle what is new since the last time, then return. Stops are heard all the while."""
+        try:
+            await self._start()
+            self._accepting = False
+            helpers = [asyncio.create_task(work) for work in (self._listen(), *self._stage_work())]
+            self.ready.set()
+            try:
+                await self.inbox.take_waiting()
+                # What waits for an approval, or until we may write again, waits on next time.
+                while busy := self._tasks - self.line.asking() - self.course.denied:
+                    await asyncio.wait(busy, timeout=0.2)
+                await prune(self.journal, self.records, self.settings.retention)
+            finally:
+                for helper in helpers:
+                    helper.cancel()
+        finally:
+            await self._wind_down()
+
+    async def close(self) -> None:
+        """Let go of journal, mind, forum and driver. Calling again does nothing."""
+        if self._journal is not None:
+            await self._journal.close()
+            self._journal = None
+        await self.forum.close()
+        await self.driver.close()
+        if isinstance(self.mind, LivingMind):
+            await self.mind.close()
+
+    async def _start(self) -> None:
+        await self.prepare()
+        self._journal = await Journal.open(self.folder, self.name)
+        self._me = await insist(self.forum.me)
+        if not self._me.speaks_for(self.name):
+            _log.warning("this account is not the robot's own: its status cards do not count",
+                         robot=self.name, account=self._me.name, kind=str(self._me.kind))  # fmt: skip
+        await self.owner.learn_page()
+        await self.known_robots.list_robots()
+        newest = await insist(self.channel.set_clock)
+        begun = await self.journal.get_time("watermark")
+        if begun is None:
+            at = (begun := self.channel.compared_at).isoformat()
+            await self.journal.put_all(cursor=newest, cursor_at=at, watermark=at)
+        self._begun = begun, elapsed_s()
+        await self.brake.remember(self.journal, begun)
+        self.channel.cursor = await self.journal.get("cursor") or newest
+        self._course = self._make_course()
+        await self._resume()
+        if begun > self.channel.now() - LOOK_BACK:
+            await self._look_back(self.channel.now() - LOOK_BACK, self._watermark_at)
+        if isinstance(self.mind, ModelMind):
+            self._spawn(self._warm(self.mind))
+
+    async def _warm(self, mind: ModelMind) -> None:
+        """A local server reads the prompt while nobody waits for it."""
+        with contextlib.suppress(RobotError):
+            await mind.warm(await self.driver.capabilities())
+
+    async def _resume(self) -> None:
+        """Hear what was missed, above all stops, and only then take up the commands that were left open."""
+        claims = await self.journal.open_claims()
+        self._claimed_topics = frozenset(claim.command.topic_id for claim in claims)
+        self.inbox.left_open = frozenset(claim.command.post_id for claim in claims)
+        try:
+            await self._catch_up()
+        except ForumNotFound:
+            if await self._begin_anew():
+                await self._catch_up()
+        for claim in await self.journal.open_claims():
+            begun = await self.journal.moved(claim.command.post_id)
+            job = Job(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
+            job.asked = claim.asked
+            limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
+            why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.channel.now(), *limits)
+            if not begun and why:
+                job.end(why)
+                await self.journal.end([claim.command.post_id], why)
+            self._take_up(job)
+        self._claimed_topics = frozenset()
+        self.inbox.none_left_open()
+
+    async def _catch_up(self) -> None:
+        """Hear what was missed; `ForumNotFound` as `Channel.events`."""
+        while events := await insist(self._missed):
+            for event in events:
+                self.channel.cursor = event.id
+                self._hear_safely(event)
+
+    async def _missed(self) -> Sequence[Event]:
+        """What was posted meanwhile. An answer that makes no sense is none: without it no command is taken up."""
+        try:
+            return await self.forum.changes(self.channel.cursor)
+        except ForumMalformed as e:
+            raise ForumUnreachable(str(e)) from None
+
+    async def _look_back(self, since: datetime, until: datetime) -> None:
+        """Answer posts of a time whose events do not come to us any more, and end what a journal that was lost had
+        claimed since then."""
+        assert self._me is not None
+        statuses = []
+        with contextlib.suppress(ForumError):
+            async for post in recent_posts(self.forum, self.settings.boards, since):
+                if is_open(post, self._me) and post.reply_to not in self.inbox.coming:
+                    statuses.append(post)
+                elif post.created_at <= until:
+                    heard = self.perceive(post)
+                    if heard.call is Call.READ:  # whether a stop came after it cannot be told any more
+                        heard = replace(heard, call=Call.STALE)
+                    await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
+        self._spawn(close_unknown(self.forum, self.journal, statuses, self.course.moves))
+
+    async def _wind_down(self) -> None:
+        """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""
+        self._ending = True
+        self.line.close()
+        if (job := self.line.moving) is not None:
+            job.end(SHUTDOWN)
+            if job.task is not None:
+                await asyncio.wait({job.task}, timeout=LAST_WORDS_S)
+        for task in tuple(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    @property
+    def me(self) -> Account | None:
+        """Our own account; None before the forum was first reached."""
+        return self._me
+
+    @property
+    def journal(self) -> Journal:
+        if self._journal is None:
+            raise JournalError("the agent has not been started")
+        return self._journal
+
+    @property
+    def course(self) -> Course:
+        if self._course is None:
+            raise JournalError("the agent has not been started")
+        return self._course
+
+    def _make_course(self) -> Course:
+        names = self._ears().names
+        approvals = Approvals(
+            self.name,
+            self._ears().me.name,
+            self.settings,
+            self.forum,
+            self.journal,
+            self.line,
+            self.channel.now,
+            self._spawn,
+        )
+        pace, most = Pace(self.settings.rates), self.settings.rates.waiting
+
+        def over_limit(command: Command) -> bool:
+            account = command.author.id
+            return pace.exceeded(account) or bool(most and self.line.number_of(account) > most)
+
+        thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
+        return Course(
+            self.name, self.settings, self.forum, self.driver, thinking, self.journal,
+            self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
+            pace, Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
+            self._on_end, owner=self.owner, clock_set=self._clock_set,
+        )  # fmt: skip
+
+    def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
+        return [self._restarted(part.run) for part in (self.presence, self.camera) if part is not None]
+
+    async def _restarted(self, run: Callable[[], Awaitable[None]]) -> None:
+        """Run what only shows things, for ever: its failures are logged, and never end the agent that hears stops."""
+        while True:
+            try:
+                await run()
+            except Exception:
+                _log.error("task failed, restarting it", robot=self.name, trace=traceback.format_exc())
+            await asyncio.sleep(RESTART_S)
+
+    def _spawn(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._done)
+        return task
+
+    def _done(self, task: asyncio.Task[Any]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            _log.error("task failed", robot=self.name, trace="".join(traceback.format_exception(error)))
+
+    # ------------------------------------------------------------------ hear
+    async def _listen(self) -> None:
+        while True:
+            try:
+                async for event in self.channel.events():
+                    self._hear_safely(event)
+            except ForumNotFound:
+                with contextlib.suppress(ForumError):
+                    if await self._begin_anew():
+                        continue
+                await asyncio.sleep(1.0)
+
+    async def _begin_anew(self) -> bool:
+        """The forum does not know our last event: go on after it (True) where it merely keeps that no more; or it was
+        replaced by another: end all, let nothing older move."""
+        newest = await insist(self.channel.set_clock)
+        with contextlib.suppress(ForumNotFound):
+            await insist(partial(self.forum.changes, self.channel.cursor))
+            return True
+        if (gap := await gap_after(self.forum, self.journal)) is not None:
+            since, until = gap
+            _log.warning("events of while I was away are not kept any more", robot=self.name, since=since, until=until)
+            self.channel.cursor = BEFORE_ALL
+            await self._look_back(since, until)
+            return True
+        _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
+        self._begun = self.channel.compared_at, elapsed_s()
+        self.inbox.clear()
+        for job in self.line:
+            job.end("replaced")
+        if tasks := {job.task for job in self.line if job.task}:
+            _, late = await asyncio.wait(tasks, timeout=DRIVER_WAIT_S)
+            for task in late:
+                task.cancel()
+        await self.journal.set_aside()
+        begun = self.channel.compared_at.isoformat()
+        await self.journal.put_all(watermark=begun, cursor=newest, cursor_at=begun)
+        self.channel.cursor = newest
+        await self._look_back(self.channel.now() - LOOK_BACK, self._watermark_at)
+        return False
+
+    def _hear_safely(self, event: Event) -> None:
+        """Whatever one event does to us, the next ones are heard."""
+        try:
+            self._hear(event)
+        except Exception:
+            _log.error("event not heard", robot=self.name, event_id=event.id, trace=traceback.format_exc())
+
+    def _hear(self, event: Event) -> None:
+        """Never waits: a stop is on its way to the driver before anything else is done with any event."""
+        self._notice(event.at)
+        heard = Heard(Call.NOTHING)
+        if event.post is not None and event.kind is not EventKind.POST_REMOVED:
+            self.known_robots.meet(event.post.author)
+            heard = self.perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
+            if heard.call in (Call.STOP, Call.HALT):
+                self._stop(event, event.post.author, heard)
+            self.known_robots.look_up([name for name in heard.others if name in event.post.mentions])
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
+            self._stop(event, event.account, heard)
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_ESTOP:
+            self._stop(event, event.account, Heard(Call.HALT))
+        elif event.robot == self.name and event.kind in (EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME):
+            assert self._me is not None
+            self._spawn(self._pressed(event, self._me))
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_WATCH and self.camera:
+            self.camera.wake()
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
+            self._spawn(self._reset(event.account, event.at))
+        if self._accepting:
+            self.inbox.put(event, heard)
+
+    # ------------------------------------------------------------------ the forum's clock
+    @property
+    def _watermark_at(self) -> datetime:
+        """Nothing that was posted before then is a command. Not later than when we began, by the forum's clock as it
+        goes now: it may have been set back since."""
+        begun_at, begun_s = self._begun
+        return min(begun_at, self.channel.at(begun_s))
+
+    def _notice(self, at: datetime) -> None:
+        """The forum said that it is this time: when that is not so, what it said comes late, or its clock was set."""
+        idle = self._comparing is None or self._comparing.done()
+        if idle and self.channel.differs(at) and elapsed_s() - self._compared_s >= COMPARE_S:
+            self._comparing = self._spawn(self._compare_clocks())
+
+    async def _compare_clocks(self) -> None:
+        step = self.channel.step
+        with contextlib.suppress(ForumError, TimeoutError):
+            async with asyncio.timeout(COMPARING_S):
+                await self.channel.set_clock()
+        if self.channel.step is step:  # what came is merely late, and so may more be
+            self._compared_s = elapsed_s()
+
+    async def _compared(self) -> None:
+        """Wait until the clocks are compared, where they are at it."""
+        if self._comparing is not None and not self._comparing.done():
+            await asyncio.wait({self._comparing}, timeout=COMPARING_S)
+
+    def _clock_set(self) -> timedelta | None:
+        """By how much the forum's clock was set, if that was just noticed."""
+        step = self.channel.step
+        return step.by if step is not None and elapsed_s() - step.noticed_s < SAID_S else None
+
+    async def _settle(self, post: Post, heard: Heard) -> Heard:
+        """What a post is, once the clocks are compared: only then it is known whether it is fresh."""
+        await self._compared()
+        if self._clock_set() is None:
+            return heard
+        again = self.perceive(post)
+        return again if again.call in (Call.READ, Call.STALE, Call.APPROVE, Call.DENY) else heard
+
+    def perceive(self, post: Post, edited: bool = False) -> Heard:
+        """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
+        try:
+            return perceive(post, self._ears(), edited)
+        except Exception:
+            _log.error("post not understood", robot=self.name, post=post.id, trace=traceback.format_exc())
+            return Heard(Call.NOTHING)
+
+    def _ears(self) -> Ears:
+        assert self._me is not None
+        names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
+        topics = self.line.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
+        return Ears(
+            self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
+            self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self.inbox.left_open},
+            self.known_robots.names,
+        )  # fmt: skip
+
+    def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:
+        assert self._me is not None
+        if author is not None and obeyed(author, self._me) and may(author, "stop").decision is Decision.ALLOW:
+            self.brake.heard(event, author, heard.language, halt=heard.call is Call.HALT, taken=heard.taken_as_stop)
+
+    def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
+        """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
+        return self.brake.pulled(by, posted_at)
+
+    def _stop_reply(self, told: StopReply) -> str:
+        how = self.owner.how_to_release(told.language)
+        said = words.stop_reply(told.result, told.language, told.ended, told.halted, told.folded, how, told.taken)
+        by = self._clock_set()
+        return said if by is None else f"{said} {words.clock_set(by, told.language)}"
+
+    async def _pressed(self, event: Event, me: Account) -> None:
+        await self._compared()
+        await self.owner.pressed(event, me)
+
+    async def _reset(self, account: Account, at: datetime) -> None:
+        assert self._me is not None
+        await self._compared()
+        allowed = obeyed(account, self._me) and may(account, "command").decision is Decision.ALLOW
+        fresh = (self.channel.now() - at).total_seconds() <= self.settings.max_post_age_s
+        if not self.settings.room_reset or not allowed or not fresh:
+            return
+        if len(self.line):
+            ended = self.line.end_all(STOP)
+            for job in ended:
+                job.stopped_by = account.name
+            await self.stops.stop(account.name, at)
+            await self.journal.end([job.command.post_id for job in ended], STOP)
+            if (moving := self.line.moving) is not None and moving.task is not None:
+                await asyncio.wait({moving.task}, timeout=DRIVER_WAIT_S)
+        try:
+            await reset_room(self.driver, self.settings, account.name)
+        except RobotError as e:
+            _log.warning("room not reset", robot=self.name, error=str(e))
+
+    def _decline(self, command: Command) -> None:
+        self._spawn(self.course.decline(command))
+
+    async def _approve(self, post: Post, heard: Heard) -> None:
+        await self.course.approvals.hear(post, heard)
+
+    def _take_up(self, job: Job) -> None:
+        self.stops.new_command()
+        self.line.enter(job)
+        job.task = self._spawn(self.course.run(job))
+
+    def _line_changed(self) -> None:
+        if self.presence:
+            self.presence.changed()
+        if self.camera and self.line.moving:
+            self.camera.wake()
+        for job in self.line:
+            self.course.show_place(job)

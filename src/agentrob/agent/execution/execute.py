@@ -1,0 +1,291 @@
+"""A screened plan, step by step under its mandate, through the robot's driver: the only deed that moves anything.
+
+What was measured is kept on the `Run` as it is measured, before anything else is done with it, so that no fault of ours
+can lose it (law 18).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import time
+import traceback
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+
+import structlog
+
+from agentrob.errors import LeaseLost, RobotBusy, RobotError
+from agentrob.minds.visual_loop.loop import Looked
+from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, Verdict
+from agentrob.robots.driver.client import DriverClient
+from agentrob.screening.mandate import mandate_of, within
+
+LOOK_S = 0.05
+#: How long a busy robot is asked again: the lease of one who died lapses within a second.
+BUSY_S = 1.5
+#: Why a step ended that we ended ourselves; each is a status, or makes one.
+STOP, SHUTDOWN, SILENT = "stop", "shutdown", "stop_channel"
+#: Why a step's end is not known: the driver did not answer any more.
+UNREACHABLE = "unreachable"
+#: Why a step or a command ended whose own agent failed while it ran.
+INTERNAL = "internal"
+#: A verdict by this rule says that the forum could not be asked, not that the command changed.
+UNVERIFIED = "command.unverified"
+#: How long the driver may take to say how far a step went that we ended because of a fault of our own.
+TELL_S = 5.0
+_BY_PEOPLE = frozenset({"stop", "halt"})
+LAPSED = "lease_lapsed"
+_BY_US = frozenset({SHUTDOWN, SILENT, LAPSED})
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True, slots=True)
+class Reins:
+    """How the agent holds a running command.
+
+    `since` tells since when (monotonic seconds) no stop may have come. `permit` judges a plan of the command anew on
+    today's state. `ended` gives a stable word as soon as the command must end
+    (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent` tells
+    that it no longer is. `stop` stops the robot at our own wish, `on_step` hears which step begins and its number
+    from 0, and no step takes longer than `step_s`. `on_run` is given the run before its first step, and can read from
+    it at any time what was measured so far.
+    """
+
+    since: Callable[[], Awaitable[float]]
+    permit: Callable[[Plan], Awaitable[tuple[Verdict, Capabilities | None]]]
+    ended: Callable[[], str | None]
+    alive: Callable[[], Awaitable[bool]]
+    silent: Callable[[], bool]
+    stop: Callable[[str], Awaitable[object]]
+    on_step: Callable[[Primitive, int], None]
+    step_s: float = math.inf
+    on_run: Callable[[Run], None] = lambda _: None
+
+
+@dataclass(frozen=True, slots=True)
+class Execution:
+    """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence of the
+    driver's, `fault` the stable word of a fault of our own that ended it.
+
+    `stopped_by` is who stopped the robot past us, as they called themselves. `pictures` are the files of the steps'
+    pictures ("" for none), once they are on disk; `looked` is the loop of a model that steered.
+    """
+
+    status: str
+    results: tuple[ActionResult, ...] = ()
+    verdict: Verdict | None = None
+    message: str = ""
+    first_motion_s: float | None = None
+    pictures: tuple[str, ...] = ()
+    stopped_by: str = ""
+    looked: Looked | None = None
+    fault: str = ""
+
+
+class Run:
+    """One execution under way, of a plan or (`agentrob.agent.execution.visual`) of a goal."""
+
+    def __init__(self, driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> None:
+        self.driver = driver
+        self.command = command
+        self.plan = plan
+        self.reins = reins
+        self.results: list[ActionResult] = []
+        self.verdict: Verdict | None = None
+        self.first_motion_s: float | None = None
+        self.mandate: Mandate | None = None
+        self.lease = ""
+        self.stopped_by = ""
+        self.status, self.message, self.fault = "failed", "", ""
+        self.started_s = time.monotonic()
+
+    async def steps(self) -> str:
+        """Do the steps; returns the command's status."""
+        for number, step in enumerate(self.plan.steps):
+            if (status := await self._may(step)) is not None:
+                return status
+            self.reins.on_step(step, number)
+            result = await self._step(step)
+            if not result.ok:
+                if result.reason in _BY_PEOPLE:
+                    await self._ask_who()
+                return self._status_of(result)
+        return "done"
+
+    async def _may(self, step: Primitive) -> str | None:
+        """None when the step may begin now, else the status that the command ends with."""
+        if step.moves or not self.results:
+            self.verdict, capabilities = await self.reins.permit(self.plan)
+            if self.verdict.decision is not Decision.ALLOW or capabilities is None:
+                return self._status_of_verdict(self.verdict)
+            self.mandate = self.mandate or mandate_of(self.plan, capabilities)
+        assert self.mandate is not None
+        if (beyond := within(self.mandate, self.results, step)) is not None:
+            self._refused(step, "mandate", beyond)
+            return "refused"
+        if step.moves and not await self.reins.alive():
+            self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
+            return "interrupted"
+        # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
+        return self._status_of_end(why) if (why := self.reins.ended()) else None
+
+    def _refused(self, step: Primitive, reason: str, message: str) -> None:
+        now_s = time.monotonic()
+        self.results.append(
+            ActionResult(step, Outcome.REFUSED, reason=reason, message=message, started_s=now_s, ended_s=now_s)
+        )
+
+    async def _step(self, step: Primitive) -> ActionResult:
+        """Do a step; its result is kept before anything else is done with it."""
+        sent_s = time.monotonic()
+        deadline_s = min(self.reins.step_s, max(0.1, self.left_s()))
+        stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
+        ended_by = ""
+        try:
+            while not stepping.done():
+                await asyncio.wait({stepping}, timeout=LOOK_S)
+                if not ended_by and not stepping.done() and (ended_by := self._must_end(step)) and ended_by != STOP:
+                    await self._stop(ended_by)
+        except Exception:  # nobody watches the step any more, so it ends now, and the driver says how far it went
+            _log.error("step ended by a fault of the agent", trace=traceback.format_exc())
+            ended_by = self.fault = INTERNAL
+            await self._stop(INTERNAL)
+            await asyncio.wait({stepping}, timeout=TELL_S)
+        finally:
+            if not stepping.done():
+                stepping.cancel()
+                await asyncio.shield(self._stop(SHUTDOWN))
+                await asyncio.wait({stepping})
+        result = _outcome(stepping, step, sent_s)
+        stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
+        if stopped_by_us and (result.reason in _BY_PEOPLE or result.reason == LAPSED):  # a stop lets the lease lapse
+            result = replace(result, reason=ended_by)
+        self.results.append(result)
+        if step.moves and self.first_motion_s is None and result.outcome is not Outcome.REFUSED:
+            self.first_motion_s = result.started_s if sent_s <= result.started_s <= time.monotonic() else sent_s
+        return result
+
+    def left_s(self) -> float:
+        """Seconds that the next step may take."""
+        assert self.mandate is not None
+        return self.mandate.seconds - (time.monotonic() - self.started_s)
+
+    async def _ask_who(self) -> None:
+        """Whose stop it was: the driver knows, also when the forum does not."""
+        with contextlib.suppress(RobotError):
+            if (lost := await self.driver.lost(self.lease)) is not None:
+                self.stopped_by = lost.by
+
+    def _must_end(self, step: Primitive) -> str:
+        if why := self.reins.ended():
+            return why
+        return SILENT if step.moves and self.reins.silent() else ""
+
+    async def _stop(self, why: str) -> None:
+        try:
+            await self.reins.stop(why)
+        except RobotError:
+            pass  # then the lease lapses, and the driver stops the robot by itself
+        except Exception:
+            _log.error("stop failed", trace=traceback.format_exc())
+
+    def _status_of_verdict(self, verdict: Verdict) -> str:
+        """Of a command that may not begin its next step. What a forum that was away cut off was not cancelled."""
+        if verdict.rule == UNVERIFIED and any(result.moved for result in self.results):
+            return "interrupted"
+        return "cancelled" if verdict.rule.startswith("command.") else "refused"
+
+    def _status_of(self, result: ActionResult) -> str:
+        if result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED):
+            if result.reason in _BY_PEOPLE:
+                return "stopped"
+            return "interrupted" if result.reason in _BY_US else "failed"
+        if result.reason == UNREACHABLE:
+            return "interrupted"  # begun, and nobody can tell how far it went
+        if result.outcome is Outcome.REFUSED and len(self.results) == 1:
+            return "refused"
+        return "failed"
+
+    def _status_of_end(self, why: str) -> str:
+        return {STOP: "stopped", SHUTDOWN: "interrupted"}.get(why, "cancelled")
+
+    async def carried_out(self, work: Callable[[], Awaitable[str]]) -> Execution:
+        """Do `work`, which gives the command's status, while holding the robot's lease. Raises nothing but a
+        cancellation: a robot that cannot be used is a result, and so is a fault of our own."""
+        self.reins.on_run(self)
+        try:
+            async with contextlib.AsyncExitStack() as stack:
+                await take_lease(stack, self)
+                self.status = await work()
+        except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum does not know
+            self.stopped_by = e.by
+            self.status, self.message = ("stopped", "") if e.why in _BY_PEOPLE else ("failed", str(e))
+            if e.why == "release" and not self.results:  # accepted before the robot was released at its machine
+                self.status = "cancelled"
+        except RobotError as e:
+            self.message = str(e)
+        except Exception:
+            _log.error("command failed", trace=traceback.format_exc())
+            self.fault = INTERNAL
+        return self.execution()
+
+    def execution(self) -> Execution:
+        """What came of it so far; what has no result yet has not begun."""
+        rest = self.plan.steps[len(self.results) :]
+        skipped = (ActionResult(step, Outcome.SKIPPED) for step in rest)
+        return Execution(
+            self.status, (*self.results, *skipped), self.verdict, self.message, self.first_motion_s,
+            stopped_by=self.stopped_by, fault=self.fault,
+        )  # fmt: skip
+
+
+async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> Execution:
+    """Hold the robot's lease for the whole command and do its steps until one does not succeed. Raises nothing but a
+    cancellation (see `Run.carried_out`)."""
+    run = Run(driver, command, plan, reins)
+    return await run.carried_out(run.steps)
+
+
+def holder_of(trace_id: str) -> str:
+    """What an agent calls itself to the driver while it moves the robot for a command."""
+    return f"agent {trace_id}"
+
+
+async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
+    """Take the robot's lease. An agent that was killed keeps it for a moment longer, so a busy robot is asked again."""
+    until_s = time.monotonic() + BUSY_S
+    while run.reins.ended() is None:
+        try:
+            lease = run.driver.lease(holder_of(run.command.trace_id), await run.reins.since())
+            run.lease = await stack.enter_async_context(lease)
+            return
+        except RobotBusy:
+            if time.monotonic() >= until_s:
+                raise
+            await asyncio.sleep(LOOK_S)
+
+
+def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: float) -> ActionResult:
+    """A step's result, also when the driver gave none."""
+    try:
+        return stepping.result()
+    except LeaseLost as e:
+        reason, outcome, said = e.why, Outcome.STOPPED, str(e)
+    except RobotError as e:
+        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, str(e)
+    except asyncio.CancelledError:  # we gave it up: see `TELL_S`
+        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, "The driver did not say how far the step went."
+    except Exception as e:  # it was sent, whatever the answer was
+        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, f"The driver's answer cannot be read ({e!r})."
+    return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
+
+
+def decisive(execution: Execution, verdict: Verdict) -> Verdict:
+    """The verdict that the report names: the guard's, where it refused what the screen had let pass."""
+    last = execution.verdict or verdict
+    refused = next((r for r in execution.results if r.outcome is Outcome.REFUSED), None)
+    if execution.status == "refused" and last.decision is Decision.ALLOW and refused is not None:
+        return Verdict(Decision.REFUSE, f"guard.{refused.reason}")
+    return last

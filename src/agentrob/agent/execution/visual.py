@@ -1,0 +1,198 @@
+"""A screened goal through the robot's driver: a model calls the steps, and each goes the way of a plan's step.
+
+What the model calls is judged anew before it moves anything: the mandate, the post, its author's rights, the limits,
+the stop channel, the lease and, in the driver's process, the guard. A stop cuts the model off in mid-thought.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import structlog
+
+from agentrob.agent.execution.execute import LOOK_S, SILENT, Execution, Reins, Run
+from agentrob.errors import RobotError, RobotUnreachable
+from agentrob.language.goal import Goal
+from agentrob.minds.llm.chat import ChatModel
+from agentrob.minds.usage import Usage
+from agentrob.minds.visual_loop.claims import contradiction
+from agentrob.minds.visual_loop.loop import Looked, Loop, LoopBudget, LoopEnd, Observed
+from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, RobotState
+from agentrob.robots.driver.client import DriverClient
+from agentrob.screening.mandate import within
+
+#: While a model thinks, the driver is asked so often whether the lease is still good: a stop at the machine ends it.
+ASK_LEASE_S = 0.5
+#: After these a model may try another way; whatever else ends a step ends the command.
+_GOES_ON = frozenset({"", "obstacle", "fence", "deadline", "stalled", "invalid", "unsupported", "ranges_unknown"})
+#: A verdict by these rules is about the step and not about the command: the model is told.
+_OF_A_STEP = ("limit.", "plan.", "ops.", "consent.", "scene.")
+
+
+_log = structlog.get_logger()
+OnResult = Callable[[ActionResult], None]
+
+
+class Cut(Exception):
+    """The loop must end now with this status."""
+
+    def __init__(self, status: str) -> None:
+        super().__init__(status)
+        self.status = status
+
+
+@dataclass(frozen=True, slots=True)
+class Errand:
+    """What is to be reached, by whose eyes, and for how much at most. `told` is the goal in our words."""
+
+    goal: Goal
+    told: str
+    prompt: str
+    eyes: ChatModel
+    mandate: Mandate
+    capabilities: Capabilities
+    budget: LoopBudget
+    spent: Sequence[Usage] = ()
+
+
+class Looking(Run):
+    """One loop under way; the hands of `agentrob.minds.visual_loop.loop`."""
+
+    def __init__(
+        self, driver: DriverClient, command: Command, errand: Errand, reins: Reins, on_result: OnResult
+    ) -> None:
+        super().__init__(driver, command, Plan(), reins)
+        self.mandate = errand.mandate
+        self.errand = errand
+        self.on_result = on_result
+        self.stepping = False
+        self.end = LoopEnd("cut")
+        self.loop = Loop(
+            errand.eyes, errand.prompt, errand.told, errand.mandate, errand.capabilities, self, errand.budget,
+            errand.spent,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------ the hands
+    @property
+    def used(self) -> Sequence[ActionResult]:
+        return self.results
+
+    async def state(self) -> RobotState | None:
+        try:
+            return await self.driver.state()
+        except RobotError:
+            return None
+
+    async def act(self, step: Primitive) -> Observed:
+        """Do a step if it may be done; raises `Cut` when the whole command must end."""
+        self.stepping = True
+        try:
+            if (problem := await self._problem(step)) is not None:
+                return Observed(None, problem)
+            self.reins.on_step(step, len(self.results))
+            result = await self._step(step)
+        finally:
+            self.stepping = False
+        self.on_result(result)
+        if result.reason in ("stop", "halt"):
+            await self._ask_who()
+        goes_on = result.reason in _GOES_ON or result.reason.startswith("limit_")
+        if result.outcome is Outcome.UNKNOWN or not (result.ok or goes_on):
+            raise Cut(self._status_of(result))
+        return Observed(result)
+
+    async def _problem(self, step: Primitive) -> str | None:
+        """None when the step may begin now, else why not; `Cut` when nothing more may."""
+        assert self.mandate is not None
+        if (beyond := within(self.mandate, self.results, step)) is not None:
+            return beyond
+        if (step.moves or not self.results) and (reason := await self._denied(step)) is not None:
+            return reason
+        if step.moves and not await self.reins.alive():
+            self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
+            raise Cut("interrupted")
+        # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
+        if why := self.reins.ended():
+            raise Cut(self._status_of_end(why))
+        return None
+
+    async def _denied(self, step: Primitive) -> str | None:
+        """Why this step may not be done, judged on today's state; `Cut` when that ends the command."""
+        verdict, capabilities = await self.reins.permit(Plan((step,)))
+        if verdict.decision is Decision.ALLOW and capabilities is not None:
+            return None
+        if verdict.rule.startswith(_OF_A_STEP):
+            return verdict.reason
+        self.verdict = verdict
+        raise Cut(self._status_of_verdict(verdict))
+
+    def left_s(self) -> float:
+        moved_s = sum(r.duration_s for r in self.results)
+        return min(self.errand.mandate.seconds - moved_s, self.errand.budget.seconds - self.since_s())
+
+    def since_s(self) -> float:
+        return time.monotonic() - self.started_s
+
+    # ------------------------------------------------------------ the loop, and what cuts it off
+    async def reached(self) -> str:
+        """Follow the loop to its end; the command's status."""
+        try:
+            self.end = await self.follow()
+        except Cut as e:
+            return e.status
+        return "done" if self.end.claim == "done" else "failed"
+
+    async def follow(self) -> LoopEnd:
+        """The loop to its end; raises `Cut` or `LeaseLost` as soon as something outside ends it."""
+        looping = asyncio.create_task(self.loop.run())
+        asked_s = time.monotonic()
+        try:
+            while not looping.done():
+                await asyncio.wait({looping}, timeout=LOOK_S)
+                if looping.done() or self.stepping:
+                    continue  # a step ends by itself for the same reasons
+                if why := self.reins.ended():
+                    raise Cut(self._status_of_end(why))
+                if time.monotonic() - asked_s > ASK_LEASE_S:
+                    await self._keeps_lease()
+                    asked_s = time.monotonic()
+            return looping.result()
+        finally:
+            if not looping.done():
+                looping.cancel()
+                await asyncio.wait({looping})
+
+    async def _keeps_lease(self) -> None:
+        with contextlib.suppress(RobotUnreachable):  # the next step says so, if there is one
+            if (lost := await self.driver.lost(self.lease)) is not None and not self.stepping:
+                raise lost
+
+    def looked(self, end: LoopEnd) -> Looked:
+        results = self.results
+        denied = contradiction(self.errand.goal, end.claim, end.did, results, self.command.language)
+        loop = self.loop
+        return Looked(self.errand.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
+
+    def execution(self) -> Execution:
+        execution = super().execution()
+        try:
+            looked = self.looked(self.end)
+        except Exception:  # what was measured is told all the same; a claim that nobody could check is none
+            _log.error("loop not described", trace=traceback.format_exc())
+            return replace(execution, status="failed" if execution.status == "done" else execution.status)
+        if looked.contradicted and execution.status == "done":
+            execution = replace(execution, status="failed")
+        return replace(execution, looked=looked)
+
+
+async def look(
+    driver: DriverClient, command: Command, errand: Errand, reins: Reins, on_result: OnResult = lambda _: None
+) -> Execution:
+    """Hold the robot's lease while a model works towards the goal. Raises nothing but a cancellation."""
+    run = Looking(driver, command, errand, reins, on_result)
+    return await run.carried_out(run.reached)

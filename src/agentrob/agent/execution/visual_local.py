@@ -1,0 +1,68 @@
+"""A goal without a forum: whoever sits at the robot's machine lets a model look and steer, for `agentrob drive`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+from agentrob.agent.execution.execute import Execution, Reins
+from agentrob.agent.execution.visual import look
+from agentrob.agent.understanding.visual_goal import errand_of
+from agentrob.config.load import RobotConfig
+from agentrob.language.goal import Goal
+from agentrob.minds.llm.chat import ChatModel
+from agentrob.model import Account, ActionResult, Capabilities, Command, Language, Plan, Verdict
+from agentrob.robots.driver.client import DriverClient
+from agentrob.screening.screen import screen
+
+
+async def look_locally(
+    robot: str,
+    socket: Path | None,
+    goal: Goal,
+    eyes: ChatModel,
+    settings: RobotConfig,
+    text: str,
+    author: Account,
+    language: Language,
+    on_result: Callable[[ActionResult], None],
+) -> Execution:
+    """Let a model reach a goal through the driver at `socket`. The same budgets, mandate and screen as on a forum hold;
+    what stops it is the driver: `agentrob stop`, the hardware, the end of this process."""
+    async with DriverClient(robot, socket) as driver:
+        capabilities = await driver.capabilities()
+        now = datetime.now(UTC)
+        command = Command("drive", "drive", "", author, robot, text, language, now, f"drive-{now:%H%M%S}")
+        reins = _reins(driver, lambda plan: judge(plan, text, author, capabilities, language, settings))
+        errand = errand_of(goal, eyes, capabilities, settings.look, language)
+        return await look(driver, command, errand, reins, on_result)
+
+
+def judge(
+    plan: Plan, text: str, author: Account, capabilities: Capabilities, language: Language, settings: RobotConfig
+) -> Verdict:
+    """The screen, for a step or for what can be judged of a goal, whose text says nothing besides."""
+    return screen(
+        plan, text=text, author=author, capabilities=capabilities, language=language, allow_flip=settings.allow_flip,
+        scene=settings.scene, part="",
+    )  # fmt: skip
+
+
+def _reins(driver: DriverClient, judged: Callable[[Plan], Verdict]) -> Reins:
+    began_s = time.monotonic()
+
+    async def since() -> float:
+        return began_s
+
+    async def permit(plan: Plan) -> tuple[Verdict, Capabilities | None]:
+        return judged(plan), await driver.capabilities()
+
+    async def alive() -> bool:
+        return True
+
+    return Reins(
+        since=since, permit=permit, ended=lambda: None, alive=alive, silent=lambda: False, stop=driver.stop,
+        on_step=lambda *_: None,
+    )  # fmt: skip

@@ -1,0 +1,183 @@
+"""What was heard and waits to be taken: claimed in the journal, put into the line, or ended because it changed."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+import traceback
+from collections.abc import Awaitable, Callable
+from datetime import datetime
+from uuid import uuid4
+
+import structlog
+
+from agentrob.agent.execution.execute import STOP
+from agentrob.agent.intake.triage import Call, Heard
+from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.store.journal import Journal
+from agentrob.errors import JournalError
+from agentrob.forums.protocol import Event, EventKind
+from agentrob.mcp.metadata import untagged
+from agentrob.model import Command, Post
+
+_TO_TAKE = frozenset({Call.READ, Call.STALE})
+_log = structlog.get_logger()
+
+
+class Inbox:
+    """Events of one robot in their order. `stopped` tells why a post of some time may not move, as its time is of
+    before the newest stop; `settled` gives what was heard, once it is known what time it is; `take_up` begins a job,
+    `decline` tells a command that it could not be written down, `approve` takes what approves or denies one."""
+
+    def __init__(
+        self,
+        robot: str,
+        journal: Callable[[], Journal],
+        line: Line,
+        stopped: Callable[[datetime], str | None],
+        settled: Callable[[Post, Heard], Awaitable[Heard]],
+        take_up: Callable[[Job], None],
+        decline: Callable[[Command], None],
+        approve: Callable[[Post, Heard], Awaitable[None]],
+    ) -> None:
+        #: Commands that were heard and are not in line yet.
+        self.coming: dict[str, Post] = {}
+        #: Commands that an earlier process took and that are not in line yet.
+        self.left_open: frozenset[str] = frozenset()
+        self._ended: dict[str, str] = {}
+        self._robot = robot
+        self._journal = journal
+        self._line = line
+        self._stopped = stopped
+        self._settled = settled
+        self._take_up = take_up
+        self._decline = decline
+        self._approve = approve
+        self._waiting: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
+
+    @property
+    def empty(self) -> bool:
+        return self._waiting.empty() and not self.coming
+
+    def put(self, event: Event, heard: Heard) -> None:
+        """Never waits."""
+        post = event.post
+        if post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
+            if post.id in self.left_open and post.id not in self.coming:  # heard anew, and so after those stops
+                self._ended.pop(post.id, None)
+            self.coming[post.id] = post
+        self._waiting.put_nowait((event, heard))
+
+    def end_coming(self, why: str = STOP, until: datetime | None = None) -> None:
+        """What was heard, and is not in line yet, does not move: all of it, or what was posted `until` then."""
+        ended = [post.id for post in self.coming.values() if until is None or post.created_at <= until]
+        ended += self.left_open if until is None else ()
+        for post_id in ended:
+            self._ended.setdefault(post_id, why)
+
+    def none_left_open(self) -> None:
+        """All that an earlier process took is in line now."""
+        self.left_open = frozenset()
+        self._ended = {post_id: why for post_id, why in self._ended.items() if post_id in self.coming}
+
+    def ended(self, post_id: str) -> str | None:
+        """Why a post that is not in line yet may not move, whatever its time; None when it may."""
+        return self._ended.get(post_id)
+
+    def clear(self) -> None:
+        while not self._waiting.empty():
+            self._waiting.get_nowait()
+        self.coming.clear()
+        self._ended.clear()
+
+    async def take_all(self) -> None:
+        """Take what is there and what comes, for ever."""
+        saved_s = 0.0
+        while True:
+            event, heard = await self._waiting.get()
+            save = heard.call is not Call.NOTHING or time.monotonic() - saved_s > 1.0
+            await self._take(event, heard, save)
+            saved_s = time.monotonic() if save else saved_s
+
+    async def take_waiting(self) -> None:
+        """Take what is there now."""
+        while not self._waiting.empty():
+            await self._take(*self._waiting.get_nowait(), save=True)
+
+    async def _take(self, event: Event, heard: Heard, save: bool) -> None:
+        """Accept what was heard; `save`: after a restart go on after it."""
+        try:
+            await self.accept(event, heard)
+            if save and event.id:
+                await self._journal().put_all(cursor=event.id, cursor_at=event.at.isoformat())
+        except JournalError as e:
+            _log.error("post not taken: nothing moves without the journal", robot=self._robot, error=str(e))
+            self._not_taken(event, heard)
+        except Exception:  # no post ends the agent, which must hear the next stop
+            _log.error("post not taken", robot=self._robot, trace=traceback.format_exc())
+            self._not_taken(event, heard)
+        finally:
+            if event.post is not None:
+                self.coming.pop(event.post.id, None)
+                self._ended.pop(event.post.id, None)
+
+    def _not_taken(self, event: Event, heard: Heard) -> None:
+        """Tell a command that it could not be taken, unless it is under way."""
+        post = event.post
+        if post is None or event.kind is not EventKind.POST_CREATED or heard.call not in _TO_TAKE:
+            return
+        if self._line.find(post.id) is None:
+            self._decline(self._command(post, heard))
+
+    async def accept(self, event: Event, heard: Heard) -> None:
+        """Claim a post in the journal and begin its turn; end what was edited or removed."""
+        post = event.post
+        if post is None:
+            return
+        if event.kind is not EventKind.POST_CREATED:
+            await self._amend(post)
+            return
+        if heard.call in (Call.APPROVE, Call.DENY, *_TO_TAKE):
+            heard = await self._settled(post, heard)
+        if heard.call in (Call.APPROVE, Call.DENY):
+            await self._approve(post, heard)
+        if heard.call not in _TO_TAKE:
+            return
+        if heard.call is Call.STALE or post.version > 1:
+            ended: str | None = "stale" if heard.call is Call.STALE else "edited"
+        else:
+            ended = self._why_stopped(post)
+        claim = await self._journal().claim(self._command(post, heard), ended)
+        if not claim.new:
+            return
+        if (tag := untagged(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
+            _log.info("asked by an agent", post=post.id, trace_id=claim.command.trace_id, asked_in=tag.trace_id)
+        job = Job(claim.command, ended=ended)
+        came = self._why_stopped(post) if ended is None else None  # while the claim was written
+        if came is not None:
+            job.end(came)
+        self._take_up(job)
+        if came is not None:
+            await self._journal().end([post.id], came)
+
+    def _why_stopped(self, post: Post) -> str | None:
+        return self.ended(post.id) or self._stopped(post.created_at)
+
+    async def _amend(self, post: Post) -> None:
+        """A post was edited or removed: what it had asked for is ended."""
+        if (job := self._line.find(post.id)) is None:
+            return
+        if post.removed:
+            why = "removed"
+        elif not job.moving and post.content_hash != job.command.content_hash:
+            why = "edited"
+        else:
+            return
+        job.end(why)
+        await self._journal().end([post.id], why)
+
+    def _command(self, post: Post, heard: Heard) -> Command:
+        return Command(
+            post.id, post.topic_id, post.content_hash, post.author, self._robot, heard.text, heard.language,
+            post.created_at, uuid4().hex[:12],
+        )  # fmt: skip

@@ -1,0 +1,70 @@
+"""What an agent finds on the forum when its journal is new: posts that came before it, claims that nobody remembers."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from dataclasses import replace
+from datetime import datetime
+from functools import partial
+
+from agentrob.agent.reporting.messages import say
+from agentrob.agent.reporting.status_post import insist, is_final, left_open
+from agentrob.agent.store.journal import Journal
+from agentrob.errors import ForumError, ForumNotFound
+from agentrob.forums.protocol import BEFORE_ALL, Forum
+from agentrob.model import Account, Post
+
+
+async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> AsyncIterator[Post]:
+    """Posts written after `since` in the threads that were active last, oldest first in each."""
+    for board in boards:
+        for topic in (await insist(partial(forum.topics, board))).items:
+            cursor: str | None = None
+            while True:
+                page = await insist(partial(forum.posts, topic.id, cursor))
+                for post in page.items:
+                    if post.created_at > since:
+                        yield post
+                if (cursor := page.next) is None:
+                    break
+
+
+def is_open(post: Post, me: Account) -> bool:
+    """Whether this is a status post of ours that promises more to come."""
+    return post.author.id == me.id and post.card is not None and not is_final(post.card) and not post.removed
+
+
+async def gap_after(forum: Forum, journal: Journal) -> tuple[datetime, datetime] | None:
+    """Where a forum does not know the event that was heard last: since when and until when its events are lost to us,
+    for it does not keep them any more. None when it is another forum, or one put back from a backup: it does not know
+    our newest claim, or it keeps events that are older than the one that we heard last."""
+    heard_at, newest = await journal.get_time("cursor_at"), await journal.newest_claim()
+    if heard_at is None or newest is None:
+        return None
+    claimed = await insist(partial(forum.find, f"claim:{newest.command.post_id}"))
+    trace_id = newest.command.trace_id
+    if claimed is None or trace_id not in (claimed.raw, claimed.card.trace_id if claimed.card else ""):
+        return None
+    try:
+        oldest = await insist(partial(forum.changes, BEFORE_ALL, 1))
+    except ForumNotFound:
+        return None
+    return (heard_at, oldest[0].at) if oldest and oldest[0].at > heard_at else None
+
+
+async def close_unknown(
+    forum: Forum, journal: Journal, statuses: Iterable[Post], moves: Callable[[str], Awaitable[bool]]
+) -> None:
+    """End open status posts whose command this journal does not know: what they promised does not come any more. Not
+    those that another agent of this account still brings to their end. Never raises a `ForumError`."""
+
+    async def close(post: Post) -> None:
+        with contextlib.suppress(ForumError):
+            if post.card is not None and await left_open(forum, post, moves):
+                card = replace(post.card, state="interrupted", place=None, doing="", step=0, steps=0)
+                await forum.edit(post.id, say("interrupted.claim", "en"), card=card)
+
+    unknown = [post for post in statuses if not (post.reply_to and await journal.knows(post.reply_to))]
+    await asyncio.gather(*map(close, unknown))

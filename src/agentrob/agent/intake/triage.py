@@ -1,0 +1,114 @@
+"""Is this post for me, and what is it: a stop, an approval, something to read, or too old (pure; laws 1, 3, 5, 13)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from agentrob.language import registry
+from agentrob.language.approval import Said, approval_in
+from agentrob.language.rendered_text import text_in
+from agentrob.language.stop.at_rest import stop_intent
+from agentrob.language.stop.while_moving import stop_while_moving
+from agentrob.language.visible_text import mentions
+from agentrob.model import Account, AccountKind, Intent, Language, Post
+
+#: Never obeyed, whatever they write.
+_NOT_OBEYED = frozenset({AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT})
+
+
+class Call(StrEnum):
+    """What a post is for one robot."""
+
+    NOTHING = "nothing"
+    STOP = "stop"
+    HALT = "halt"
+    STALE = "stale"
+    READ = "read"
+    APPROVE = "approve"
+    DENY = "deny"
+
+
+@dataclass(frozen=True, slots=True)
+class Ears:
+    """Who listens, and what it knows of the world when a post arrives.
+
+    `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
+    `running_topics` are threads in which a command of this robot runs or waits, `commands` the posts of these commands,
+    and `robots` the accounts that are known to be robots. `watermark_at` is when its agent first started, `now_at` the
+    forum's clock.
+    """
+
+    me: Account
+    names: Collection[str]
+    boards: Collection[str]
+    watermark_at: datetime
+    now_at: datetime
+    max_age_s: float
+    running_topics: Collection[str] = ()
+    commands: Collection[str] = ()
+    robots: Collection[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What was made of a post. `text` is its visible text, `others` are those it mentions besides. An approval that is
+    not `fresh` is too old to count. `taken_as_stop`: it stops since something moves or waits, and else would not."""
+
+    call: Call
+    text: str = ""
+    others: tuple[str, ...] = ()
+    fresh: bool = True
+    taken_as_stop: bool = False
+
+    @property
+    def language(self) -> Language:
+        return language_of(self.text)
+
+
+def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
+    """`edited`: the post was seen before and has changed; then only a stop counts (law 4)."""
+    if post.removed or not obeyed(post.author, ears.me):
+        return Heard(Call.NOTHING)
+    text = text_in(post)
+    named = mentions(text)
+    # In doubt it stops: by a name that another forum does not link, links where it is not read, or that ends in a slip.
+    mine = ears.me.name in post.mentions or any({name, name.rstrip("-_")} & set(ears.names) for name in named)
+    # Only a name that is read and that the page links commands; further names of `mentions` need be no accounts.
+    called = any(name in ears.names and (name in post.mentions or name != ears.me.name) for name in named)
+    others = tuple(name for name in named if name not in ears.names)
+    # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot, but only
+    # where it is known to be one: "@alice stop it!" may be a warning to a person who never wrote here.
+    robots = tuple(name for name in others if name in ears.robots)
+    here = mine or (not robots and post.topic_id in ears.running_topics)
+    if here and (stop := stop_intent(text)):
+        return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others)
+    # While anything moves or waits, in doubt it stops; a command under way does not stop itself.
+    doubted = here and ears.running_topics and (edited or post.id not in ears.commands) and approval_in(text) is None
+    if doubted and (stop := stop_while_moving(text, tuple(ears.names), robots)):
+        return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others, taken_as_stop=True)
+    if edited or not called or post.board_id not in ears.boards:
+        return Heard(Call.NOTHING, text, others)
+    fresh = _fresh(post, ears)
+    if (said := approval_in(text)) is not None:
+        return Heard(Call.APPROVE if said is Said.APPROVE else Call.DENY, text, others, fresh)
+    return Heard(Call.READ if fresh else Call.STALE, text, others)
+
+
+def obeyed(author: Account, me: Account) -> bool:
+    """Whether what this account writes or presses can count at all; what it may do is asked elsewhere."""
+    return author.name != me.name and author.kind not in _NOT_OBEYED and not author.suspended
+
+
+def language_of(text: str) -> Language:
+    """What it is written in; mentions count for nothing."""
+    for name in mentions(text):
+        text = text.replace("@" + name, " ")
+    return registry.language_of(text)
+
+
+def _fresh(post: Post, ears: Ears) -> bool:
+    age_s = (ears.now_at - post.created_at).total_seconds()
+    return post.created_at > ears.watermark_at and age_s <= ears.max_age_s

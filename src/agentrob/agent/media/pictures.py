@@ -1,0 +1,85 @@
+"""The pictures of a reply: photos, the path, the recording; in the post, or kept elsewhere and linked."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import structlog
+
+from agentrob.agent.media.image_store import ImageStore, Link
+from agentrob.agent.media.plot import path_plot
+from agentrob.agent.media.recorder import Recorder, safe_name
+from agentrob.errors import ImageStoreError
+from agentrob.model import ActionResult, Report
+
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One of them: the photo of a step (from 1), the path as PNG, the recording as WebP; its data, or the calls of a
+    model, as JSON lines."""
+
+    kind: Literal["step", "path", "recording", "data", "calls"]
+    data: bytes
+    step: int = 0
+    link: Link | None = None
+
+    @property
+    def attached(self) -> bool:
+        """Whether the post itself shows it."""
+        return self.link is None
+
+
+async def illustrate(
+    report: Report, recorder: Recorder, store: ImageStore | None, *, hurry: bool = False, calls: bytes = b""
+) -> tuple[Picture, ...]:
+    """All pictures of a report, stills first. Never raises: what cannot be made or kept is left out or attached.
+
+    `hurry`: the agent is being ended, so nothing is drawn and nothing sent elsewhere. `calls` are those of a model, as
+    JSON lines.
+    """
+    drawn = () if hurry else report.results
+    path, recording = await asyncio.gather(_path(drawn), recorder.animation(report, hurry=hurry))
+    pictures = [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
+    pictures += [Picture("path", path)] if path else []
+    pictures += [Picture("recording", recording)] if recording else []
+    if store is None or hurry or not pictures:
+        return tuple(pictures)
+    if data := await asyncio.to_thread(recorder.data, report.command.post_id):
+        pictures.append(Picture("data", data))
+    if calls:
+        pictures.append(Picture("calls", calls))
+    name = safe_name(report.command.post_id)
+    kept = await asyncio.gather(*(_kept(store, f"{name}-{p.kind}{p.step or ''}", p) for p in pictures))
+    return tuple(p for p in kept if not (p.kind in ("data", "calls") and p.attached))
+
+
+async def late_recording(post_id: str, recorder: Recorder, store: ImageStore | None) -> Picture | None:
+    """The recording that was not ready for the reply; None when there is none."""
+    if (webp := await recorder.late(post_id)) is None:
+        return None
+    recording = Picture("recording", webp)
+    return await _kept(store, f"{safe_name(post_id)}-recording", recording) if store else recording
+
+
+async def _path(results: Sequence[ActionResult]) -> bytes | None:
+    if not any(len(r.path) > 1 for r in results):
+        return None
+    try:
+        return await asyncio.to_thread(path_plot, results)
+    except Exception as e:  # whatever it is, the reply matters more
+        _log.warning("path not drawn", error=str(e) or type(e).__name__)
+        return None
+
+
+async def _kept(store: ImageStore, name: str, picture: Picture) -> Picture:
+    """The picture with its link; as it was when the store does not take it."""
+    try:
+        return replace(picture, link=await store.keep(name, picture.data))
+    except ImageStoreError as e:
+        _log.warning("picture attached instead", error=str(e))
+        return picture

@@ -1,0 +1,290 @@
+"""Records each command: what a camera sees while it runs, then its data on disk and a short animation for the reply.
+
+Nothing here can hold up or lose a motion, a stop or a reply: pictures are taken beside them, the animation is drawn in
+a process of its own within a limit, and whatever goes wrong costs only the recording.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import httpx2
+import structlog
+
+from agentrob.agent.media import animation
+from agentrob.agent.media.camera import snapshot
+from agentrob.agent.media.plot import asked_path, seen_from
+from agentrob.agent.media.track import begins_s, lines, samples, seconds
+from agentrob.config.load import RecordingConfig, RobotConfig
+from agentrob.model import ActionResult, Op, Outcome, Report
+from agentrob.robots.driver.client import DriverClient
+
+#: A reply waits at most so long for its animation; one that takes longer follows, but not later than that.
+DRAW_S, LATE_S = 1.5, 30.0
+#: Shorter commands have nothing that is worth an animation.
+SHORTEST_S = 1.0
+#: Pictures come at first so often; when there are many, every second one goes and they come half as often.
+FIRST_EVERY_S, MANY = 0.25, 48
+#: Films kept for reports that are still to be made: a model may take its time over one while the next command moves.
+FILMS = 4
+#: A robot's own camera is looked through no more often than this.
+LOOK_EVERY_S = 0.5
+#: A camera that fails so often in a row is left alone until the next command.
+TRIES = 4
+_MAX_FRAME, _MAX_MOMENTS = 2**20, 600
+#: Bytes that file systems hand out at a time (ext4, XFS and Btrfs by default).
+BLOCK = 4096
+_log = structlog.get_logger()
+
+Look = Callable[[], Awaitable[bytes]]
+
+
+def look_of(settings: RobotConfig, driver: DriverClient) -> Look | None:
+    """How this robot's recorder takes pictures by itself; None when it takes none, or `Camera` tells it of them."""
+    if settings.recording.view == "robot":
+        return driver.look
+    if settings.recording.view != "room" or not settings.room_camera:
+        return None
+
+    async def look() -> bytes:
+        async with httpx2.AsyncClient(timeout=3.0, trust_env=False) as http:
+            return await snapshot(http, settings.room_camera)
+
+    return look
+
+
+@dataclass
+class Film:
+    """The pictures of one command, evenly spread however long it takes: (monotonic seconds, JPEG)."""
+
+    frames: list[tuple[float, bytes]] = field(default_factory=list)
+    every_s: float = FIRST_EVERY_S
+
+    def add(self, jpeg: bytes) -> None:
+        now_s = time.monotonic()
+        if len(jpeg) > _MAX_FRAME or (self.frames and now_s - self.frames[-1][0] < self.every_s):
+            return
+        self.frames.append((now_s, jpeg))
+        if len(self.frames) > MANY:
+            self.frames, self.every_s = self.frames[::2], self.every_s * 2
+
+
+class Recorder:
+    """One robot's recorder; keeps its files in `folder`.
+
+    `look` takes a picture now, for as long as something moves; without it, `see` is told of pictures that others take.
+    """
+
+    def __init__(self, folder: Path, settings: RecordingConfig, look: Look | None = None) -> None:
+        self._folder = folder
+        self._settings = settings
+        self._look = look
+        self._films: dict[str, Film] = {}
+        self._running: Film | None = None
+        self._drawing: dict[str, asyncio.Task[bytes | None]] = {}
+
+    # ------------------------------------------------------------------ while it moves
+    def see(self, jpeg: bytes) -> None:
+        """A picture of a camera that somebody else looks through anyway."""
+        if self._running is not None:
+            self._running.add(jpeg)
+
+    @contextlib.contextmanager
+    def filming(self, post_id: str) -> Iterator[None]:
+        """Take pictures until the context ends. Awaits nothing, and raises nothing of its own."""
+        self._running = self._films[post_id] = Film()
+        while len(self._films) > FILMS:  # those of commands whose reports were never made
+            del self._films[next(iter(self._films))]
+        filming = asyncio.create_task(self._film(self._running, self._look)) if self._look else None
+        try:
+            yield
+        finally:
+            self._running = None
+            if filming is not None:
+                filming.cancel()
+
+    async def _film(self, film: Film, look: Look) -> None:
+        left = TRIES
+        while left:
+            begun_s = time.monotonic()
+            try:
+                film.add(await look())
+                left = TRIES
+            except Exception as e:  # a camera may fail in any way: that is no reason for anything but no pictures
+                left -= 1
+                _log.info("no picture for the recording", error=str(e) or type(e).__name__)
+            await asyncio.sleep(max(0.05, LOOK_EVERY_S - (time.monotonic() - begun_s)))
+
+    # ------------------------------------------------------------------ afterwards
+    async def animation(self, report: Report, *, hurry: bool = False) -> bytes | None:
+        """The recording goes to disk, and the animation comes back as WebP; None when it is not ready in `DRAW_S`.
+
+        Then `late` may have it. In a hurry there is none; after a restart the pictures are lost, and it shows the way.
+        """
+        post_id = report.command.post_id
+        film = self._films.pop(post_id, Film())
+        if not any(r.primitive.moves and r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED) for r in report.results):
+            return None
+        try:
+            await asyncio.to_thread(self._keep, report)
+            if seconds(report.results) < SHORTEST_S or hurry or self._settings.view == "none":
+                return None
+            if scene := await asyncio.to_thread(_written, report.results, film):
+                self._drawing[post_id] = asyncio.create_task(self._draw(post_id, scene))
+        except Exception as e:
+            _log.warning("recording lost", post=post_id, error=str(e) or type(e).__name__)
+        return await self._ready(post_id, DRAW_S)
+
+    async def late(self, post_id: str) -> bytes | None:
+        """The animation that was not ready for the reply, when it is; None when there is none."""
+        return await self._ready(post_id, LATE_S, last=True)
+
+    def forget(self, post_id: str) -> None:
+        """The command's report is told, or cannot be: nobody asks for its pictures or its animation any more."""
+        self._films.pop(post_id, None)
+        if (drawing := self._drawing.pop(post_id, None)) is not None:
+            drawing.cancel()
+
+    async def _ready(self, post_id: str, limit_s: float, *, last: bool = False) -> bytes | None:
+        if (drawing := self._drawing.get(post_id)) is None:
+            return None
+        try:
+            await asyncio.wait({drawing}, timeout=limit_s)
+        except asyncio.CancelledError:
+            last = True
+            raise
+        finally:
+            if last or drawing.done():
+                drawing.cancel()
+                self._drawing.pop(post_id, None)
+        return drawing.result() if drawing.done() and not drawing.cancelled() else None
+
+    async def _draw(self, post_id: str, scene: bytes) -> bytes | None:
+        try:
+            if webp := await _drawn(scene):
+                await asyncio.to_thread(_write, self.file(post_id, "webp"), webp)
+            return webp
+        except (OSError, ValueError) as e:
+            _log.warning("animation lost", post=post_id, error=str(e) or type(e).__name__)
+            return None
+
+    def _keep(self, report: Report) -> None:
+        """Write the data, then let go of what is too old or too much."""
+        command, started = report.command, begins_s(report.results)
+        ago_s = time.monotonic() - started
+        head = {
+            "post": command.post_id,
+            "robot": command.robot,
+            "trace_id": command.trace_id,
+            "status": report.status,
+            # A report that is told after the machine was started anew does not know any more.
+            "began_unix_s": round(time.time() - ago_s, 3) if started and ago_s >= 0 else None,
+        }
+        self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        text = "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in lines(report.results, **head))
+        _write(self.file(command.post_id), text.encode())
+        prune(self._folder, self._settings.keep_days, self._settings.keep_mb)
+
+    def kept(self, post_id: str) -> str:
+        """The path of a command's data as it is kept; empty when there is none."""
+        path = self.file(post_id)
+        return str(path) if path.exists() else ""
+
+    def data(self, post_id: str) -> bytes:
+        """A command's data as JSON lines; empty when it is not kept."""
+        with contextlib.suppress(OSError):
+            return self.file(post_id).read_bytes()
+        return b""
+
+    def file(self, post_id: str, kind: str = "jsonl") -> Path:
+        """Where the recording of a command is kept."""
+        return self._folder / f"{safe_name(post_id)}.{kind}"
+
+
+def safe_name(post_id: str) -> str:
+    """Ids are the forum's; they must not name another file."""
+    return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in post_id)[:80]
+
+
+def prune(folder: Path, keep_days: float, keep_mb: float, most: int | None = None) -> None:
+    """Delete what is older than `keep_days`, and the oldest until the rest fits into `keep_mb` and is `most` files.
+
+    A file counts as the whole blocks that it takes on the disk: most recordings are far smaller than one.
+    """
+    files = []
+    for path in folder.iterdir():
+        with contextlib.suppress(OSError):
+            files.append((path.stat().st_mtime, path.stat().st_size, path))
+    left, oldest_s = keep_mb * 2**20, time.time() - keep_days * 86400
+    for number, (at_s, size, path) in enumerate(sorted(files, reverse=True)):
+        left -= math.ceil(size / BLOCK) * BLOCK
+        if left < 0 or at_s < oldest_s or (most is not None and number >= most):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def _write(path: Path, data: bytes) -> None:
+    part = path.with_suffix(path.suffix + ".part")
+    part.write_bytes(data)
+    part.replace(path)
+
+
+def _scene(results: Sequence[ActionResult], film: Film) -> tuple[animation.Scene, list[bytes]]:
+    """What the drawing process needs to know."""
+    zero_s, moments = begins_s(results), list(samples(results))
+    thin = moments[:: 1 + len(moments) // _MAX_MOMENTS]
+    seen = [(m, seen_from(moments[0].pose, m.pose)) for m in thin]
+    frames = [(t_s - zero_s, jpeg) for t_s, jpeg in film.frames]
+    scene = animation.Scene(
+        seconds=seconds(results),
+        moments=[
+            (
+                m.t_s, m.step, -p.y_m, p.x_m, p.yaw_rad,
+                m.measured.speed_mps, m.measured.turn_rps, m.commanded.speed_mps, m.commanded.turn_rps,
+            )
+            for m, p in seen
+        ],
+        asked=[(-p.y_m, p.x_m) for p in asked_path(results)] if moments else [],
+        steps=[_asked_of(r) for r in results],
+        frames=[(t_s, len(jpeg)) for t_s, jpeg in frames],
+    )  # fmt: skip
+    return scene, [jpeg for _, jpeg in frames]
+
+
+def _written(results: Sequence[ActionResult], film: Film) -> bytes:
+    """The scene for the drawing process; empty when there is nothing to show."""
+    scene, pictures = _scene(results, film)
+    return animation.write_scene(scene, pictures) if pictures or len(scene.moments) > 1 else b""
+
+
+def _asked_of(result: ActionResult) -> tuple[float, str]:
+    step = result.primitive
+    if step.op is Op.TURN:
+        return step.degrees or 0.0, "°"
+    return (step.distance_m or 0.0, "m") if step.op is Op.MOVE else (0.0, "")
+
+
+async def _drawn(scene: bytes) -> bytes | None:
+    """The answer of the drawing process; None when it fails. It never outlives this call."""
+    environment = {k: v for k, v in os.environ.items() if k in ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")}
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "agentrob.agent.media.animation", stdin=-1, stdout=-1, stderr=-3, env=environment
+    )
+    try:
+        webp, _ = await process.communicate(scene)
+    finally:
+        if process.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                process.kill()
+            await asyncio.shield(process.wait())
+    whole = process.returncode == 0 and webp[:4] == b"RIFF" and len(webp) <= animation.MAX_BYTES
+    return webp if whole else None

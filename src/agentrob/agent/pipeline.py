@@ -1,0 +1,575 @@
+"""The course of one command through the deeds, from its claim on the forum to its final reply."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+import traceback
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from datetime import timedelta
+from functools import partial
+from typing import Any, TypeVar
+
+import structlog
+from pydantic import TypeAdapter
+
+from agentrob.agent.execution.execute import SHUTDOWN, STOP, Execution, Reins, decisive, execute, holder_of
+from agentrob.agent.execution.visual import look
+from agentrob.agent.intake.authorization import Terms, own_rights, permission
+from agentrob.agent.intake.event_stream import Channel
+from agentrob.agent.intake.rate_limit import Pace
+from agentrob.agent.media.image_store import ImageStore
+from agentrob.agent.media.pictures import Picture, illustrate, late_recording
+from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.queue.approvals import LAPSED, Approvals
+from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.reporting import report as words
+from agentrob.agent.reporting import visual_calls, visual_text
+from agentrob.agent.reporting.command_page import page_of, publish
+from agentrob.agent.reporting.messages import say
+from agentrob.agent.reporting.mind_notes import notes, worded
+from agentrob.agent.reporting.status_post import (
+    TOLD_WITHIN_S,
+    Shown,
+    StatusLine,
+    insist,
+    is_final,
+    left_open,
+    until_allowed,
+)
+from agentrob.agent.stop.owner import Owner
+from agentrob.agent.stop.replies import Stops
+from agentrob.agent.store.journal import CANCELLED, DENIED, INTERRUPTED, Journal, NotBegun
+from agentrob.agent.store.records import Records, approval
+from agentrob.agent.understanding.extract import Thought
+from agentrob.agent.understanding.surroundings import Surroundings
+from agentrob.agent.understanding.understand import Thinking
+from agentrob.agent.understanding.visual_goal import errand_of, in_words
+from agentrob.config.load import RobotConfig
+from agentrob.errors import ForumError, JournalError, RobotError
+from agentrob.forums.protocol import Forum
+from agentrob.language.addressing import addresses
+from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import say as phrase
+from agentrob.language.messages.durations import duration
+from agentrob.language.messages.help import help_text
+from agentrob.model import (
+    AccountKind,
+    Capabilities,
+    Command,
+    Decision,
+    Intent,
+    Language,
+    Plan,
+    Primitive,
+    Report,
+    StatusCard,
+    Verdict,
+)
+from agentrob.robots.driver.client import DriverClient
+
+#: So many commands wait at most until our account may write again; what is more is left to the next start.
+MOST_DENIED = 1000
+#: A mind that answers within this time is waited for before the status is posted: a program's post that wants nothing
+#: gets none.
+GLANCE_S = 1.0
+T = TypeVar("T")
+_EXECUTION = TypeAdapter(Execution)
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True)
+class Course:
+    """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins;
+    when `ending` says that the agent is being ended, no step begins. `on_end` hears each final report that was told."""
+
+    name: str
+    settings: RobotConfig
+    forum: Forum
+    driver: DriverClient
+    thinking: Thinking
+    journal: Journal
+    channel: Channel
+    line: Line
+    stops: Stops
+    approvals: Approvals
+    records: Records
+    recorder: Recorder
+    store: ImageStore | None
+    pace: Pace
+    surroundings: Surroundings
+    on_motion: Callable[[], None]
+    ending: Callable[[], bool]
+    on_end: Callable[[Report], None] = lambda _: None
+    #: What carries the commands that wait until the forum lets our account write again.
+    denied: set[asyncio.Task[Any]] = field(default_factory=set)
+    owner: Owner | None = None
+    #: By how much the forum's clock was set, if that was just noticed.
+    clock_set: Callable[[], timedelta | None] = lambda: None
+
+    @property
+    def terms(self) -> Terms:
+        names = tuple(self.thinking.names)
+        return Terms(
+            self.settings.allow_flip, self.channel.step_s, robot=self.name, scene=self.surroundings.scene, names=names,
+            boards=tuple(self.settings.boards), rights=own_rights(self.settings),
+        )  # fmt: skip
+
+    async def run(self, job: Job) -> None:
+        """From the claim to the final reply; whatever goes wrong in between is told too."""
+        job.status = StatusLine(self.forum, job.command)
+        try:
+            report = await self._decide(job)
+        except Exception as e:
+            report = await self._faulted(job, e)
+        finally:
+            self.line.leave(job)
+        if report is not None:
+            try:
+                await self._tell(job, report)
+            finally:
+                self.recorder.forget(job.command.post_id)
+
+    async def _faulted(self, job: Job, error: Exception) -> Report:
+        """The report of a command that a fault ended: with all that was measured until then (law 18)."""
+        if isinstance(error, RobotError):
+            message = say("because.driver", job.command.language, message=error)
+        elif isinstance(error, JournalError):
+            _log.error("journal failed", post=job.command.post_id, error=str(error))
+            message = self._because(job, "journal" if job.run is None else "not_kept")
+        else:
+            # As text: pretty tracebacks with locals take minutes and put people's words and tokens into the log.
+            trace = "".join(traceback.format_exception(error))
+            _log.error("command failed", post=job.command.post_id, trace=trace)
+            message = self._because(job, "internal")
+        plan = job.thought.understanding.plan if job.thought is not None else Plan()
+        execution = job.run.execution() if job.run is not None else None
+        if execution is None and job.begun:  # before this process, which knows of it only what the journal kept
+            with self._beside(job, "what was measured is not read"):
+                text = await self.journal.kept(job.command.post_id)
+                execution = _EXECUTION.validate_json(text) if text is not None else None
+        if execution is None:
+            return self._report(job, "interrupted" if job.begun else "failed", plan, message=message)
+        return self._report(job, execution.status, plan, execution, message=message)
+
+    @contextlib.contextmanager
+    def _beside(self, job: Job, problem: str) -> Iterator[None]:
+        """For what stands beside a motion and its report: whatever goes wrong there costs only itself."""
+        try:
+            yield
+        except Exception:
+            _log.error(problem, post=job.command.post_id, trace=traceback.format_exc())
+
+    async def decline(self, command: Command) -> None:
+        """Tell a command that the journal could not take: its status is its end."""
+        job = Job(command)
+        report = self._report(job, "failed", message=self._because(job, "journal"))
+        card = StatusCard(self.name, "failed", trace_id=command.trace_id)
+        shown = Shown(words.final(report), card)
+        await self._allowed(partial(StatusLine(self.forum, command).claim, shown))
+        self.on_end(report)
+
+    async def _decide(self, job: Job) -> Report | None:
+        """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
+        thinking = asyncio.ensure_future(self.thinking.think(job, self.terms))
+        try:
+            return await self._claimed(job, thinking)
+        finally:
+            thinking.cancel()  # where the claim failed or is not ours, nobody pays for a thought that nobody reads
+
+    async def _claimed(self, job: Job, thinking: asyncio.Future[Thought]) -> Report | None:
+        """What the final reply says of a post that is thought about while it is claimed."""
+        post_id = job.command.post_id
+        await asyncio.wait({thinking}, timeout=GLANCE_S)
+        # A person who speaks to a robot always gets an answer; programs would answer each other without end.
+        person = job.command.author.kind is AccountKind.HUMAN
+        silent = not job.known and not (person and addresses(job.command.text, self.thinking.names))
+        if thinking.done() and silent and thinking.result().understanding.intent is Intent.NOTHING:
+            await self.journal.finish(post_id, "nothing")
+            return None
+        ours, told = await self._claim(job)
+        if told:
+            await self.journal.finish(post_id, "answered before")
+            return None
+        if not ours:  # another agent's, or of a journal that is lost: whoever holds it tells the end, if anybody does
+            thinking.cancel()
+            await self.journal.cancel(post_id)
+            self.line.leave(job)
+            claimed = await insist(partial(self.forum.post, job.status.post_id))
+            if not await left_open(self.forum, claimed, self.moves):
+                await self.journal.finish(post_id, "answered before")
+                return None
+            return self._report(job, "interrupted", message=say("interrupted.claim", job.command.language))
+        thought: Thought = await thinking
+        if thought.understanding.cancels:
+            job.took_back = await self._take_back(job)
+        if job.ended is None and thought.understanding.intent is Intent.COMMAND:
+            return await self._obey(job, thought)
+        return await self._answer(job, thought)
+
+    async def _claim(self, job: Job) -> tuple[bool, bool]:
+        """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
+        command = job.command
+        card = StatusCard(self.name, "seen", trace_id=command.trace_id)
+        shown = Shown(words.seen(command.language, command.trace_id), card)
+        written = await self._allowed(partial(job.status.claim, shown), partial(self._denied, job))
+        job.note("seen", self.channel.now())
+        now = written.post
+        if not written.created:
+            state = now.card.state if now.card else ""
+            if is_final(now.card):  # what our journal knows of it may be more than whoever told that knew
+                ended = await self.journal.moved(command.post_id, ended=True)
+                if not ended:
+                    return False, True
+            elif command.trace_id not in (now.raw, now.card.trace_id if now.card else ""):
+                return False, False
+            elif state == "running" and not await self.journal.moved(command.post_id):
+                return False, False  # a journal that knows of no motion may be an old copy: the forum knows more
+            job.status.adopt(now)
+        await self.journal.posted(command.post_id, now.id)
+        return True, False
+
+    async def _allowed(
+        self, write: Callable[[], Awaitable[T]], wait: Callable[[float], Awaitable[object]] = asyncio.sleep
+    ) -> T:
+        """Write what must be told as soon as our account may; a suspension ends. What is too much to wait for here is
+        left to the next start: `ForumDenied`."""
+        task = asyncio.current_task()
+        assert task is not None
+
+        async def waits(seconds: float) -> None:
+            self.denied.add(task)
+            await wait(seconds)
+
+        try:
+            return await until_allowed(write, TOLD_WITHIN_S if len(self.denied) < MOST_DENIED else 0.0, waits)
+        finally:
+            self.denied.discard(task)
+
+    async def _denied(self, job: Job, seconds: float) -> None:
+        """The forum denies us the claim: others go before it meanwhile, and once it is too old it only waits to be
+        told so."""
+        await self.line.aside(job, seconds)
+        if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self.settings.queue_expiry_s:
+            job.end("expired")
+            self.line.leave(job)
+            await self.journal.end([job.command.post_id], "expired")
+
+    async def moves(self, trace_id: str) -> bool:
+        """Whether the driver works for the command of this trace id now, whichever agent gave it."""
+        with contextlib.suppress(RobotError):
+            return await self.driver.holder() == holder_of(trace_id)
+        return False
+
+    async def _answer(self, job: Job, thought: Thought) -> Report:
+        """Everything that moves nothing."""
+        language, understood = job.command.language, thought.understanding
+        if job.ended is not None:
+            await self.journal.cancel(job.command.post_id)
+            return await self._ended(job, understood.plan)
+        match understood.intent:
+            case Intent.HELP:
+                told = help_text(await self.driver.capabilities(), self.name, language)
+                return self._report(job, "answered", message=told)
+            case Intent.STATUS:
+                return self._report(job, "answered", message=await self._state_text(language))
+            case Intent.CANCEL:
+                key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
+                return self._report(job, "answered", message=phrase(key, language, count=job.took_back))
+            case Intent.QUESTION:
+                return self._report(
+                    job, "answered", message=words.disarmed(understood.question) or phrase("talk.question", language)
+                )
+            case Intent.ASK_BACK if thought.verdict is not None:
+                return self._report(job, "refused", verdict=thought.verdict)
+            case Intent.ASK_BACK:
+                return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
+            case Intent.STOP | Intent.HALT:  # in words that only the mind understood
+                ended = self.line.end_before(job, STOP)
+                for other in ended:
+                    other.stopped_by = job.command.author.name
+                stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
+                await self.journal.end([other.command.post_id for other in ended], STOP)
+                return self._report(job, "stopped", stop=stop)
+        return self._report(job, "answered", message=say("nothing", language))
+
+    async def _take_back(self, job: Job) -> int:
+        """End what its author posted before and has not begun to move; how many commands that were."""
+        before = self.line.end_waiting(job, "taken_back")
+        await self.journal.end([other.command.post_id for other in before], "taken_back")
+        return len(before)
+
+    async def _state_text(self, language: Language) -> str:
+        try:
+            state = await self.driver.state()
+            more = self.owner.of_state(state, language) if self.owner else []
+            return "\n\n".join([words.state_text(state, len(self.line) - 1, language), *more])
+        except RobotError as e:
+            return words.state_text(None, len(self.line) - 1, language, str(e))
+
+    async def _ended(self, job: Job, plan: Plan, execution: Execution | None = None) -> Report:
+        """A command that was ended from outside, before it moved or while it did."""
+        why, language = job.ended or "before", job.command.language
+        if why in ("stale", "expired", LAPSED) and execution is None:
+            wait = duration(self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s, language)
+            limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
+            by = self.clock_set()
+            told = [say(why, language, **limits), *([words.clock_set(by, language)] if by is not None else [])]
+            return self._report(job, "expired", plan, message=" ".join(told))
+        if why == DENIED and execution is None and job.decided is not None:
+            said = say("denied.by", language, who=quote(job.decided.by.name))
+            return self._report(job, "refused", plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said))
+        stop = await job.stop if job.stop is not None and execution is not None else None
+        status = execution.status if execution else "cancelled"
+        message = job.stopped_by if status == "stopped" else self._because(job, why)
+        return self._report(job, status, plan, execution, message=message, stop=stop)
+
+    async def _obey(self, job: Job, thought: Thought) -> Report:
+        """A command: judged, then in line, then moved."""
+        plan, verdict, command = thought.understanding.plan, thought.verdict, job.command
+        assert verdict is not None
+        if verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+            status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
+            message = verdict.reason if status == "asks_back" else ""
+            return self._report(job, status, plan, verdict=verdict, message=message)
+        if not job.begun and (waiting := await self._pace(job)) is not None:
+            return self._report(job, "refused", plan, verdict=waiting)
+        if verdict.decision is Decision.NEEDS_APPROVAL:
+            await self.approvals.wait(job, words.planned(plan, command.language, _goal(job)), verdict.reason)
+        self.show_place(job)
+        if not await self.line.turn(job, self.settings.queue_expiry_s):
+            await self.journal.cancel(command.post_id)
+            return await self._ended(job, plan)
+        kept = True
+        try:
+            text = await self.journal.move(command.post_id, partial(self._move, job, plan))
+        except Exception:
+            if job.run is None:
+                raise
+            kept = False  # the robot was given steps: what came of them is told, whatever failed since
+            _log.error("motion not kept", post=command.post_id, trace=traceback.format_exc())
+            text = ""
+        if text == CANCELLED:
+            return await self._ended(job, plan)
+        if text == INTERRUPTED:
+            await self.stops.stop("interrupted command", self.channel.now())
+            return self._report(job, "interrupted", plan, verdict=verdict)
+        execution = job.run.execution() if job.run is not None else self._read(text)
+        return await self._carried(job, plan, replace(execution, verdict=decisive(execution, verdict)), kept)
+
+    def _read(self, text: str) -> Execution:
+        """What the journal kept of a motion, and its pictures as far as they are there."""
+        execution = _EXECUTION.validate_json(text)
+        results = self.records.with_pictures(execution.results, execution.pictures)
+        return replace(execution, results=results)
+
+    async def _carried(self, job: Job, plan: Plan, execution: Execution, kept: bool) -> Report:
+        """A command that was begun. `kept`: the journal knows what came of it."""
+        language = job.command.language
+        job.stopped_by = job.stopped_by or execution.stopped_by
+        job.looked = execution.looked
+        if job.ended is not None and execution.status != "done":
+            return await self._ended(job, plan, execution)
+        if execution.status == "stopped":  # past us: at the robot's machine, or by another of its clients
+            return self._report(job, "stopped", plan, execution, message=job.stopped_by)
+        said = [say("because.driver", language, message=execution.message)] if execution.message else []
+        said = said or [self._because(job, execution.fault)] if execution.fault else said
+        said = said or [why] if (why := visual_text.why(execution.looked, language)) else said
+        said += [] if kept else [self._because(job, "not_kept")]
+        message = ("" if language == "zh" else " ").join(said)
+        return self._report(job, execution.status, plan, execution, message=message)
+
+    async def _pace(self, job: Job) -> Verdict | None:
+        """Wait while this account may not command again; a refusal when that is long."""
+        author, language = job.command.author, job.command.language
+        most = self.settings.rates.waiting
+        if most and len(self.line.of_same_author(job)) >= most:
+            return Verdict(Decision.REFUSE, "rate.waiting", say("rate.waiting", language, count=most))
+        await self.line.in_order(job)
+        while job.ended is None and (wait := self.pace.take(author.id)) is not None:
+            if not wait.short:
+                count = self.settings.rates.commands_per_hour
+                return Verdict(Decision.REFUSE, wait.rule, say(wait.rule, language, minutes=wait.minutes, count=count))
+            self._show(job, say("held", language, seconds=wait.seconds), "queued")
+            await self.line.hold(job, wait.seconds)
+        self.line.pace(job)
+        return None
+
+    async def _move(self, job: Job, plan: Plan) -> str:
+        """The motion itself; called at most once ever for a post. One that the agent's end overtook does not begin."""
+        if self.ending():
+            raise NotBegun
+        job.moving = True
+        self.on_motion()
+        known = job.thought is not None and job.thought.goal is not None
+        terms = replace(self.terms, known=known, approval=job.decided)
+        allowed = partial(self._permitted, job, terms)
+        reins = Reins(
+            since=lambda: self.stops.since(job.accepted_s - job.waited_s),
+            permit=allowed,
+            ended=lambda: job.ended or (SHUTDOWN if self.ending() else None),
+            alive=self.channel.prove,
+            silent=lambda: self.channel.silent,
+            stop=self.stops.quietly,
+            on_step=partial(self._show_step, job, plan),
+            step_s=self.channel.step_s,
+            on_run=partial(setattr, job, "run"),
+        )
+        try:
+            with self.channel, self.recorder.filming(job.command.post_id):
+                execution = await self._carried_out(job, plan, reins)
+        finally:
+            job.moving = False
+        return self._kept(job, execution)
+
+    async def _permitted(self, job: Job, terms: Terms, plan: Plan) -> tuple[Verdict, Capabilities | None]:
+        """May it move now: not either when another agent of this account told its end meanwhile."""
+        asked = permission(self.forum, self.driver, job.command, terms, plan)
+        (verdict, capabilities), told = await asyncio.gather(asked, job.status.told())
+        if told:
+            return Verdict(Decision.REFUSE, "command.told", self._because(job, "told")), None
+        return verdict, capabilities
+
+    def _kept(self, job: Job, execution: Execution) -> str:
+        """A motion as the journal keeps it. Whatever fails here, what was measured is on the job (`Job.run`)."""
+        with self._beside(job, "surroundings not brought up to date"):
+            self.surroundings.after(execution.results, execution.looked)
+        with self._beside(job, "times not noted"):
+            now, now_s = self.channel.now(), time.monotonic()
+            if execution.first_motion_s is not None:
+                job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
+            ended_s = max((r.ended_s for r in execution.results if r.ended_s <= now_s), default=now_s)
+            job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
+        results = tuple(replace(r, image=None) for r in execution.results)
+        pictures = ("",) * len(results)
+        with self._beside(job, "pictures not kept"):
+            results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
+        return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
+
+    async def _carried_out(self, job: Job, plan: Plan, reins: Reins) -> Execution:
+        """The plan's steps, or those that a model finds on the way to the goal."""
+        thought, seeing = job.thought, self.thinking.eyes
+        if thought is None or thought.goal is None:
+            return await execute(self.driver, job.command, plan, reins)
+        if seeing is None:
+            return Execution("failed", message="no model with eyes is configured any more")
+        capabilities = await self.driver.capabilities()
+        language = job.command.language
+        errand = errand_of(thought.goal, seeing, capabilities, self.settings.look, language, thought.usage)
+        return await look(self.driver, job.command, errand, reins)
+
+    # ------------------------------------------------------------------ tell
+    def show_place(self, job: Job) -> None:
+        """Tell a command that waits how many are before it."""
+        if (
+            job.ended is None
+            and not job.held
+            and not job.begun
+            and "seen" in job.timings_ms
+            and (place := self.line.place(job))
+        ):
+            self._show(job, words.queued(job.command.language, place), "queued", place=place)
+
+    def _show(self, job: Job, text: str, state: str, **more: Any) -> None:
+        card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)
+        job.status.show(Shown(text, card))
+
+    def _show_step(self, job: Job, plan: Plan, step: Primitive, number: int) -> None:
+        language = job.command.language
+        doing = words.doing(step, language)
+        if goal := _goal(job):
+            text = visual_text.say("running", language, step=number + 1, doing=doing, goal=goal)
+            return self._show(job, text, "running", step=number + 1, doing=doing)
+        text = words.running(language, number, plan.steps)
+        self._show(job, text, "running", step=number + 1, steps=len(plan.steps), doing=doing)
+
+    def _because(self, job: Job, why: str) -> str:
+        return say(f"because.{why}", job.command.language)
+
+    def _report(
+        self, job: Job, status: str, plan: Plan = Plan(), execution: Execution | None = None, **more: Any
+    ) -> Report:
+        if execution is not None:
+            more = {"results": execution.results, "verdict": execution.verdict, **more}
+        by = job.decided.by.name if job.decided is not None and job.decided.approved else ""
+        timings = dict(job.timings_ms)
+        return Report(job.command, status, plan=plan, timings_ms=timings, goal=_goal(job), approved_by=by, **more)
+
+    async def _tell(self, job: Job, report: Report) -> None:
+        """Put the report into the thread, exactly once, and close the claim."""
+        command, text, pictures, facts = job.command, *await self._composed(job, report)
+        short = ""
+        with self._beside(job, "end not shortened"):
+            short = words.short(report)
+        at = len(report.plan.steps)
+        card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
+        images = [picture.data for picture in pictures if picture.attached]
+        measured = any(result.moved for result in report.results)
+        # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
+        with self._beside(job, "plan not kept"):
+            if report.status == "done" and not report.goal:
+                await self.journal.did(command.post_id, report.plan)
+        close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
+        try:
+            ours = await self._allowed(close)
+        except ForumError as e:  # the claim stays open, so the next start tells it
+            _log.error("final reply not told", post=command.post_id, error=str(e))
+            return
+        with self._beside(job, "claim not closed in the journal"):
+            await self.journal.finish(command.post_id, report.status)
+        if not ours:
+            return  # another agent of this account told the end, and keeps its record and pictures
+        with self._beside(job, "record not published"):
+            await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+        with self._beside(job, "end not passed on"):
+            self.on_end(report)
+        with self._beside(job, "recording not added"):
+            if recording := await late_recording(command.post_id, self.recorder, self.store):
+                late = Shown(text((*pictures, recording)), card)
+                await job.status.add(late, [recording.data] if recording.attached else [])
+                await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+
+    async def _composed(
+        self, job: Job, report: Report
+    ) -> tuple[Callable[[Sequence[Picture]], str], tuple[Picture, ...], dict[str, Any] | None]:
+        """The report's text with some pictures, its pictures, and its record, which is kept."""
+        command, looked, language = job.command, job.looked, job.command.language
+        summary, by_model, calls, page = None, "", b"", ""
+        pictures: tuple[Picture, ...] = ()
+        with self._beside(job, "no summary"):
+            summary = await self.thinking.summary(job, report)
+            by_model = worded(summary, language)
+        with self._beside(job, "calls of the model not listed"):
+            calls = visual_calls.lines(looked) if looked else b""
+        with self._beside(job, "no pictures"):
+            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
+        with self._beside(job, "page of the command not known"):
+            page = await page_of(self.forum, command.post_id, hurry=self.ending())
+        facts: dict[str, Any] | None = None
+        with self._beside(job, "record not written"):
+            kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
+            more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
+            more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
+            facts = self.records.write(report, job.thought, **more)
+        told: list[str] = []
+        with self._beside(job, "notes left out"):
+            used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
+            told += visual_text.paragraphs(looked, report.results, language, refused=False)
+            told += notes(job.thought, self.thinking.mind.name, language, used)
+            told += await self.owner.ways_out(report) if self.owner else []
+
+        def text(pictures: Sequence[Picture]) -> str:
+            with self._beside(job, "report told as data"):
+                table = visual_calls.table(looked, report.results, pictures, language) if looked else ""
+                return words.final(report, pictures, told, by_model, table, page)
+            return words.plain(report)
+
+        return text, pictures, facts
+
+
+def _goal(job: Job) -> str:
+    """What is to be looked for, in our words; empty for a plan."""
+    goal = job.thought.goal if job.thought else None
+    return in_words(goal, job.command.language) if goal else ""

@@ -1,0 +1,1 @@
+"""Commands that wait: for their turn, or for an approval."""

@@ -1,0 +1,180 @@
+"""A command that needs somebody's approval waits for it; hears who approves and denies what (laws 1, 2, 4, 5 and 7).
+
+An approval is a post of its own: by an account that may approve, fresh, never edited, and about one command. It counts
+when it is in the journal, and is looked at again immediately before motion (`permission`).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from functools import partial
+from typing import Any
+
+import structlog
+
+from agentrob.agent.intake.authorization import Terms, own_rights, rights_on
+from agentrob.agent.intake.triage import Call, Heard
+from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.reporting import report as words
+from agentrob.agent.reporting.messages import say
+from agentrob.agent.reporting.status_post import SOON_S, Shown, insist, until_allowed
+from agentrob.agent.store.journal import DENIED, Journal
+from agentrob.agent.store.rows import Decided
+from agentrob.config.load import RobotConfig
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound
+from agentrob.forums.protocol import Forum
+from agentrob.model import Decision, Post, StatusCard, Verdict
+from agentrob.screening.rights import may_approve
+
+#: Why a command ended that nobody approved in time.
+LAPSED = "lapsed"
+#: So shortly after one of the thread's commands was settled, an approval must say which command it means: two who
+#: approve the same at once approve one command, not the next one too.
+OTHER_S = 30.0
+#: How far the forum's clock, as we know it, may be off.
+CLOCK_S = 2.0
+#: How long the forum may take to say who may approve.
+ASK_S = 10.0
+_log = structlog.get_logger()
+
+
+@dataclass
+class Approvals:
+    """One robot's. `now` is the forum's clock, `spawn` begins work that nobody waits for, `called` is what calls it."""
+
+    name: str
+    called: str
+    settings: RobotConfig
+    forum: Forum
+    journal: Journal
+    line: Line
+    now: Callable[[], datetime]
+    spawn: Callable[[Coroutine[Any, Any, Any]], object]
+    _settled_at: dict[str, datetime] = field(default_factory=dict)
+
+    # ---------------------------------------------------------------- waiting
+    @property
+    def wait_s(self) -> float:
+        """So long after its post a command is approved at the latest."""
+        return min(self.settings.approval.wait_s, self.settings.queue_expiry_s)
+
+    async def wait(self, job: Job, understood: str, needed: str) -> None:
+        """Until somebody approved the command, or it was ended: denied, stopped, changed, or not approved in time. It
+        waits on after a restart, and others go before it meanwhile.
+
+        `understood` is what it would do and `needed` why it needs an approval, in words.
+        """
+        until_at = job.command.posted_at + timedelta(seconds=self.wait_s)
+        job.asked = await self.journal.ask(job.command.post_id, self.now(), until_at)
+        if job.decided is None:
+            await job.unless_ended(self._tell(job, understood, needed, job.asked.until_at))
+        left_s = self.wait_s - job.waited_s - (time.monotonic() - job.accepted_s)
+        left_s = min(left_s, (job.asked.until_at - self.now()).total_seconds())
+        await self.line.hold(job, max(0.0, left_s), until=lambda: job.decided)
+        if job.ended is None and job.decided is None:
+            job.end(LAPSED)
+            await self.journal.end([job.command.post_id], LAPSED)
+        self._settle(job.command.topic_id, self.now())
+
+    async def _tell(self, job: Job, understood: str, needed: str, until_at: datetime) -> None:
+        """Say in the thread that it waits, for what and for whom."""
+        rights = await insist(partial(rights_on, self.forum, job.command, self._terms))
+        wait_s = (until_at - job.command.posted_at).total_seconds()
+        text = words.waits(understood, needed, rights, self.called, wait_s, job.command.language)
+        card = StatusCard(self.name, "waiting", trace_id=job.command.trace_id, until=until_at.isoformat())
+        with contextlib.suppress(ForumDenied, ForumNotFound):
+            await job.status.ask(Shown(text, card))
+
+    @property
+    def _terms(self) -> Terms:
+        return Terms(robot=self.name, rights=own_rights(self.settings))
+
+    def _settle(self, topic_id: str, at: datetime) -> None:
+        """One of the thread's commands waits no more."""
+        recent = {k: v for k, v in self._settled_at.items() if at - v <= timedelta(seconds=OTHER_S)}
+        self._settled_at = recent | {topic_id: at}
+
+    # ---------------------------------------------------------------- hearing
+    async def hear(self, post: Post, heard: Heard) -> None:
+        """Count a post that approves or denies, or say why it does not count. Hearing it again changes nothing."""
+        if await self.journal.counted(post.id):
+            return
+        job, why = self._meant(post, heard)
+        if job is None and not heard.fresh:
+            return  # perhaps it was counted by a journal that is lost
+        if job is not None:
+            why = await self._objection(job, post, heard)
+        if job is None or why:
+            self.spawn(self._answer(post, why))
+            return
+        approved = heard.call is Call.APPROVE
+        decided = Decided(approved, post.author, post.id, post.content_hash, post.created_at)
+        if not await self.journal.decide(job.command.post_id, decided):
+            self.spawn(self._answer(post, say("approval.nothing", heard.language)))
+            return
+        _log.info("approval", robot=self.name, post=job.command.post_id, by=post.author.name, approved=approved)
+        self._settle(post.topic_id, post.created_at)
+        job.decide(decided)
+        if not approved:
+            job.end(DENIED)
+
+    def _meant(self, post: Post, heard: Heard) -> tuple[Job | None, str]:
+        """The command that a post is about, or why there is none."""
+        denies = heard.call is Call.DENY
+        found = [job for job in self.line if job.command.topic_id == post.topic_id and _waits(job, denies)]
+        if named := [job for job in found if post.reply_to in job.status.posts or post.reply_to == job.command.post_id]:
+            return named[0], ""
+        if not found:
+            return None, say("approval.nothing", heard.language)
+        settled_at = self._settled_at.get(post.topic_id)
+        shortly = settled_at is not None and post.created_at - settled_at <= timedelta(seconds=OTHER_S)
+        if len(found) > 1 or post.reply_to is not None or (shortly and not denies):
+            return None, say("approval.which", heard.language)
+        return found[0], ""
+
+    async def _objection(self, job: Job, post: Post, heard: Heard) -> str:
+        """Why a post may not decide about this command; empty when it may."""
+        assert job.asked is not None
+        language, denies = heard.language, heard.call is Call.DENY
+        if post.version > 1:
+            return say("approval.edited", language)
+        if not denies and not heard.fresh:
+            return say("approval.stale", language, seconds=self.settings.max_post_age_s)
+        if not denies and post.created_at < job.asked.asked_at - timedelta(seconds=CLOCK_S):
+            return say("approval.early", language)
+        if denies and post.author.id == job.command.author.id:
+            return ""  # who asked may take it back in any words
+        verdict = await self._may(job, post, heard)
+        return "" if verdict.decision is Decision.ALLOW else verdict.reason
+
+    async def _may(self, job: Job, post: Post, heard: Heard) -> Verdict:
+        try:
+            async with asyncio.timeout(ASK_S):
+                rights = await rights_on(self.forum, job.command, self._terms)
+        except (ForumError, TimeoutError):
+            reason = say("approval.unverified", heard.language)
+            return Verdict(Decision.REFUSE, "command.unverified", reason)
+        return may_approve(post.author, job.command.author, heard.language, rights)
+
+    async def _answer(self, post: Post, text: str) -> None:
+        try:
+            await until_allowed(
+                lambda: insist(
+                    lambda: self.forum.reply(post.topic_id, text, key=f"approval:{post.id}", reply_to=post.id), tries=9
+                ),
+                SOON_S,
+            )
+        except ForumError as e:
+            _log.warning("approval not answered", post=post.id, error=str(e))
+
+
+def _waits(job: Job, denies: bool) -> bool:
+    """Whether a word about this command may still count: what was approved may be denied until it moves."""
+    if job.asked is None or job.ended is not None or job.moving or job.status is None:
+        return False
+    return job.decided is None or denies

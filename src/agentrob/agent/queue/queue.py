@@ -1,0 +1,248 @@
+"""The line before one robot: commands wait in the order in which they were accepted, one moves at a time."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Coroutine, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from typing import Any, TypeVar
+
+from agentrob.agent.execution.execute import Run
+from agentrob.agent.store.rows import Asked, Decided
+from agentrob.agent.understanding.extract import Thought
+from agentrob.minds.visual_loop.loop import Looked
+from agentrob.model import Command, StopResult
+
+T = TypeVar("T")
+
+
+@dataclass(eq=False)
+class Job:
+    """One post under way, from its claim to its final reply.
+
+    `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
+    was. `begun`: so was its motion, and only its report is left to tell: nothing ends it any more. `ended` is a stable
+    word as soon as the command may not go on; `paced`: its account may command now. Others go before it until it is
+    `ready`, read and judged, and while it is `held`. `asked`: it waits or waited for an approval, and what was said of
+    it. `stop` brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it
+    ended. `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `run`
+    is its motion, if that began in this process, with all that was measured so far; `status` is its status post, `task`
+    what carries it through.
+    """
+
+    command: Command
+    known: bool = False
+    begun: bool = False
+    accepted_s: float = field(default_factory=time.monotonic)
+    waited_s: float = 0.0
+    ended: str | None = None
+    paced: bool = False
+    held: bool = False
+    asked: Asked | None = None
+    ready: bool = False
+    moving: bool = False
+    stopped_by: str = ""
+    took_back: int = 0
+    stop: asyncio.Task[StopResult | None] | None = None
+    timings_ms: dict[str, float] = field(default_factory=dict)
+    thought: Thought | None = None
+    looked: Looked | None = None
+    run: Run | None = None
+    status: Any = None
+    task: asyncio.Task[None] | None = None
+    _changed: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def note(self, name: str, at: datetime) -> None:
+        """Remember when something happened, in milliseconds after the post was accepted; the first time counts."""
+        self.timings_ms.setdefault(name, max(0.0, (at - self.command.posted_at).total_seconds() * 1000))
+
+    @property
+    def can_end(self) -> bool:
+        return self.ended is None and not self.begun
+
+    @property
+    def decided(self) -> Decided | None:
+        """Who approved or denied it, as soon as somebody did."""
+        return self.asked.decided if self.asked is not None else None
+
+    def decide(self, decided: Decided) -> None:
+        """Somebody approved or denied it."""
+        assert self.asked is not None
+        self.asked = replace(self.asked, decided=decided)
+        self._changed.set()
+
+    def end(self, why: str) -> None:
+        """The first reason counts."""
+        if self.can_end:
+            self.ended = why
+        self._changed.set()
+
+    async def unless_ended(self, work: Coroutine[Any, Any, T]) -> T | None:
+        """What `work` gives; None, and `work` is cancelled, when the command is ended before (law 14)."""
+        if self.ended is not None:
+            work.close()
+            return None
+        doing, ended = asyncio.ensure_future(work), asyncio.ensure_future(self._until_ended())
+        try:
+            await asyncio.wait({doing, ended}, return_when=asyncio.FIRST_COMPLETED)
+            return doing.result() if doing.done() else None
+        finally:
+            doing.cancel()
+            ended.cancel()
+
+    async def _until_ended(self) -> None:
+        while self.ended is None:
+            self._changed.clear()
+            await self._changed.wait()
+
+
+class Line:
+    """Who waits. `on_change` hears whenever somebody came, went or moved up."""
+
+    def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
+        self._jobs: list[Job] = []
+        self._turn: Job | None = None
+        self._closed = False
+        self._on_change = on_change
+
+    def __len__(self) -> int:
+        return len(self._jobs)
+
+    def __iter__(self) -> Iterator[Job]:
+        return iter(tuple(self._jobs))
+
+    @property
+    def posts(self) -> list[str]:
+        """The posts of all that is not told yet, the next one first; who is held back comes last."""
+        return [job.command.post_id for job in sorted(self._jobs, key=lambda job: job.held)]
+
+    @property
+    def moving(self) -> Job | None:
+        """The command whose motion runs now."""
+        return next((job for job in self._jobs if job.moving), None)
+
+    def find(self, post_id: str) -> Job | None:
+        return next((job for job in self._jobs if job.command.post_id == post_id), None)
+
+    def asking(self) -> set[asyncio.Task[Any]]:
+        """What carries those that wait for an approval."""
+        return {job.task for job in self._jobs if job.task and job.held and job.asked and not job.decided}
+
+    def place(self, job: Job) -> int:
+        """How many are before it; 0 when it is its turn."""
+        before = [other for other in self._jobs[: self._jobs.index(job)] if other.ready and not other.held]
+        return len(before) + (self._turn not in (None, job, *before))
+
+    def of_same_author(self, before: Job) -> list[Job]:
+        """What its account asked for before it and is not done."""
+        author = before.command.author.id
+        return [job for job in self._jobs[: self._jobs.index(before)] if job.command.author.id == author]
+
+    def number_of(self, account_id: str) -> int:
+        """How many commands of this account are under way."""
+        return sum(job.command.author.id == account_id for job in self._jobs)
+
+    async def in_order(self, job: Job) -> None:
+        """Wait until what its account asked for before is paced (or done), whichever was read sooner."""
+        while job.ended is None and not all(other.paced for other in self.of_same_author(job)):
+            job._changed.clear()
+            await job._changed.wait()
+
+    def pace(self, job: Job) -> None:
+        job.paced = True
+        self._moved_up()
+
+    def topics(self) -> frozenset[str]:
+        """Threads in which a bare "stop" is meant for this robot."""
+        return frozenset(job.command.topic_id for job in self._jobs)
+
+    def enter(self, job: Job) -> None:
+        self._jobs.append(job)
+        self._on_change()
+
+    def leave(self, job: Job) -> None:
+        """Leaving twice does nothing."""
+        if job in self._jobs:
+            self._jobs.remove(job)
+            if self._turn is job:
+                self._turn = None
+            self._moved_up()
+
+    def _moved_up(self) -> None:
+        for job in self._jobs:
+            job._changed.set()
+        self._on_change()
+
+    def end_all(self, why: str) -> list[Job]:
+        """End every command; returns those that had not been ended."""
+        return self._end(self._jobs, why)
+
+    def end_posted(self, until: datetime, why: str) -> list[Job]:
+        """End every command that was posted then or earlier; returns those that had not been ended."""
+        return self._end([job for job in self._jobs if job.command.posted_at <= until], why)
+
+    def end_before(self, job: Job, why: str) -> list[Job]:
+        """End every command that was accepted before this one, whatever the forum's clock said of either; returns those
+        that had not been ended."""
+        return self._end(self._jobs[: self._jobs.index(job)] if job in self._jobs else [], why)
+
+    def end_waiting(self, job: Job, why: str) -> list[Job]:
+        """The same of what its own account asked for and does not move."""
+        return self._end([other for other in self.of_same_author(job) if not other.moving], why)
+
+    def _end(self, jobs: Sequence[Job], why: str) -> list[Job]:
+        found = [job for job in jobs if job.can_end]
+        for job in found:
+            job.end(why)
+        return found
+
+    async def turn(self, job: Job, expiry_s: float) -> bool:
+        """Wait until it is the job's turn (True) or it was ended; False as well once it is `expiry_s` old."""
+        job.ready = True
+        left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
+        if left_s is not None and left_s <= 0:
+            job.end("expired")
+        try:
+            async with asyncio.timeout(left_s):
+                while job.ended is None and not self._is_next(job):
+                    job._changed.clear()
+                    await job._changed.wait()
+        except TimeoutError:
+            job.end("expired")
+        if job.ended is None:
+            self._turn = job
+        return job.ended is None
+
+    def close(self) -> None:
+        """Nobody gets a turn any more: who has not had one stays as it is, for the agent's next start."""
+        self._closed = True
+
+    def _is_next(self, job: Job) -> bool:
+        return not self._closed and self._turn is None and next(j for j in self._jobs if j.ready and not j.held) is job
+
+    async def aside(self, job: Job, seconds: float) -> None:
+        """Let others go before it for so long, whatever becomes of it meanwhile."""
+        job.held = True
+        self._moved_up()
+        try:
+            await asyncio.sleep(seconds)
+        finally:
+            job.held = False
+
+    async def hold(self, job: Job, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
+        """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended
+        meanwhile."""
+        job.held = True
+        self._moved_up()
+        try:
+            async with asyncio.timeout(seconds):
+                while job.ended is None and not until():
+                    job._changed.clear()
+                    await job._changed.wait()
+        except TimeoutError:
+            pass
+        finally:
+            job.held = False
+        return job.ended is None

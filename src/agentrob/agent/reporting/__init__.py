@@ -1,0 +1,1 @@
+"""Replies, status posts, command pages and the robot's page."""

@@ -1,0 +1,71 @@
+"""The page that a forum has for a command, where it has one: its address, and the record that it shows."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import structlog
+
+from agentrob.agent.media.pictures import Picture
+from agentrob.agent.reporting.status_post import insist
+from agentrob.errors import ForumError
+from agentrob.forums.protocol import Archive
+
+#: A forum that fails so often is left without the record, which stays on the robot's machine.
+TRIES = 4
+#: Bytes of JSON; of a longer record what a model was told and answered is left out.
+MOST_BYTES = 60 * 1024
+#: What the forum has itself and may have to forget (people's words), and what is only of this machine.
+_NOT_SENT = frozenset({"author", "text", "content_hash", "recording"})
+#: The address of a page is waited for so long: a report does not wait for its link.
+PAGE_S = 2.0
+#: What can stand in a link of Markdown as it is.
+_ADDRESS = re.compile(r"https?://[^\s<>()\[\]\\`*]{1,500}")
+_log = structlog.get_logger()
+
+
+def public(facts: Mapping[str, Any], pictures: Sequence[Picture]) -> dict[str, Any]:
+    """A record as it is sent: without people's words and paths of this machine, with what its pictures are."""
+    record = {k: v for k, v in facts.items() if k not in _NOT_SENT}
+    record["pictures"] = [{"kind": p.kind, "step": p.step} for p in pictures if p.attached]
+    links = [(p, p.link) for p in pictures if p.link]
+    if links:
+        record["links"] = [
+            {"kind": p.kind, "step": p.step, "url": link.url, "until": link.until.isoformat()} for p, link in links
+        ]
+    if len(json.dumps(record, ensure_ascii=False, default=str).encode()) > MOST_BYTES:
+        record["looked"] = None
+        record["shortened"] = True
+    plain: dict[str, Any] = json.loads(json.dumps(record, ensure_ascii=False, default=str))
+    return plain
+
+
+async def page_of(forum: object, post_id: str, *, hurry: bool = False) -> str:
+    """The address of a command's page; empty where the forum has none or does not say it at once. Never raises a
+    `ForumError`. `hurry`: the agent is being ended."""
+    if hurry or not isinstance(forum, Archive):
+        return ""
+    try:
+        async with asyncio.timeout(PAGE_S):
+            address = await forum.command_page(post_id)
+    except (ForumError, TimeoutError) as e:
+        _log.info("page of the command not known", post=post_id, error=str(e))
+        return ""
+    return address if _ADDRESS.fullmatch(address) else ""
+
+
+async def publish(
+    forum: object, post_id: str, reply_id: str | None, facts: Mapping[str, Any] | None, pictures: Sequence[Picture]
+) -> None:
+    """Send it where the forum keeps records. Never raises a `ForumError`."""
+    if facts is None or not isinstance(forum, Archive):
+        return
+    try:
+        await insist(partial(forum.publish_record, post_id, reply_id, public(facts, pictures)), TRIES)
+    except ForumError as e:
+        _log.info("record not published", post=post_id, error=str(e))

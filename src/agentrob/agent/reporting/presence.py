@@ -1,0 +1,130 @@
+"""What a robot's page shows of it: kept fresh while the agent lives; and putting a simulated room back."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import httpx2
+import structlog
+
+from agentrob.agent.stop.owner import Owner
+from agentrob.config.load import RobotConfig
+from agentrob.errors import ForumError, RobotError
+from agentrob.forums.protocol import Stage
+from agentrob.model import Capabilities, Lock, RobotState
+from agentrob.robots.driver.client import DriverClient
+
+LOOK_S = 1.0
+#: Several changes within this time are shown as one.
+DEBOUNCE_S = 0.1
+#: So many of those that wait are told.
+LINE = 20
+REFRESH_S = 5.0
+#: After a reset the odometry jumps; the guard needs a moment until it lets itself be homed again.
+HOME_TRIES, HOME_WAIT_S = 10, 0.3
+_log = structlog.get_logger()
+
+
+class Presence:
+    """Publishes a card every five seconds and when something changed. `waiting`: the posts of commands, in order."""
+
+    def __init__(
+        self,
+        stage: Stage,
+        driver: DriverClient,
+        name: str,
+        settings: RobotConfig,
+        waiting: Callable[[], Sequence[str]],
+        owner: Owner | None = None,
+    ) -> None:
+        self._stage = stage
+        self._driver = driver
+        self._name = name
+        self._settings = settings
+        self._waiting = waiting
+        self._owner = owner
+        self._changed = asyncio.Event()
+
+    def changed(self) -> None:
+        """Look now rather than in a second."""
+        self._changed.set()
+
+    async def run(self) -> None:
+        """For ever. A forum that does not answer is tried again with the next look."""
+        shown: dict[str, Any] | None = None
+        shown_s = -float("inf")
+        while True:
+            self._changed.clear()
+            card = await self.card()
+            if card != shown or time.monotonic() - shown_s >= REFRESH_S:
+                try:
+                    await self._stage.publish_robot(self._name, card)
+                    shown, shown_s = card, time.monotonic()
+                except ForumError as e:
+                    _log.info("robot card not shown", robot=self._name, error=str(e))
+            try:
+                async with asyncio.timeout(LOOK_S):
+                    await self._changed.wait()
+                await asyncio.sleep(DEBOUNCE_S)
+            except TimeoutError:
+                continue
+
+    async def card(self) -> dict[str, Any]:
+        """The card as it is now; a robot whose driver does not answer is `offline`."""
+        try:
+            capabilities, state = await asyncio.gather(self._driver.capabilities(), self._driver.state())
+        except RobotError:
+            return self._card(None, None)
+        return self._card(capabilities, state)
+
+    def _card(self, capabilities: Capabilities | None, state: RobotState | None) -> dict[str, Any]:
+        battery = state.battery_percent if state else None
+        return {
+            "model": capabilities.model if capabilities else self._settings.model,
+            "ops": sorted(str(op) for op in capabilities.ops) if capabilities else [],
+            "limits": asdict(capabilities.limits) if capabilities else {},
+            "state": ("halted" if state.halted else state.mode) if state else "offline",
+            "battery_percent": None if battery is None else round(battery),
+            "queue": len(waiting := self._waiting()),
+            "line": list(waiting[:LINE]),
+            "board": self._settings.boards[0] if self._settings.boards else "",
+            "boards": list(self._settings.boards),
+            "simulated": self._settings.simulated,
+            "can_reset": bool(self._settings.room_reset),
+            "camera": bool(self._settings.room_camera),
+            "owner": self._settings.owner,
+            "homed": state.homed if state else None,
+            "lock": _lock_of(state) if state else None,
+            "told": self._owner.told if self._owner else None,
+        }
+
+
+def _lock_of(state: RobotState) -> dict[str, str] | None:
+    """Who locked the robot, why and when, as its card says it; None while it is not locked."""
+    if not state.halted:
+        return None
+    lock = state.lock or Lock("", "")
+    return {"by": lock.by, "why": lock.why, "at": lock.at.isoformat() if lock.at else ""}
+
+
+async def reset_room(driver: DriverClient, settings: RobotConfig, by: str) -> None:
+    """Put a simulated room back and set the robot's home there. Raises `RobotError` when that does not work."""
+    try:
+        async with httpx2.AsyncClient(timeout=10.0, trust_env=False) as http:
+            (await http.post(settings.room_reset)).raise_for_status()
+    except (httpx2.HTTPError, httpx2.InvalidURL) as e:
+        raise RobotError(f"the room was not reset: {e}") from None
+    if not settings.simulated:
+        return
+    for left in reversed(range(HOME_TRIES)):
+        await asyncio.sleep(HOME_WAIT_S)
+        try:
+            await driver.home(by)
+            return
+        except RobotError:
+            if not left:
+                raise

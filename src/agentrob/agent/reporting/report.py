@@ -1,0 +1,343 @@
+"""What the thread is told (pure): facts in, Markdown out, in the language of the post.
+
+People's own words are in it only as escaped code (`agentrob.language.messages.catalog.quote`); sentences that others made of
+them, a mind, the screen or a driver, are disarmed here once more.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from datetime import timedelta
+
+from agentrob.agent.media.pictures import Picture
+from agentrob.agent.media.track import clips
+from agentrob.agent.reporting.messages import known, say
+from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.durations import duration
+from agentrob.model import (
+    ActionResult,
+    Language,
+    Op,
+    Outcome,
+    Plan,
+    Primitive,
+    Report,
+    RobotRights,
+    RobotState,
+    StopResult,
+)
+
+SENTENCE_CHARS = 600
+_UNSEEN = re.compile("[\u00ad\u034f\u061c\u180e\u200b-\u200f\u202a-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
+#: What forums act on, each as it is shown instead.
+_DISARMING = (
+    (re.compile(r"[@＠](?=\S)"), "@ "),
+    (re.compile(r"<"), "‹"),
+    (re.compile(r">"), "›"),
+    (re.compile(r"&(?=#|\w+;)"), "& "),
+    (re.compile(r"`{2,}|~{2,}"), "'"),
+    (re.compile(r"!\["), "! ["),
+    (re.compile(r"\](?=[(\[:])"), "] "),
+    (re.compile(r"\[(?=/?[A-Za-z_]+[\]=])"), "("),
+    (re.compile(r":(?=//)|\b(?<=mailto):", re.IGNORECASE), ": "),
+    (re.compile(r"\bwww\.", re.IGNORECASE), "www. "),
+    (re.compile(r"^(?:#+|[-+*=_|]+|\d{1,9}[.)])(?=\s|$)"), ""),
+)
+#: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
+_MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
+#: Why we ended a step ourselves: the driver's own sentence knows nothing of it.
+_NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable", "internal"})
+
+
+# -------------------------------------------------------------------- words that are not ours
+def disarmed(text: str) -> str:
+    """A sentence made elsewhere, perhaps of somebody's words: on one line and not endless, without mention, picture,
+    link, address that a forum would link, HTML, entity, heading, quote, list, table, code fence or `[tag]`, and without
+    characters that nobody sees or that turn the order of what is read around."""
+    plain = " ".join(_UNSEEN.sub("", text).split())
+    for pattern, instead in _DISARMING:
+        plain = pattern.sub(instead, plain)
+    return plain if len(plain) <= SENTENCE_CHARS else plain[: SENTENCE_CHARS - 1] + "…"
+
+
+# -------------------------------------------------------------------- while it goes
+def seen(language: Language, trace_id: str) -> str:
+    return f"{say('seen', language)} {_small(say('trace', language, trace_id=trace_id))}"
+
+
+def queued(language: Language, place: int) -> str:
+    return say("queued", language, place=place)
+
+
+def running(language: Language, number: int, steps: Sequence[Primitive]) -> str:
+    """`number` counts from 0."""
+    return say("running", language, step=number + 1, steps=len(steps), doing=doing(steps[number], language))
+
+
+def planned(plan: Plan, language: Language, goal: str = "") -> str:
+    """A whole plan in words, or the goal that it is to be found for."""
+    return goal or say("list.joint", language).join(doing(step, language) for step in plan.steps)
+
+
+def doing(step: Primitive, language: Language) -> str:
+    """A step in words: "walk forward 1 m". An operation that nobody here has words for is told by its name."""
+    if not known(f"do.{step.op}"):
+        return disarmed(step.op.replace("_", " "))
+    direction = say(f"direction.{step.direction}", language) if step.direction else ""
+    words = say(f"do.{step.op}", language, direction=direction, distance_m=step.distance_m, degrees=step.degrees)
+    return say("do.speed", language, step=words, speed_mps=step.speed_mps) if step.speed_mps else words
+
+
+def waits(
+    understood: str, needed: str, rights: RobotRights | None, called: str, wait_s: float, language: Language
+) -> str:
+    """A command waits for an approval: what it would do, why it waits, for whom and how long after its post."""
+    rights = rights or RobotRights()
+    who = say(f"who.{rights.approve}", language) if known(f"who.{rights.approve}") else say("who.moderator", language)
+    said = [
+        say("waits", language),
+        say("waits.plan", language, understood=understood),
+        disarmed(needed),
+        say("waits.who", language, who=who, wait=duration(wait_s, language)),
+        say("waits.how", language, robot=called),
+    ]
+    said += [] if rights.approve_own else [say("waits.own", language)]
+    return ("" if language == "zh" else " ").join(said)
+
+
+# -------------------------------------------------------------------- the end
+def final(
+    report: Report,
+    pictures: Sequence[Picture] = (),
+    notes: Sequence[str] = (),
+    said: str = "",
+    calls: str = "",
+    page: str = "",
+) -> str:
+    """The whole reply to a command. The message of a stopped one is the handle of who stopped it.
+
+    `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head, `calls` a table
+    that has all steps beside the calls of a model which they came of; `page` is the forum's own page of the command, if
+    it has one.
+    """
+    language = report.command.language
+    parts = [_head(report), said, _why(report), calls or _table(report)]
+    if report.plan.notes and report.status not in ("asks_back", "refused"):
+        parts.append(say("note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
+    if report.stop is not None:
+        parts.append(stop_figures(report.stop, language))
+    if report.approved_by:
+        parts.append(say("approved.by", language, who=quote(report.approved_by)))
+    parts += [_slower(report), _pictures(pictures, language), *notes]
+    parts.append(_foot(report, page))
+    return "\n\n".join(part for part in parts if part)
+
+
+def plain(report: Report) -> str:
+    """The end as data, for a report that a fault of ours keeps from being put into words."""
+    steps = [
+        f"{n}. `{r.primitive.op} {r.primitive.asked()}`: {r.outcome}, measured `{dict(r.measured)}`"
+        for n, r in enumerate(report.results, 1)
+    ]
+    return "\n\n".join([f"**{report.status}**", *steps, f"`{report.command.trace_id}`"])
+
+
+def short(report: Report) -> str:
+    """What the status post says where the report is a reply of its own."""
+    return say("see_reply", report.command.language, state=_head(report))
+
+
+def _head(report: Report) -> str:
+    language = report.command.language
+    # That nothing moved is said only where no step was given to the driver, or the driver refused each.
+    begun = any(result.moved for result in report.results)
+    at = next((n for n, r in enumerate(report.results, 1) if not r.ok), len(report.results))
+    match report.status:
+        case "done" | "failed" if report.goal:
+            return say(f"goal.{report.status}", language, goal=report.goal)
+        case "answered":
+            return ""
+        case "failed":
+            return say("failed", language, step=at) if begun else say("failed.before", language)
+        case "cancelled" | "refused" if begun:
+            return say(f"{report.status}.at", language, step=at)
+        case "expired":
+            return ""
+        case "interrupted" if any(r.outcome is Outcome.UNKNOWN for r in report.results):
+            return say("interrupted.unknown", language)
+        case "stopped" if report.message:
+            return say("stopped.by", language, who=quote(report.message))
+        case status:
+            return say(status, language)
+
+
+def _why(report: Report) -> str:
+    """The verdict's sentence, the message, and why the step that ended it did so."""
+    language = report.command.language
+    said = []
+    verdict = report.verdict
+    if (
+        verdict is not None
+        and verdict.reason
+        and (report.status in ("refused", "cancelled") or verdict.rule.startswith("command."))
+    ):
+        said.append(disarmed(verdict.reason))
+    if report.message and report.status != "stopped":
+        said.append(report.message if report.status == "answered" else disarmed(report.message))
+    last = _decisive(report.results[-1:] if report.goal else report.results)  # on the way to a goal it may go on
+    if last is not None and report.status not in ("done", "stopped"):
+        reason = _reason(last, language)
+        said = [sentence for sentence in said if sentence not in reason]  # said once: "My agent was ended."
+        said.append(reason)
+    if report.status == "refused" and verdict is not None:
+        said.append(say("rule", language, rule=verdict.rule))
+    return "\n\n".join(said) if report.status == "answered" else ("" if language == "zh" else " ").join(said)
+
+
+def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
+    return next((r for r in results if not r.ok and r.outcome is not Outcome.SKIPPED), None)
+
+
+def _reason(result: ActionResult, language: Language) -> str:
+    """Our sentence where we have one; the driver's own English one besides where it says more."""
+    reason = result.reason
+    own = say(f"reason.{reason}", language) if known(f"reason.{reason}") else ""
+    if not own and not result.message and reason:
+        own = say("reason.other", language, reason=reason)
+    detail = disarmed(result.message) if result.message and (language == "en" or not own) else ""
+    if language == "en" and reason in _NOT_THE_DRIVERS:
+        return f"{own} {detail}".strip()
+    return (detail or own) if language == "en" else own or detail
+
+
+def _table(report: Report) -> str:
+    language = report.command.language
+    if not report.results or all(r.outcome is Outcome.SKIPPED for r in report.results):
+        return ""
+    head = [say(f"table.{column}", language) for column in ("step", "asked", "measured", "outcome")]
+    rows = [_row(n, result, language) for n, result in enumerate(report.results, 1)]
+    lines = [head, ["---:", "---", "---", "---"], *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _row(number: int, result: ActionResult, language: Language) -> list[str]:
+    return [str(number), asked(result, language), measured(result, language), outcome(result, language)]
+
+
+def asked(result: ActionResult, language: Language) -> str:
+    """What a step was, in words."""
+    return doing(result.primitive, language)
+
+
+def outcome(result: ActionResult, language: Language) -> str:
+    """How a step ended, in a word or two."""
+    said = say(f"outcome.{result.outcome}", language)
+    return say("outcome.animated", language, outcome=said) if result.animated else said
+
+
+def measured(result: ActionResult, language: Language) -> str:
+    """What was measured of a step; a dash where there was nothing to measure."""
+    if result.primitive.op not in _MEASURES or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
+        return "–"
+    key, form = _MEASURES[result.primitive.op]
+    if key in result.measured:
+        return form.format(result.measured[key])
+    why = f"unknown.{result.unmeasured}"
+    return say(why, language) if result.unmeasured and known(why) else say("unknown", language)
+
+
+def _slower(report: Report) -> str:
+    """A step that was commanded slower than it was asked for says so, also when it was done."""
+    language = report.command.language
+    said = (say("slower", language, **clip._asdict()) for clip in clips(report.results))
+    return ("" if language == "zh" else " ").join(said)
+
+
+def _pictures(pictures: Sequence[Picture], language: Language) -> str:
+    """Which pictures there are: below the text, or behind links that expire."""
+    names = [(p, say(f"picture.{p.kind}", language, step=p.step)) for p in pictures]
+    linked = [name if p.link is None else f"[{name}]({p.link.url})" for p, name in names]
+    joint = "、" if language == "zh" else ", "
+    if not linked:
+        return ""
+    said = say("pictures", language, pictures=joint.join(linked))
+    if valid_s := min((p.link.valid_s for p in pictures if p.link), default=None):
+        said += ("" if language == "zh" else " ") + say("pictures.until", language, valid=duration(valid_s, language))
+    return said
+
+
+def _foot(report: Report, page: str) -> str:
+    language, timings = report.command.language, report.timings_ms
+    said = [
+        say(f"timing.{name}", language, seconds=timings[name] / 1000)
+        for name in ("seen", "first_motion", "done")
+        if name in timings and (name != "done" or report.status == "done")
+    ]
+    trace = say("trace", language, trace_id=report.command.trace_id)
+    said.append(f"[{trace}]({page})" if page else trace)
+    return _small(" · ".join(said))
+
+
+def _small(text: str) -> str:
+    return f"*{text}*"
+
+
+# -------------------------------------------------------------------- stop and status
+def stop_figures(stop: StopResult, language: Language) -> str:
+    """What a stop did, in figures that were measured."""
+    if not stop.confirmed:
+        return say("stop.unconfirmed", language)
+    said = say("stop.moving" if stop.was_moving else "stop.still", language, latency_ms=stop.latency_ms)
+    if stop.was_moving and stop.coasted_m is not None:
+        return said + say("stop.coasted", language, coasted_m=stop.coasted_m)
+    return said + say("stop.end", language)
+
+
+def stop_reply(
+    stop: StopResult | None,
+    language: Language,
+    ended: int,
+    halted: bool | None,
+    folded: int = 0,
+    how: str = "",
+    taken: bool = False,
+) -> str:
+    """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands.
+    `halted` None: a halt was asked for, but the robot could only be stopped. `how` says how a halt is released.
+    `taken`: the post was taken as a stop, though it is not plainly one."""
+    said = [say("stopped", language)] if stop is not None and stop.confirmed else []
+    said += [say("stop.taken", language)] if taken else []
+    said.append(stop_figures(stop, language) if stop else say("stop.unreachable", language))
+    if halted is not False and stop:
+        said.append(say("stop.halted" if halted else "stop.not_halted", language))
+        said += [how] if halted and how else []
+    if ended:
+        said.append(say("stop.cancelled", language, count=ended))
+    if folded:
+        said.append(say("stop.folded", language, count=folded))
+    return " ".join(said)
+
+
+def clock_set(by: timedelta, language: Language) -> str:
+    """That the forum's clock was set, and by about how much."""
+    about = duration(abs(by.total_seconds()), language)
+    return say("clock.back" if by < timedelta(0) else "clock.ahead", language, by=about)
+
+
+def state_text(state: RobotState | None, waiting: int, language: Language, message: str = "") -> str:
+    """The answer to "how are you"; `state` None: the robot cannot be reached, as `message` says."""
+    if state is None:
+        return say("status.unknown", language, message=disarmed(message))
+    mode = say(f"mode.{state.mode}", language) if known(f"mode.{state.mode}") else disarmed(state.mode)
+    said = [say("status.mode", language, mode=mode)]
+    if state.battery_percent is None:
+        said.append(say("status.battery.unknown", language))
+    else:
+        said.append(say("status.battery", language, percent=state.battery_percent))
+    if state.pose is not None:
+        said.append(say("status.pose", language, x_m=state.pose.x_m, y_m=state.pose.y_m))
+    said += [say("status.halted", language)] if state.halted else []
+    said += [] if state.homed else [say("status.not_homed", language)]
+    said.append(say("status.queue", language, count=waiting))
+    return ("，" if language == "zh" else ", ").join(said) + ("。" if language == "zh" else ".")

@@ -1,0 +1,295 @@
+"""One status post per command, edited in place: progress never waits for the forum, the end is told for certain.
+
+Two agents of one account may come to the same post, by mistake or after a crash. The first post under the claim's key
+is the claim, and only whoever holds it shows progress and tells the end. One whose claim it is not tells an end only
+when nobody else does (`left_open`), and that is a guess: a card of no steps, which gives way to what was measured.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import time
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
+
+import structlog
+
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.forums.protocol import Forum, Written
+from agentrob.model import Command, Post, StatusCard
+
+T = TypeVar("T")
+#: Where a forum limits edits, at most so many are used, the last of them for the end.
+MAX_EDITS = 3
+_BACKOFF_S = (0.2, 30.0)
+#: A denial (403, 401) may be of the account, for a while: what must be told is tried again, at first and at most after
+#: so long, and given up after a week; what is soon of no use any more after a minute.
+_DENIED_S = (0.5, 30.0)
+TOLD_WITHIN_S, SOON_S = 7 * 86400.0, 60.0
+#: An open status post that shows nothing new for so long while nothing of it moves has been left by its agent.
+LEFT_S, _LOOK_S = 5.0, 0.5
+#: States after which nothing more comes.
+FINAL = frozenset(
+    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+)
+#: A forum that fails so often (for some 50 s) with pictures is told without: it may be they that it cannot bear.
+PICTURE_TRIES = 9
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What a status post shows: Markdown and the card beside it."""
+
+    text: str
+    card: StatusCard
+
+
+class StatusLine:
+    """The status post of one command. Its first post is the claim (law 6), under the key `claim:<post>`."""
+
+    def __init__(self, forum: Forum, command: Command) -> None:
+        self._forum = forum
+        self._command = command
+        limited = forum.max_edits is not None
+        self._edits_left = min(MAX_EDITS, forum.max_edits or 0) if limited else None
+        self._limited = limited
+        self._post_id: str | None = None
+        self._asks_id: str | None = None
+        self._next: Shown | None = None
+        self._last: Shown | None = None
+        self._sending: asyncio.Task[None] | None = None
+        self._shows = True
+
+    @property
+    def post_id(self) -> str | None:
+        """The status post, once it is there."""
+        return self._post_id
+
+    @property
+    def posts(self) -> frozenset[str]:
+        """Every post of ours by which somebody may answer this command."""
+        return frozenset(post_id for post_id in (self._post_id, self._asks_id) if post_id is not None)
+
+    @property
+    def shown(self) -> StatusCard | None:
+        """The newest state, which the forum may not show yet."""
+        newest = self._next or self._last
+        return newest.card if newest else None
+
+    async def claim(self, shown: Shown) -> Written:
+        """Put the first status there, trying until the forum answers. `created` False: somebody claimed it before;
+        then nothing is shown on it unless it is ours after all (`adopt`)."""
+        key = f"claim:{self._command.post_id}"
+        written = await insist(
+            lambda: self._forum.reply(
+                self._command.topic_id, shown.text, key=key, reply_to=self._command.post_id, card=shown.card
+            )
+        )
+        self._post_id = written.post.id
+        self._last = shown
+        self._shows = written.created
+        return written
+
+    def adopt(self, claimed: Post) -> None:
+        """The claim is ours, of before. One that tells its end shows nothing else any more."""
+        self._shows = not is_final(claimed.card)
+
+    def show(self, shown: Shown) -> None:
+        """Show this as soon as the forum allows; whatever was not shown yet is passed over, and so is all of a claim
+        that is not ours."""
+        if shown == self._last or not self._shows:
+            return
+        self._next = shown
+        if self._sending is None or self._sending.done():
+            self._sending = asyncio.create_task(self._send())
+
+    async def _send(self) -> None:
+        while (shown := self._next) is not None and self._post_id is not None:
+            self._next = None
+            if self._edits_left is not None:
+                if self._edits_left <= 1:
+                    return
+                self._edits_left -= 1
+            try:
+                await self._forum.edit(self._post_id, shown.text, card=shown.card)
+                self._last = shown
+            except ForumError as e:
+                _log.info("status not shown", post=self._command.post_id, error=str(e))
+
+    async def ask(self, shown: Shown) -> None:
+        """Put something there that people answer, trying until it is there.
+
+        Where edits are limited it is a reply of its own.
+        """
+        self._next = None
+        if self._sending is not None:
+            await asyncio.wait({self._sending})
+        post_id, command = self._post_id, self._command
+        if post_id is not None and not self._limited:
+            await until_allowed(lambda: insist(lambda: self._forum.edit(post_id, shown.text, card=shown.card)), SOON_S)
+        else:
+            key = f"waits:{command.post_id}"
+            written = await insist(
+                lambda: self._forum.reply(
+                    command.topic_id, shown.text, key=key, reply_to=command.post_id, card=shown.card
+                )
+            )
+            self._asks_id = written.post.id
+        self._last = shown
+
+    async def told(self) -> bool:
+        """Whether the status post tells an end by now. Never raises a `ForumError`."""
+        if self._post_id is None:
+            return False
+        try:
+            return is_final((await self._forum.post(self._post_id)).card)
+        except ForumError:
+            return False
+
+    async def close(
+        self, final: Shown, images: Sequence[bytes] = (), short: str = "", *, measured: bool = False
+    ) -> bool:
+        """Tell the end, trying until the forum answers, once. Whether the end that is there now is ours: one that
+        somebody else told is left alone, unless it was a guess and this one was `measured`.
+
+        Raises `ForumDenied` when neither the post may be edited nor a reply written: perhaps for a while (see
+        `until_allowed`). Where edits are limited the report is a reply of its own, and the status post says only
+        `short`.
+        """
+        self._next = None
+        self._shows = False
+        if self._sending is not None and not self._sending.done():
+            await asyncio.wait({self._sending}, timeout=10.0)
+            self._sending.cancel()
+        if self._post_id is not None and not self._limited:
+            with contextlib.suppress(ForumError):  # gone, or not to be edited any more
+                return await _illustrated(lambda pictures: self._tell(final, pictures, measured), images)
+        return await self._tell_in_reply(final, images, short, measured)
+
+    async def add(self, final: Shown, images: Sequence[bytes]) -> None:
+        """Put something that came too late for the end beside it, once, where the forum does not count edits."""
+        if self._post_id is None or self._limited:
+            return
+        try:
+            await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
+        except ForumError as e:
+            _log.info("what came late is not shown", post=self._command.post_id, error=str(e))
+
+    async def _tell(self, final: Shown, images: Sequence[bytes], measured: bool) -> bool:
+        assert self._post_id is not None
+        now = await self._forum.post(self._post_id)
+        # A lost answer or a crash may have left the end told already; pictures would be added a second time.
+        if (card := now.card) is not None and is_final(card) and not (measured and _guessed(card)):
+            return card.trace_id == final.card.trace_id
+        await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
+        return True
+
+    async def _tell_in_reply(self, final: Shown, images: Sequence[bytes], short: str, measured: bool) -> bool:
+        command, ours = self._command, True
+
+        async def reply(key: str, pictures: Sequence[bytes]) -> Written:
+            return await self._forum.reply(
+                command.topic_id, final.text, key=key, reply_to=command.post_id, images=pictures, card=final.card
+            )
+
+        try:
+            written = await _illustrated(partial(reply, f"reply:{command.post_id}"), images)
+            if not written.created and (card := written.post.card) is not None:
+                ours = card.trace_id == final.card.trace_id
+                if measured and _guessed(card):
+                    await _illustrated(partial(reply, f"measured:{command.post_id}"), images)
+                    ours = True
+        except ForumDenied:
+            raise
+        except ForumError as e:
+            _log.warning("final reply not told", post=command.post_id, error=str(e))
+            return True
+        if ours and self._post_id is not None and (self._edits_left or not self._limited):
+            with contextlib.suppress(ForumError):
+                await self._forum.edit(self._post_id, short or final.text, card=final.card)
+        return ours
+
+
+def is_final(card: StatusCard | None) -> bool:
+    """Whether a status post with this card tells an end."""
+    return card is not None and card.state in FINAL
+
+
+def _guessed(card: StatusCard) -> bool:
+    """Whether an end was told by somebody who did not know what became of the command."""
+    return card.state == "interrupted" and card.steps == 0
+
+
+async def left_open(forum: Forum, post: Post, moves: Callable[[str], Awaitable[bool]]) -> bool:
+    """Wait until an open status post tells an end (False), or was left by whoever wrote it (True): it showed nothing
+    new for `LEFT_S` while its command, by its trace id, did not move."""
+    since_s = time.monotonic()
+    while time.monotonic() - since_s < LEFT_S:
+        try:
+            now = await insist(partial(forum.post, post.id))
+        except ForumNotFound:
+            return True
+        if now.removed or is_final(now.card):
+            return False
+        changed = (now.raw, now.card) != (post.raw, post.card)
+        if changed or (now.card is not None and await moves(now.card.trace_id)):
+            post, since_s = now, time.monotonic()
+        await asyncio.sleep(_LOOK_S)
+    return True
+
+
+async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images: Sequence[bytes]) -> T:
+    """Write with pictures; the words matter more, so where the forum does not take the pictures, without them: first
+    without those that move, which not every forum knows."""
+    still = tuple(image for image in images if not image.startswith(b"RIFF"))
+    for pictures in dict.fromkeys((tuple(images), still)) if images else ():
+        try:
+            return await insist(partial(write, pictures), PICTURE_TRIES)
+        except ForumUnreachable as e:
+            _log.warning("told without pictures", error=str(e))
+            break
+        except ForumError as e:
+            _log.warning("pictures not taken", count=len(pictures), error=str(e))
+    return await insist(lambda: write(()))
+
+
+async def insist(write: Callable[[], Awaitable[T]], tries: float = math.inf) -> T:
+    """Repeat a write that is safe to repeat until the forum answers, or `tries` times. Other errors come through."""
+    wait_s, longest_s = _BACKOFF_S
+    while True:
+        tries -= 1
+        try:
+            return await write()
+        except ForumLimited as e:
+            await asyncio.sleep(e.retry_after_s)
+        except ForumUnreachable as e:
+            if tries <= 0:
+                raise
+            _log.info("forum does not answer, trying again", after_s=wait_s, error=str(e))
+            await asyncio.sleep(wait_s)
+            wait_s = min(longest_s, wait_s * 2)
+
+
+async def until_allowed(
+    write: Callable[[], Awaitable[T]],
+    limit_s: float = TOLD_WITHIN_S,
+    wait: Callable[[float], Awaitable[object]] = asyncio.sleep,
+) -> T:
+    """Repeat a write for as long as the forum denies it: its account may be suspended for a while. After `limit_s` the
+    denial comes through, as other errors do at once."""
+    wait_s, longest_s = _DENIED_S
+    until_s = time.monotonic() + limit_s
+    while True:
+        try:
+            return await write()
+        except ForumDenied as e:
+            if time.monotonic() >= until_s:
+                raise
+            _log.warning("the forum denies us a write, trying again", after_s=wait_s, error=str(e))
+        await wait(wait_s)
+        wait_s = min(longest_s, wait_s * 2)

@@ -1,0 +1,116 @@
+"""Every call of a model on the way to a goal, with what came of it: a table for the thread, lines of JSON for programs.
+
+In the table it stands in place of the steps, each beside the call that it came of: what was asked, what was measured,
+and which picture was seen then. What a model wrote is escaped code of at most 100 characters; the whole is in the lines
+and in the command's record. Pure.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+
+from agentrob.agent.media.pictures import Picture
+from agentrob.agent.reporting.messages import say as say_step
+from agentrob.agent.reporting.report import asked, measured, outcome
+from agentrob.agent.reporting.visual_text import say
+from agentrob.language.messages.catalog import quote
+from agentrob.minds.visual_loop.loop import Looked, Turn
+from agentrob.model import ActionResult, Language, Op
+
+#: So many rows are told in the thread.
+MOST_ROWS = 30
+_NONE = "–"
+
+
+def table(looked: Looked, results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language) -> str:
+    """All calls in order, as Markdown; steps that no call asked for (pictures that were shown) stand between them."""
+    head = [
+        say_step("table.step", language), say("calls.asked", language), say_step("table.measured", language),
+        say_step("table.outcome", language),
+    ]  # fmt: skip
+    rows = list(_rows(looked.turns, results, pictures, language))
+    lines = [head, ["---:", "---", "---", "---"], *rows[:MOST_ROWS]]
+    told = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    more = len(rows) - MOST_ROWS
+    return told + "\n\n" + say("calls.more", language, count=more) if more > 0 else told
+
+
+def lines(looked: Looked) -> bytes:
+    """The same for programs: the goal and how it ended, then a line for each call."""
+    head = {"goal": looked.goal, "mind": looked.mind, "end": asdict(looked.end), "contradicted": looked.contradicted}
+    told = [head, *(asdict(turn) for turn in looked.turns)]
+    return "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in told).encode()
+
+
+def _rows(
+    turns: Sequence[Turn], results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language
+) -> Iterator[list[str]]:
+    seen = _seen(pictures, language)
+    called = {turn.step for turn in turns}
+    left = [(n, _step(n, r, asked(r, language), seen, language)) for n, r in enumerate(results, 1) if n not in called]
+    at = 0
+    for turn in (None, *turns):
+        if turn is not None and turn.step is not None and turn.step <= len(results):
+            at = turn.step
+            yield _step(at, results[at - 1], call(turn), seen, language)
+        elif turn is not None:
+            yield ["", call(turn), _NONE, _told(turn, language)]
+        while left and left[0][0] == at + 1:
+            at, row = left.pop(0)
+            yield row
+    yield from (row for _, row in left)
+
+
+def _step(number: int, result: ActionResult, called: str, seen: dict[int, str], language: Language) -> list[str]:
+    what = measured(result, language) if result.primitive.op is not Op.GET_FRONT_IMAGE else _NONE
+    told = outcome(result, language)
+    if number in seen:
+        told += ("，" if language == "zh" else ", ") + seen[number]
+    return [str(number), called, what, told]
+
+
+def _seen(pictures: Sequence[Picture], language: Language) -> dict[int, str]:
+    """By step: which of the post's pictures was seen then, or its link."""
+    seen, place = {}, 0
+    for picture in pictures:
+        place += picture.attached
+        if picture.kind == "step":
+            words = say("calls.picture", language, number=place if picture.attached else picture.step)
+            seen[picture.step] = f"[{words}]({picture.link.url})" if picture.link else words
+    return seen
+
+
+def _told(turn: Turn, language: Language) -> str:
+    if turn.problem:
+        return say("calls.problem", language, problem=_code(turn.problem))
+    if turn.outcome:
+        return say("calls.claims", language, outcome=_code(turn.outcome))
+    return say("calls.words", language)
+
+
+def call(turn: Turn) -> str:
+    """A call as code: its name and its arguments; words without one as they are."""
+    if not turn.tool:
+        return _code(turn.words)
+    given = turn.arguments.get("raw") if list(turn.arguments) == ["raw"] else None
+    told = given if given is not None else " ".join(_argument(*one) for one in turn.arguments.items())
+    return _code(" ".join(f"{turn.tool} {'' if told == '{}' else told}".split()))
+
+
+def _argument(name: str, value: object) -> str:
+    if value in (None, False, "", []):
+        return ""
+    return _plain(value) if name == "direction" else f"{name}={_plain(value)}"
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def _code(words: str) -> str:
+    """As code that no table takes for a border."""
+    return quote(words.replace("|", "¦"))

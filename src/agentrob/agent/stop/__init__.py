@@ -1,0 +1,1 @@
+"""Stops by post or button, and the owner's release."""

@@ -1,0 +1,82 @@
+"""Which accounts are known to be robots: only a mention of one of these may turn a stop away from this robot (law 13).
+
+Whoever is not known may be a person who is warned ("@alice stop it!"), so the robot stops. Nothing here is asked while
+a stop is heard: the forum's robots are listed once at the start, where a forum can list them, whoever writes is noted,
+and an unknown account that a post mentions is looked up afterwards, for the next time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Collection, Coroutine
+from typing import Any
+
+import structlog
+
+from agentrob.forums.bounded import BoundedDict
+from agentrob.forums.protocol import Forum, Roster
+from agentrob.model import Account, AccountKind
+
+#: So many names are remembered, those of robots and those that were asked about.
+MOST = 1_000
+#: A name is asked about again after so long, and so many wait to be asked about.
+AGAIN_S, MOST_WAITING = 600.0, 8
+#: The forum's list of robots may take so long; the agent starts without it.
+LIST_S = 3.0
+_log = structlog.get_logger()
+
+
+class KnownRobots:
+    """`spawn` begins work that nobody waits for."""
+
+    def __init__(self, forum: Forum, spawn: Callable[[Coroutine[Any, Any, Any]], object]) -> None:
+        self._forum = forum
+        self._spawn = spawn
+        self._robots: BoundedDict[str, None] = BoundedDict(MOST)
+        self._asked_s: BoundedDict[str, float] = BoundedDict(MOST)
+        self._waiting: list[str] = []
+
+    @property
+    def names(self) -> Collection[str]:
+        return self._robots.keys()
+
+    async def list_robots(self) -> None:
+        """Learn the forum's robots, where it lists them. Whatever it answers, the agent starts."""
+        if isinstance(self._forum, Roster):
+            try:
+                async with asyncio.timeout(LIST_S):
+                    for name in await self._forum.robot_names():
+                        self._robots[name.lower()] = None
+            except Exception as error:
+                _log.warning("the forum's robots are not known", error=repr(error)[:200])
+
+    def meet(self, account: Account) -> None:
+        """Note what somebody is who wrote, or was looked up."""
+        name = account.name.lower()
+        if account.kind is AccountKind.ROBOT_AGENT:
+            self._robots[name] = None
+        else:
+            self._robots.pop(name, None)
+
+    def look_up(self, names: Collection[str]) -> None:
+        """Ask the forum about accounts that are not known to be robots. Never waits."""
+        idle = not self._waiting
+        for name in names:
+            asked_s = self._asked_s.get(name)
+            if name in self._robots or len(self._waiting) >= MOST_WAITING:
+                continue
+            if asked_s is None or time.monotonic() - asked_s > AGAIN_S:
+                self._asked_s[name] = time.monotonic()
+                self._waiting.append(name)
+        if idle and self._waiting:
+            self._spawn(self._ask())
+
+    async def _ask(self) -> None:
+        while self._waiting:
+            try:
+                if (account := await self._forum.account(self._waiting[0])) is not None:
+                    self.meet(account)
+            except Exception as error:
+                _log.info("an account is not known", account=self._waiting[0], error=repr(error)[:200])
+            self._waiting.pop(0)

@@ -1,0 +1,52 @@
+"""Moderators hear when a robot is stopped again and again (law 15)."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from datetime import datetime, timedelta
+
+import structlog
+
+from agentrob.agent.reporting.messages import say
+from agentrob.errors import ForumError
+from agentrob.forums.protocol import Forum
+from agentrob.model import Language
+
+#: So many stops within so long are told, and then not again for as long.
+STOPS = 3
+WITHIN = timedelta(minutes=5)
+_log = structlog.get_logger()
+
+
+class Alarm:
+    """Counts the stops of one robot by the forum's clock and mentions `names` in the thread of the third."""
+
+    def __init__(self, forum: Forum, robot: str, names: Sequence[str]) -> None:
+        self._forum = forum
+        self._robot = robot
+        self._names = [name.lower().lstrip("@") for name in dict.fromkeys(names) if name]
+        self._stops: deque[datetime] = deque(maxlen=STOPS)
+        self._rang_at: datetime | None = None
+
+    def rings(self, at: datetime) -> bool:
+        """Count a stop that was accepted at `at`; whether this one is to be told."""
+        self._stops.append(at)
+        # The forum's clock may have been set back since: then its times say nothing, and it is told once too often.
+        quiet = self._rang_at is None or abs(at - self._rang_at) > WITHIN
+        if not quiet or len(self._stops) < STOPS or abs(at - self._stops[0]) > WITHIN:
+            return False
+        self._rang_at = at
+        return True
+
+    async def tell(self, topic_id: str | None, language: Language) -> None:
+        """Say so in a thread, where there is one, and in the log."""
+        _log.warning("stopped again and again", robot=self._robot, stops=STOPS, minutes=WITHIN.seconds // 60)
+        if topic_id is None or self._rang_at is None:
+            return
+        names = " ".join(f"@{name}" for name in self._names)
+        said = say("stop.third", language, count=STOPS, minutes=WITHIN.seconds // 60, names=names).strip()
+        try:
+            await self._forum.reply(topic_id, said, key=f"alarm:{self._robot}:{self._rang_at.isoformat()}")
+        except ForumError as e:
+            _log.warning("moderators not told", robot=self._robot, error=str(e))

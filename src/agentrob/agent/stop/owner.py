@@ -1,0 +1,194 @@
+"""What a robot's owner does from the robot's page: release it when it is locked, and set its home (laws 2, 9 and 17);
+and what a thread is told of how that is done."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable
+from datetime import datetime
+from typing import Any, Literal
+
+import structlog
+
+from agentrob.agent.intake.authorization import own_rights
+from agentrob.agent.intake.triage import obeyed
+from agentrob.agent.reporting.messages import say
+from agentrob.agent.stop.replies import Stops
+from agentrob.agent.stop.stop_handler import Brake
+from agentrob.config.load import RobotConfig
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
+from agentrob.forums.protocol import Event, EventKind, Forum, Keeper, Panel
+from agentrob.language.messages.catalog import quote
+from agentrob.model import EMERGENCY_STOP, Account, Decision, Language, Lock, Report, RobotRights, RobotState
+from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.safety.lock import held_for
+from agentrob.screening.rights import may
+
+#: A button counts for so long after it was pressed: what the owner saw then is no longer what is there.
+FRESH_S = 30.0
+#: Asking the driver, or the forum where the robot's page is, may delay a reply by so much.
+ASK_S = 1.0
+_LOCKED = frozenset({"halted", "halt"})
+_HOMELESS = frozenset({"not_homed", "odometry_jump"})
+Deed = Literal["release", "home"]
+_log = structlog.get_logger()
+
+
+class Owner:
+    """One robot's. `told` is what came of the last press, for the robot's card; None before the first one.
+
+    `now` is the forum's clock, `changed` hears that the card should be renewed.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        settings: RobotConfig,
+        forum: Forum,
+        driver: DriverClient,
+        stops: Stops,
+        brake: Brake,
+        now: Callable[[], datetime],
+        changed: Callable[[], None],
+    ) -> None:
+        self.told: dict[str, Any] | None = None
+        self._name = name
+        self._settings = settings
+        self._forum = forum
+        self._driver = driver
+        self._stops = stops
+        self._brake = brake
+        self._now = now
+        self._changed = changed
+        self._page = ""
+        self._one_at_a_time = asyncio.Lock()
+
+    # ------------------------------------------------------------------ buttons
+    async def pressed(self, event: Event, me: Account) -> None:
+        """Release the robot or set its home, when whoever pressed may and did so just now. Never moves anything."""
+        by = event.account
+        deed: Deed = "release" if event.kind is EventKind.ROBOT_RELEASE else "home"
+        if by is None or not obeyed(by, me):
+            return
+        pressed_s = time.monotonic() - max(0.0, (self._now() - event.at).total_seconds())
+        async with self._one_at_a_time:
+            try:
+                why = await self._objection(by, deed, pressed_s)
+                done, said = (False, why) if why else await self._do(deed, by.name, event.at, pressed_s)
+            except RobotError as e:
+                done, said = False, f"{e}."
+        level = _log.info if done else _log.warning
+        level("owner's button", robot=self._name, deed=deed, by=by.name, done=done, said=said)
+        self.told = {"deed": deed, "by": by.name, "at": self._now().isoformat(), "done": done, "said": said}
+        self._changed()
+
+    async def _objection(self, by: Account, deed: Deed, pressed_s: float) -> str:
+        """Why this press does not count, on today's rights; empty when it does."""
+        if time.monotonic() - pressed_s > FRESH_S:
+            return f"It was pressed more than {FRESH_S:.0f} s before I heard of it. Look at the robot, and press again."
+        try:
+            account = await self._forum.account(by.name)
+            rights = await self._rights()
+        except ForumError:
+            return "I could not check whether this account may do that. Press again."
+        if account is None or account.id != by.id:
+            return "This account is no longer there."
+        verdict = may(account, deed, "en", self._settings.owner, rights)
+        return "" if verdict.decision is Decision.ALLOW else verdict.reason
+
+    async def _rights(self) -> RobotRights:
+        if not isinstance(self._forum, Keeper) or not self._settings.boards:
+            return own_rights(self._settings)
+        try:
+            return await self._forum.robot_rights(self._name, self._settings.boards[0])
+        except (ForumNotFound, ForumDenied):
+            return RobotRights()
+
+    async def _do(self, deed: Deed, by: str, at: datetime, pressed_s: float) -> tuple[bool, str]:
+        """Whether it was done, and what came of it in English. Raises `RobotError`."""
+        if deed == "home":
+            await self._driver.home(by)
+            return True, "Its home is where it stood then."
+        await self._stops.settled()
+        ahead, lock = self._brake.clear(), None
+        if (await self._driver.state()).halted:
+            self._brake.released(at)  # first: nothing that was posted before it finds the robot free
+            lock = await self._driver.release(by, pressed_s)
+        said = f"It had been {_locked_by(lock)}." if lock else "It was not locked."
+        if ahead is not None:
+            said += (
+                f" Its last stop bore a time in the future ({ahead:%Y-%m-%d %H:%M:%S} UTC); it no longer holds back"
+                " commands."
+            )
+        return True, said
+
+    # ------------------------------------------------------------------ what a thread is told
+    async def learn_page(self) -> None:
+        """Ask the forum once where the robot's page is, for links to it."""
+        if isinstance(self._forum, Panel) and not self._page:
+            with contextlib.suppress(ForumError, TimeoutError):
+                async with asyncio.timeout(ASK_S):
+                    self._page = await self._forum.robot_page(self._name)
+
+    def how_to_release(self, language: Language) -> str:
+        return self._how("release", language)
+
+    def how_to_home(self, language: Language) -> str:
+        return self._how("home", language)
+
+    def _how(self, deed: Deed, language: Language) -> str:
+        owner = self._settings.owner
+        who = say("owner.named", language, owner=quote(owner)) if owner else say("owner.any", language)
+        if not isinstance(self._forum, Panel):
+            return say(f"how.{deed}.shell", language, robot=self._name)
+        page = say("owner.page", language)
+        page = f"[{page}]({self._page})" if self._page else page
+        return say(f"how.{deed}", language, who=who, page=page, robot=self._name)
+
+    async def ways_out(self, report: Report) -> list[str]:
+        """Paragraphs for a command that did not move since the robot is locked or has no home: who did that, and how
+        it ends."""
+        reasons, language = {result.reason for result in report.results}, report.command.language
+        if not reasons & (_LOCKED | _HOMELESS) and report.status != "stopped":
+            return []
+        state = await self._state()
+        locked = state.halted if state is not None else bool(reasons & _LOCKED)
+        if locked:
+            # The sentence of a step that the driver refused says who, when and why; that of one it broke off does not.
+            told = language == "en" and bool(reasons & _LOCKED) and report.status != "stopped"
+            return [self.locked(None if told or state is None else state.lock, language)]
+        if reasons & _HOMELESS and not (state is not None and state.homed):
+            return [self.how_to_home(language)]
+        return []
+
+    def of_state(self, state: RobotState, language: Language) -> list[str]:
+        """Paragraphs for the answer to "how are you"."""
+        said = [self.locked(state.lock, language)] if state.halted else []
+        return said + ([] if state.homed else [self.how_to_home(language)])
+
+    def locked(self, lock: Lock | None, language: Language) -> str:
+        """Who locked it, why and since when, and how it is released."""
+        joint = "" if language == "zh" else " "
+        return joint.join(part for part in (lock and lock_text(lock, language), self.how_to_release(language)) if part)
+
+    async def _state(self) -> RobotState | None:
+        try:
+            async with asyncio.timeout(ASK_S):
+                return await self._driver.state()
+        except (RobotError, TimeoutError):
+            return None
+
+
+def lock_text(lock: Lock, language: Language) -> str:
+    """A lock in a sentence of the language; its texts are others' and stand there as code."""
+    why = say("lock.emergency", language) if lock.why == EMERGENCY_STOP else quote(lock.why.rstrip("."))
+    if not lock.by or lock.at is None:
+        return say("lock.nobody", language, why=why)
+    return say("lock.by", language, who=quote(lock.by), ago=held_for(lock, language), why=why)
+
+
+def _locked_by(lock: Lock) -> str:
+    held = held_for(lock)
+    return f"locked{f' by {lock.by}' if lock.by else ''}{f' for {held}' if held else ''}"

@@ -1,0 +1,187 @@
+"""Stop, straight to the driver: no model, journal, queue or limit stands in the way (laws 13 to 17)."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import time
+from collections.abc import Awaitable, Callable, Iterator
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import partial
+
+import structlog
+
+from agentrob.agent.intake.event_stream import STEP
+from agentrob.agent.reporting.status_post import SOON_S, insist, until_allowed
+from agentrob.config.load import RobotConfig
+from agentrob.errors import ForumError, RobotError
+from agentrob.forums.bounded import BoundedDict
+from agentrob.forums.protocol import Forum, Written
+from agentrob.model import Language, Post, StopResult
+from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.stop import stop_robot
+
+#: A reply that is folded is brought up to date at most this often.
+FOLD_S = 1.0
+#: A forum that fails so often (for some 50 s) is left without the reply to a stop.
+TRIES = 9
+#: Threads whose reply to a stop is remembered, until a new command comes; a stop in another one is answered anew.
+THREADS = 100
+_log = structlog.get_logger()
+#: What the second channel's answer to a halt says: it can only stop.
+ONLY_STOPPED = "only stopped"
+#: A stop that is told as late by more than this is told once the clocks are compared.
+LATE_MS = STEP.total_seconds() * 1000
+
+
+@dataclass
+class StopReply:
+    """One reply that tells of a stop, and of those that came after it in its thread.
+
+    `ended` counts commands. `halted` is None when a halt was asked for and could not be done, `taken` says that the
+    post is no plain stop. `result` is what the stop did, None when the driver was not reached.
+    """
+
+    language: Language
+    ended: int
+    halted: bool | None
+    taken: bool = False
+    result: StopResult | None = None
+    folded: int = 0
+    post_id: str = ""
+    edits: int = 0
+    updating: asyncio.Task[None] | None = None
+
+
+class Stops:
+    """Stops one robot and answers stop posts, with one reply per thread until a new command comes.
+
+    `now` is the forum's clock; `settled` waits until that is known, `render` gives a reply's Markdown.
+    """
+
+    def __init__(
+        self,
+        forum: Forum,
+        driver: DriverClient,
+        settings: RobotConfig,
+        now: Callable[[], datetime],
+        render: Callable[[StopReply], str],
+        settled: Callable[[], Awaitable[object]],
+    ) -> None:
+        self._forum = forum
+        self._driver = driver
+        self._settings = settings
+        self._now = now
+        self._render = render
+        self._settled = settled
+        self._under_way: set[asyncio.Future[None]] = set()
+        self._ended_s = -math.inf
+        self._replies = BoundedDict[str, asyncio.Task[StopReply | None]](THREADS)
+
+    async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
+        """Stop or halt the robot; the result's latency counts from `at`, when the stop was accepted by the forum.
+
+        None when no driver could be reached on either of its two channels.
+        """
+        with self._counted():
+            result = await self._stop(by, at, halt)
+            if result is not None:
+                self._ended_s = max(self._ended_s, math.nextafter(result.ended_s, math.inf))
+            return result
+
+    async def quietly(self, why: str) -> None:
+        """Stop because a command of ours ended before its time; raises `RobotError`. It is no stop of somebody: what
+        waits is left, and a stop that came before this one still ends it (law 14)."""
+        with self._counted():
+            await self._driver.stop(f"agent: {why}", running_only=True)
+
+    async def settled(self) -> None:
+        """Wait for the stops that are on their way to the driver."""
+        if self._under_way:
+            await asyncio.wait(tuple(self._under_way))
+
+    @contextlib.contextmanager
+    def _counted(self) -> Iterator[None]:
+        done = asyncio.get_running_loop().create_future()
+        self._under_way.add(done)
+        try:
+            yield
+        finally:
+            self._under_way.discard(done)
+            done.set_result(None)
+
+    async def since(self, accepted_s: float) -> float:
+        """Since when the driver may know of no stop, for a command accepted at `accepted_s` (monotonic) that we did
+        not end: waits for our own stops, which were for earlier commands, and counts from when the driver ended those:
+        a stop by somebody at the robot, while it still came to rest, is not hidden by ours."""
+        await self.settled()
+        return max(accepted_s, self._ended_s)
+
+    async def _stop(self, by: str, at: datetime, halt: bool) -> StopResult | None:
+        heard_s = time.monotonic()
+        try:
+            result = await (self._driver.halt(by) if halt else self._driver.stop(by))
+        except RobotError as e:
+            _log.warning("driver does not take the stop, trying its second channel", error=str(e))
+            first_s = time.monotonic() - heard_s
+            try:
+                result = await asyncio.to_thread(stop_robot, self._driver.robot, self._settings, by)
+                result = replace(result, message=ONLY_STOPPED) if halt else result
+            except RobotError as second:
+                _log.error("robot not stopped", robot=self._driver.robot, error=str(second))
+                return None
+        else:
+            first_s = 0.0
+        if abs(self._late_ms(at, heard_s)) > LATE_MS:
+            await self._settled()
+        late_ms = max(0.0, self._late_ms(at, heard_s)) + first_s * 1000
+        _log.info("stopped", robot=self._driver.robot, by=by, latency_ms=late_ms + result.latency_ms)
+        return replace(result, latency_ms=late_ms + result.latency_ms)
+
+    def _late_ms(self, at: datetime, heard_s: float) -> float:
+        """How long after it was accepted by the forum a stop was heard, by the forum's clock as it goes now."""
+        return ((self._now() - at).total_seconds() - (time.monotonic() - heard_s)) * 1000
+
+    def new_command(self) -> None:
+        """The next stop is about something new and gets a reply of its own."""
+        self._replies.clear()
+
+    async def answer(self, post: Post, stopping: asyncio.Task[StopResult | None], reply: StopReply) -> None:
+        """Reply to a stop post, or fold it into the reply that its thread already has."""
+        if (first := self._replies.get(post.topic_id)) is None:
+            replying = asyncio.create_task(self._reply(post, stopping, reply))
+            self._replies[post.topic_id] = replying
+            await asyncio.shield(replying)
+        elif (told := await asyncio.shield(first)) is not None:
+            told.folded += 1
+            if told.updating is None or told.updating.done():
+                told.updating = asyncio.create_task(self._update(told))
+
+    async def _reply(self, post: Post, stopping: asyncio.Task[StopResult | None], reply: StopReply) -> StopReply | None:
+        reply.result = await asyncio.shield(stopping)
+        if reply.halted and reply.result is not None and reply.result.message == ONLY_STOPPED:
+            reply.halted = None
+        text = self._render(reply)
+
+        async def write() -> Written:
+            return await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
+
+        try:
+            written = await until_allowed(partial(insist, write, TRIES), SOON_S)
+        except ForumError as e:
+            _log.warning("stop not answered", post=post.id, error=str(e))
+            return None
+        reply.post_id = written.post.id
+        return reply
+
+    async def _update(self, reply: StopReply) -> None:
+        await asyncio.sleep(FOLD_S)
+        if self._forum.max_edits is not None and reply.edits >= self._forum.max_edits:
+            return
+        reply.edits += 1
+        try:
+            await self._forum.edit(reply.post_id, self._render(reply))
+        except ForumError as e:
+            _log.info("stop reply not updated", error=str(e))

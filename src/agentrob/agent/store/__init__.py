@@ -1,0 +1,1 @@
+"""The agent's database: journal, rows, records and retention."""

@@ -1,0 +1,434 @@
+"""What an agent must not forget: which posts it claimed, whether their motion began, and what came of each.
+
+Two things share one SQLite file. The rows (`claim`, `motion`, `meta`) are ours and decide whether anything may move.
+The workflows are DBOS's: each thought and motion is one, with an id made of the post, so that what was finished
+before a crash is not done again. Unfinished workflows are forgotten at the start and begun anew from the claim rows:
+what must not be repeated is guarded by its own row, never by the engine.
+
+    post-<id>            read the post, understand it, screen it
+    post-<id>:motion     move; the motion row is written before, and the first insert wins
+
+The final reply needs none: it can be told again, since whoever tells it looks first whether it is there.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import socket
+import sqlite3
+import threading
+import time
+from collections.abc import Awaitable, Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from datetime import datetime
+from functools import partial
+from pathlib import Path
+from typing import IO, TypeVar
+
+from dbos import DBOS, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
+from dbos import error as dbos_error
+from pydantic import TypeAdapter
+from sqlalchemy.exc import SQLAlchemyError
+
+from agentrob.agent.store import rows as db
+from agentrob.agent.store.engine_cleanup import forget_finished, forget_unfinished
+from agentrob.agent.store.rows import COMMAND, DECIDED, Asked, Claim, Decided, Rows
+from agentrob.errors import JournalError
+from agentrob.model import Command, Plan
+
+T = TypeVar("T")
+Deed = Callable[[], Awaitable[str]]
+
+#: Raised by one when stored workflows of the old version must not be taken for those of the new.
+VERSION = "agentrob-1"
+#: So many answers are written at once, or made anew after a restart.
+KEEPING = 8
+#: A claim is kept so long whatever their number: a post that is younger must be known again (law 6).
+AT_LEAST_S = 86400.0
+#: What `move` answers when the motion had begun before and its end is not known.
+INTERRUPTED = "interrupted"
+#: What `move` answers when it was cancelled before it began.
+CANCELLED = "cancelled"
+#: Why a claim ended that somebody denied the approval it needed.
+DENIED = "denied"
+
+_PLAN = TypeAdapter(Plan)
+
+
+class _Ended(BaseException):
+    """Ends a workflow's thread at shutdown without an outcome, so that the next start begins it anew."""
+
+
+class NotBegun(_Ended):
+    """Raised by a motion's deed that has done nothing: the motion has not begun, and is left to the next start."""
+
+
+class Journal(Rows):
+    """Open with `await Journal.open(...)`; one per process and one per robot and data folder."""
+
+    def __init__(self, folder: Path, robot: str) -> None:
+        super().__init__(f"{robot}-journal")
+        self._folder = folder
+        self._robot = robot
+        self._lock: IO[str] | None = None
+        self._loop = asyncio.get_running_loop()
+        # Apart, so that nothing that is kept holds up a motion; motions run one at a time.
+        self._keeping = ThreadPoolExecutor(KEEPING, thread_name_prefix=f"{robot}-keeping")
+        self._motions = ThreadPoolExecutor(2, thread_name_prefix=f"{robot}-motions")
+        self._deeds: dict[str, Deed] = {}
+        self._ended = threading.Event()
+        self._era = ""
+
+    # ---------------------------------------------------------------- open and close
+    @classmethod
+    async def open(cls, folder: Path, robot: str) -> Journal:
+        """Take the lock, make or read the file, start the engine. `JournalError` when that cannot be done."""
+        journal = cls(folder, robot)
+        try:
+            await journal._in_rows(journal._open)
+            await asyncio.get_running_loop().run_in_executor(journal._motions, journal._launch)
+        except BaseException:
+            await journal.close()
+            raise
+        return journal
+
+    def _open(self) -> None:
+        path = self._folder / "journal.sqlite"
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self._lock = (self._folder / "journal.lock").open("w")
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # WAL must be set before the engine opens the file: three times the throughput of the default.
+            self._db = sqlite3.connect(path, timeout=30.0, isolation_level=None)
+            self._db.execute("PRAGMA journal_mode=wal")
+            self._db.execute("PRAGMA synchronous=FULL")
+            self._db.executescript(db.TABLES)
+            db.migrate(self._db)
+            self._era = (self._one("SELECT value FROM meta WHERE key = 'era'") or ("",))[0]
+        except BlockingIOError:
+            raise JournalError(
+                f"an agent for {self._robot} already runs with {self._folder}; end it first, or use another data folder"
+            ) from None
+        except (OSError, sqlite3.Error) as e:
+            raise JournalError(f"the journal {path} cannot be opened: {e}") from None
+
+    def _launch(self) -> None:
+        if _open:
+            raise JournalError("this process already has an open journal; run one agent per process")
+        url = f"sqlite:///{self._folder / 'journal.sqlite'}"
+        config: DBOSConfig = {
+            "name": "agentrob",
+            "system_database_url": url,
+            # A name of its own per machine and robot: the engine re-runs whatever bears the same one.
+            "executor_id": f"{socket.gethostname()}-{self._robot}",
+            "application_version": VERSION,
+            "serializer": DBOSPortableJSONSerializer(),
+            # Nothing of ours waits for notifications; this is only how long closing takes.
+            "notification_listener_polling_interval_sec": 0.2,
+            "log_level": "ERROR",
+            "console_log_level": "ERROR",
+        }
+        try:
+            forget_unfinished(url, self._has_workflows())
+            DBOS(config=config)
+            DBOS.launch()
+        except Exception as e:
+            raise JournalError(f"the journal's engine does not start: {e}") from e
+        _open.append(self)
+
+    def _has_workflows(self) -> bool:
+        found = self._rows.submit(self._one, "SELECT 1 FROM sqlite_master WHERE name = 'workflow_status'").result()
+        return found is not None
+
+    async def close(self) -> None:
+        """End the engine; deeds that still run are left unfinished. Calling again does nothing."""
+        self._ended.set()
+        if self in _open:
+            _open.remove(self)
+            await asyncio.to_thread(DBOS.destroy, workflow_completion_timeout_sec=0)
+        if self._db is not None:
+            await self._in_rows(self._db.close)
+            self._db = None
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
+        self._rows.shutdown(wait=False)
+        self._keeping.shutdown(wait=False)
+        self._motions.shutdown(wait=False)
+
+    # ---------------------------------------------------------------- claims
+    async def claim(self, command: Command, ended: str | None = None) -> Claim:
+        """Take a post, before anything about it is written on the forum. Taking it again changes nothing.
+
+        `ended` is why it may never move; that is kept with it from the first moment on.
+        """
+        return await self._in_rows(self._claim, command, ended)
+
+    def _claim(self, command: Command, ended: str | None) -> Claim:
+        before = self._claimed(command.post_id)
+        if before is not None:
+            return before
+        kept = COMMAND.dump_json(command).decode()
+        row = (command.post_id, command.topic_id, kept, db.boot(), db.boot_s(), time.time())
+        with self._together():
+            self._do("INSERT INTO claim (post, topic, command, boot, accepted_s, at) VALUES (?, ?, ?, ?, ?, ?)", row)
+            if ended is not None:
+                self._end_row(command.post_id, ended)
+        return Claim(command, new=True, waited_s=0.0, ended=ended)
+
+    def _claimed(self, post_id: str) -> Claim | None:
+        found = self._one(f"{db.CLAIMS} WHERE claim.post = ?", (post_id,))
+        return db.read_claim(found) if found else None
+
+    async def claimed(self, post_id: str) -> Claim | None:
+        return await self._in_rows(self._claimed, post_id)
+
+    async def open_claims(self) -> Sequence[Claim]:
+        """Claims without a final reply, in the order in which they were taken."""
+        found = await self._in_rows(self._all, f"{db.CLAIMS} WHERE final IS NULL ORDER BY number")
+        return [db.read_claim(row) for row in found]
+
+    async def newest_claim(self) -> Claim | None:
+        """The claim taken last whose status post is on the forum."""
+        query = f"{db.CLAIMS} WHERE status_post NOT NULL ORDER BY number DESC LIMIT 1"
+        found = await self._in_rows(self._one, query)
+        return db.read_claim(found) if found else None
+
+    async def end(self, post_ids: Sequence[str], why: str) -> None:
+        """These commands may not begin to move any more, also after a restart. The first reason counts; what moves
+        already is ended by whoever moves it."""
+
+        def all_of_them() -> None:
+            with self._together():
+                for post_id in post_ids:
+                    self._end_row(post_id, why)
+
+        await self._in_rows(all_of_them)
+
+    def _end_row(self, post_id: str, why: str) -> None:
+        self._do("UPDATE claim SET ended = ? WHERE post = ? AND ended IS NULL", (why, post_id))
+        self._cancel(post_id)
+
+    async def knows(self, post_id: str) -> bool:
+        """Whether this post was ever claimed."""
+        return await self._in_rows(self._one, "SELECT 1 FROM claim WHERE post = ?", (post_id,)) is not None
+
+    async def posted(self, post_id: str, status_post: str) -> None:
+        """The status post of a claim is on the forum."""
+        await self._in_rows(self._do, "UPDATE claim SET status_post = ? WHERE post = ?", (status_post, post_id))
+
+    async def did(self, post_id: str, plan: Plan) -> None:
+        """A claim's plan was done as it was meant."""
+        kept = _PLAN.dump_json(plan).decode()
+        await self._in_rows(self._do, "UPDATE claim SET plan = ? WHERE post = ?", (kept, post_id))
+
+    async def finish(self, post_id: str, final: str) -> None:
+        """The final reply of a claim is on the forum."""
+        await self._in_rows(self._do, "UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
+
+    async def ask(self, post_id: str, asked_at: datetime, until_at: datetime) -> Asked:
+        """An approval is asked for; the first time counts, and what was said since then is given back."""
+
+        def rows() -> Asked:
+            self._do(db.ASK, (post_id, asked_at.isoformat(), until_at.isoformat()))
+            claim = self._claimed(post_id)
+            if claim is None or claim.asked is None:
+                raise JournalError(f"post {post_id} was never claimed")
+            return claim.asked
+
+        return await self._in_rows(rows)
+
+    async def decide(self, post_id: str, decided: Decided) -> bool:
+        """Somebody approved or denied; the first word counts, but what was approved may be denied until it moves.
+
+        False when it came too late. What is denied may not begin to move any more.
+        """
+
+        def rows() -> bool:
+            values = (DECIDED.dump_json(decided).decode(), decided.post_id, post_id, decided.approved)
+            with self._together():
+                counts = bool(self._do(db.DECIDE, values))
+                if counts and not decided.approved:
+                    self._end_row(post_id, DENIED)
+            return counts
+
+        return await self._in_rows(rows)
+
+    async def counted(self, post_id: str) -> bool:
+        """Whether this post approved or denied something."""
+        return await self._in_rows(self._one, "SELECT 1 FROM approval WHERE said_by = ?", (post_id,)) is not None
+
+    async def prune(self, days: float, commands: int) -> None:
+        """Let go of claims that were told more than `days` ago, or more than a day ago and more than `commands` claims
+        ago, and of what the engine kept of commands that are told. `JournalError` when that cannot be done."""
+
+        def rows() -> list[str]:
+            now = time.time()
+            with self._together():
+                assert self._db is not None
+                db.prune(self._db, now - days * 86400.0, commands, now - AT_LEAST_S)
+            return [row[0] for row in self._all("SELECT post FROM claim WHERE final IS NULL")]
+
+        open_posts = await self._in_rows(rows)
+        needed = {f"{self._era}post-{post}{part}" for post in open_posts for part in ("", ":motion")}
+        try:
+            await self._loop.run_in_executor(self._keeping, forget_finished, needed)
+        except (sqlite3.Error, SQLAlchemyError, dbos_error.DBOSException) as e:
+            raise JournalError(f"old workflows cannot be dropped: {e}") from None
+
+    async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
+        """The plans done before in a thread, oldest first."""
+        query = (
+            "SELECT plan FROM claim WHERE topic = ? AND plan NOT NULL AND coalesce(final, 'done') = 'done'"
+            " ORDER BY number DESC LIMIT ?"
+        )
+        found = await self._in_rows(self._all, query, (topic_id, limit))
+        return [_PLAN.validate_json(row[0]) for row in reversed(found)]
+
+    # ---------------------------------------------------------------- workflows
+    async def once(self, workflow_id: str, deed: Deed) -> str:
+        """Do `deed` and keep what it answers; under the same id again, also after a restart, give the kept answer."""
+        return await self._run(self._keeping, _keep, workflow_id, deed)
+
+    async def move(self, post_id: str, deed: Deed) -> str:
+        """Do `deed`, which moves a robot, at most once ever: its answer, the kept one, `INTERRUPTED` or `CANCELLED`."""
+        return await self._run(self._motions, _move, f"post-{post_id}:motion", deed)
+
+    async def _run(self, pool: ThreadPoolExecutor, workflow: Callable[[str], str], workflow_id: str, deed: Deed) -> str:
+        workflow_id = self._era + workflow_id
+        self._deeds[workflow_id] = deed
+        try:
+            return await self._loop.run_in_executor(pool, partial(self._start, workflow, workflow_id))
+        except asyncio.CancelledError:
+            raise
+        except _Ended:
+            raise asyncio.CancelledError from None
+        except (sqlite3.Error, SQLAlchemyError, dbos_error.DBOSException) as e:
+            raise JournalError(f"the journal cannot be written: {e}") from None
+        finally:
+            self._deeds.pop(workflow_id, None)
+
+    def _start(self, workflow: Callable[[str], str], workflow_id: str) -> str:
+        if self._ended.is_set():
+            raise _Ended
+        with SetWorkflowID(workflow_id):
+            return DBOS.start_workflow(workflow, workflow_id).get_result()
+
+    def _perform(self, workflow_id: str) -> str:
+        """In a workflow's thread: do the deed on the agent's own loop, where its connections live."""
+        deed = self._deeds.get(workflow_id)
+        if deed is None or self._ended.is_set():
+            raise NotBegun
+        future = asyncio.run_coroutine_threadsafe(_awaited(deed), self._loop)
+        while True:
+            try:
+                return future.result(0.5)
+            except TimeoutError:
+                if self._ended.is_set():
+                    future.cancel()
+                    raise _Ended from None
+            except NotBegun:
+                raise
+            except BaseException as e:
+                if self._ended.is_set():
+                    raise _Ended from None
+                raise e
+
+    # ---------------------------------------------------------------- motion rows
+    def _begin(self, post_id: str) -> str | None:
+        """None when the motion may begin now, and is on disk as begun; else what to answer instead."""
+        row = (post_id, time.time())
+        if self._do("INSERT INTO motion (post, state, at) VALUES (?, 'begun', ?) ON CONFLICT DO NOTHING", row):
+            return None
+        state, result = self._one("SELECT state, result FROM motion WHERE post = ?", (post_id,)) or (INTERRUPTED, None)
+        if state == "ended" and result is not None:
+            return str(result)
+        return CANCELLED if state == CANCELLED else INTERRUPTED
+
+    def _not_begun(self, post_id: str) -> None:
+        self._do("DELETE FROM motion WHERE post = ? AND state = 'begun'", (post_id,))
+
+    def _end(self, post_id: str, result: str) -> None:
+        self._do("UPDATE motion SET state = 'ended', result = ? WHERE post = ?", (result, post_id))
+
+    async def cancel(self, post_id: str) -> bool:
+        """Make sure that a motion which has not begun never does; False when it has begun."""
+        return await self._in_rows(self._cancel, post_id)
+
+    def _cancel(self, post_id: str) -> bool:
+        query = f"INSERT INTO motion (post, state, at) VALUES (?, '{CANCELLED}', ?) ON CONFLICT DO NOTHING"
+        return bool(self._do(query, (post_id, time.time())))
+
+    async def moved(self, post_id: str, ended: bool = False) -> bool:
+        """Whether a motion of this post ever began, or (`ended`) what came of it is kept."""
+        found = await self._in_rows(self._one, "SELECT state FROM motion WHERE post = ?", (post_id,))
+        return found is not None and (found[0] == "ended" if ended else found[0] != CANCELLED)
+
+    async def kept(self, post_id: str) -> str | None:
+        """What a motion that ended answered; None when that is not known."""
+        found = await self._in_rows(
+            self._one, "SELECT result FROM motion WHERE post = ? AND state = 'ended'", (post_id,)
+        )
+        return None if found is None or found[0] is None else str(found[0])
+
+    async def set_aside(self) -> None:
+        """The forum was replaced and its ids mean other posts now: what was kept counts no more, open claims end."""
+
+        def rows() -> None:
+            era = f"before-{time.time_ns()}-"
+            with self._together():
+                for query in db.SET_ASIDE:
+                    self._do(query, (era,))
+            self._era = era
+
+        await self._in_rows(rows)
+
+
+# -------------------------------------------------------------------- the engine's side
+#: The one open journal of this process: the engine is one per process too.
+_open: list[Journal] = []
+
+
+def _journal() -> Journal:
+    if not _open:
+        raise _Ended
+    return _open[0]
+
+
+@DBOS.workflow(name="keep")
+def _keep(workflow_id: str) -> str:
+    return _perform(workflow_id)
+
+
+@DBOS.workflow(name="move")
+def _move(workflow_id: str) -> str:
+    return _perform_motion(workflow_id)
+
+
+@DBOS.step(name="perform")
+def _perform(workflow_id: str) -> str:
+    return _journal()._perform(workflow_id)
+
+
+@DBOS.step(name="perform_motion")
+def _perform_motion(workflow_id: str) -> str:
+    """Steps run at least once, motion at most once: between the two stands the motion row."""
+    journal = _journal()
+    post_id = workflow_id.partition("post-")[2].removesuffix(":motion")
+    instead = journal._rows.submit(journal._begin, post_id).result()
+    if instead is not None:
+        return instead
+    try:
+        result = journal._perform(workflow_id)
+    except NotBegun:
+        with contextlib.suppress(Exception):  # closed already: then it counts as interrupted
+            journal._rows.submit(journal._not_begun, post_id).result()
+        raise
+    journal._rows.submit(journal._end, post_id, result).result()
+    return result
+
+
+async def _awaited(deed: Deed) -> str:
+    return await deed()

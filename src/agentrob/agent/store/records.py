@@ -1,0 +1,131 @@
+"""What is kept of each command on disk: why it was decided so, what was measured, and the pictures (law 19)."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from agentrob.agent.media.recorder import prune
+from agentrob.agent.store.rows import Asked
+from agentrob.agent.understanding.extract import Thought
+from agentrob.model import ActionResult, Report
+
+
+class Records:
+    """Files under one agent's data folder: `records/<post>.json` and `pictures/<post>-<step>.jpg`."""
+
+    def __init__(self, folder: Path) -> None:
+        self._records = folder / "records"
+        self._pictures = folder / "pictures"
+
+    def keep_pictures(
+        self, post_id: str, results: Sequence[ActionResult]
+    ) -> tuple[tuple[ActionResult, ...], tuple[str, ...]]:
+        """Write the pictures of the steps; returns the results without them, and per step the path or ""."""
+        self._pictures.mkdir(parents=True, exist_ok=True, mode=0o700)
+        paths = []
+        for number, result in enumerate(results, 1):
+            path = ""
+            if result.image:
+                path = str(self._pictures / f"{_safe(post_id)}-{number}.jpg")
+                Path(path).write_bytes(result.image)
+            paths.append(path)
+        return tuple(replace(r, image=None) for r in results), tuple(paths)
+
+    def with_pictures(self, results: Sequence[ActionResult], paths: Sequence[str]) -> tuple[ActionResult, ...]:
+        """The results with their pictures again, as far as the files are still there."""
+        pictures = (Path(p).read_bytes() if p and Path(p).exists() else None for p in paths)
+        return tuple(replace(r, image=image) for r, image in zip(results, pictures, strict=True))
+
+    def prune(self, days: float, mb: float, commands: int) -> None:
+        """Delete what is older than `days`, the oldest beyond `mb` of each kind, and the oldest of too many records."""
+        for folder, most in ((self._records, commands), (self._pictures, None)):
+            if folder.is_dir():
+                prune(folder, days, mb, most)
+
+    def read(self, post_id: str) -> dict[str, Any] | None:
+        """The record of a finished command; None when there is none."""
+        try:
+            facts: dict[str, Any] = json.loads((self._records / f"{_safe(post_id)}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        return facts if facts.get("post") == post_id else None
+
+    def write(self, report: Report, thought: Thought | None = None, **more: Any) -> dict[str, Any]:
+        """The record of a finished command, readable by people and programs, and given back. `mind` is who read it in
+        the end."""
+        command = report.command
+        facts = {
+            "post": command.post_id,
+            "topic": command.topic_id,
+            "robot": command.robot,
+            "author": {"id": command.author.id, "name": command.author.name, "role": str(command.author.role)},
+            "text": command.text,
+            "content_hash": command.content_hash,
+            "posted_at": command.posted_at.isoformat(),
+            "trace_id": command.trace_id,
+            "status": report.status,
+            "message": report.message,
+            "plan": [{"op": str(s.op), **s.asked()} for s in report.plan.steps],
+            "notes": list(report.plan.notes),
+            "verdict": asdict(report.verdict) if report.verdict else None,
+            "steps": [_step(r) for r in report.results],
+            "stop": asdict(report.stop) if report.stop else None,
+            "timings_ms": {k: round(v, 1) for k, v in report.timings_ms.items()},
+            **_minds(thought),
+            **more,
+        }
+        self._records.mkdir(parents=True, exist_ok=True, mode=0o700)
+        path = self._records / f"{_safe(command.post_id)}.json"
+        part = path.with_suffix(".part")
+        part.write_text(json.dumps(facts, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+        part.replace(path)
+        return facts
+
+
+def approval(asked: Asked | None) -> dict[str, Any] | None:
+    """Until when an approval was asked for, and who said what by which post; None where none was needed."""
+    if asked is None:
+        return None
+    said, until = asked.decided, {"until": asked.until_at.isoformat()}
+    if said is None:
+        return until
+    by = {"by": said.by.name, "role": str(said.by.role), "post": said.post_id, "at": said.at.isoformat()}
+    return until | {"approved": said.approved} | by
+
+
+def _minds(thought: Thought | None) -> dict[str, Any]:
+    """Who read and looked at a command, why not who should have, and what models took for it."""
+    if thought is None:
+        return {"mind": "", "fallback": "", "models": [], "screened": None}
+    screened = thought.screened
+    looked = screened and {
+        "mind": screened.mind,
+        "refusal": asdict(screened.refusal) if screened.refusal else None,
+        "why": screened.why,
+        "failed": screened.failed,
+    }
+    models = [usage.as_data() for usage in thought.usage]
+    return {"mind": thought.mind, "fallback": thought.fallback, "models": models, "screened": looked}
+
+
+def _step(result: ActionResult) -> dict[str, Any]:
+    return {
+        "op": str(result.primitive.op),
+        "asked": result.primitive.asked(),
+        "measured": {k: round(v, 4) for k, v in result.measured.items()},
+        **({"unmeasured": result.unmeasured} if result.unmeasured else {}),
+        "outcome": str(result.outcome),
+        "reason": result.reason,
+        "message": result.message,
+        "duration_s": round(result.duration_s, 3),
+    }
+
+
+def _safe(post_id: str) -> str:
+    """Ids are the forum's; they must not name another file."""
+    return re.sub(r"[^A-Za-z0-9_-]", "_", post_id)[:80]

@@ -1,0 +1,1 @@
+"""From a post to a plan, or to a goal for a model."""

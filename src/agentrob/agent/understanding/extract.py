@@ -1,0 +1,87 @@
+"""From the visible text of a post to what is wanted: asks the mind, and the rules when the mind fails."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import structlog
+
+from agentrob.errors import MindError
+from agentrob.language.goal import Goal
+from agentrob.language.parser.grammar import parse
+from agentrob.minds.extraction.mind import ModelMind
+from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.protocol import Listener, LivingMind, Mind, Reading, read
+from agentrob.minds.rules import RulesMind
+from agentrob.minds.safety_review import Screened
+from agentrob.minds.usage import Usage
+from agentrob.model import Intent, Plan, Understanding, Verdict
+
+#: A mind that takes longer is as good as none; models of the configuration have their own limits.
+LIMIT_S = 60.0
+#: Why a mind did not answer, besides the words of `minds.faults.Kind`: it failed and did not say how; the post may not
+#: move anything any more (stopped, edited, …); its account is over its limits, so the command is refused anyway.
+FAILED, OVER, RATE = "failed", "over", "rate"
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True, slots=True)
+class Thought:
+    """What was made of a post before anything moves: understood by which mind, and judged how (law 19).
+
+    `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
+    `minds.faults.Kind`, or one of those above), empty when it was. `usage` is one entry per question to a model, failed
+    ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what needs
+    eyes, and then the plan has only the steps that it names.
+    """
+
+    understanding: Understanding
+    mind: str
+    verdict: Verdict | None = None
+    usage: tuple[Usage, ...] = ()
+    fallback: str = ""
+    screened: Screened | None = None
+    goal: Goal | None = None
+
+
+async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Thought:
+    """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
+    try:
+        async with asyncio.timeout(mind.limit_s + 1.0 if isinstance(mind, ModelMind) else LIMIT_S):
+            return _thought(await read(mind, text, listener, history))
+    except (MindError, TimeoutError) as e:
+        _log.warning("mind failed, reading by rules", mind=mind.name, error=str(e) or type(e).__name__)
+        fallback = "timeout" if isinstance(e, TimeoutError) else FAILED
+        if isinstance(e, MindFault):
+            return await by_rules(text, listener, history, e.kind, e.usage)
+        return await by_rules(text, listener, history, fallback)
+
+
+async def by_rules(
+    text: str, listener: Listener, history: Sequence[Plan], fallback: str = "", usage: Sequence[Usage] = ()
+) -> Thought:
+    """What the rules make of a post; `fallback` says why it was not the mind of the configuration that read it."""
+    rules = RulesMind()
+    understood = await rules.understand(text, listener, history)
+    return _thought(Reading(understood, rules.name, tuple(usage), fallback))
+
+
+async def prepare(mind: Mind) -> None:
+    """Load what the first post would wait for: a mind's library, and what a large numeral imports."""
+    await asyncio.to_thread(parse, "一千零五米", (), (), frozenset())
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
+
+
+def _thought(reading: Reading) -> Thought:
+    understood = _checked(reading.understanding)
+    return Thought(understood, reading.mind, usage=tuple(reading.usage), fallback=reading.fallback)
+
+
+def _checked(understood: Understanding) -> Understanding:
+    """A command without steps is nothing to do, and steps without a command are not wanted."""
+    if understood.intent is Intent.COMMAND and not understood.plan.steps:
+        return Understanding(Intent.ASK_BACK, understood.language, question=understood.question)
+    return understood

@@ -1,0 +1,36 @@
+"""What is known to be around one robot: what its owner wrote, and what its camera showed a model last (law 7).
+
+It can only make the screen refuse more, so whoever is wrong here, or lies, costs a motion and never starts one.
+"""
+
+from __future__ import annotations
+
+import time
+
+from agentrob.minds.visual_loop.loop import Looked
+from agentrob.model import ActionResult, Op
+
+#: What a model named is forgotten after this time, and with the next motion: it was seen from where the robot stood.
+SEEN_S = 600.0
+
+
+class Surroundings:
+    """`written` is the description of the configuration, in English."""
+
+    def __init__(self, written: str) -> None:
+        self._written = written.strip()
+        self._seen: tuple[str, ...] = ()
+        self._seen_s = 0.0
+
+    @property
+    def scene(self) -> str:
+        """All that is known now; empty when nothing is."""
+        seen = self._seen if time.monotonic() - self._seen_s < SEEN_S else ()
+        return "\n".join(line for line in (self._written, *seen) if line)
+
+    def after(self, results: tuple[ActionResult, ...], looked: Looked | None) -> None:
+        """What a command that has ended leaves: what a model saw at its end, and nothing of before once it moved."""
+        if looked is not None and looked.end.saw:
+            self._seen, self._seen_s = looked.end.saw, time.monotonic()
+        elif any(r.primitive.op in (Op.MOVE, Op.TURN) and (r.measured or r.unmeasured) for r in results):
+            self._seen = ()

@@ -1,0 +1,156 @@
+"""What is made of a post before anything moves: read by the mind, judged by rules, looked at by a model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+from pydantic import TypeAdapter
+
+from agentrob.agent.intake.authorization import Terms, chain_refusal, judge, rights_on
+from agentrob.agent.queue.queue import Job
+from agentrob.agent.reporting.status_post import insist
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.understanding.extract import OVER, RATE, Thought, by_rules, extract
+from agentrob.agent.understanding.visual_goal import eyes, goal_for, honest, in_words, judged_plan
+from agentrob.config.load import RobotConfig
+from agentrob.forums.protocol import Forum
+from agentrob.language.addressing import part_for
+from agentrob.language.visible_text import mentions
+from agentrob.minds.extraction.mind import ModelMind
+from agentrob.minds.extraction.summary import Summary, summarise
+from agentrob.minds.llm.chat import ChatModel
+from agentrob.minds.protocol import Listener, Mind
+from agentrob.minds.safety_review import Screened, narrowed, screen_by_model
+from agentrob.model import Capabilities, Command, Decision, Intent, Plan, Report, Understanding
+from agentrob.robots.driver.client import DriverClient
+from agentrob.screening.rights import may
+from agentrob.screening.screen import harm_in_words
+
+_THOUGHT = TypeAdapter(Thought)
+
+
+@dataclass(frozen=True)
+class Thinking:
+    """How one robot's agent thinks about any post."""
+
+    names: Collection[str]
+    settings: RobotConfig
+    forum: Forum
+    driver: DriverClient
+    mind: Mind
+    journal: Journal
+    #: Whether a command that this account posts now is over its limits.
+    over_limit: Callable[[Command], bool] = lambda _: False
+
+    @property
+    def model(self) -> ChatModel | None:
+        """The model behind the mind, if there is one."""
+        return self.mind.model if isinstance(self.mind, ModelMind) else None
+
+    @property
+    def eyes(self) -> ChatModel | None:
+        """The model that may steer the robot by its camera, if the owner allows one."""
+        return eyes(self.model, self.settings)
+
+    async def think(self, job: Job, terms: Terms) -> Thought:
+        """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
+        is ended."""
+        deed = partial(self._think, job, terms)
+        if not job.known:
+            # Here, where no slow mind takes a thread of the journal, and whoever cancels this cancels the mind too.
+            deed = partial(_told, await deed())
+        thought = _THOUGHT.validate_json(await self.journal.once(f"post-{job.command.post_id}", deed))
+        if thought.understanding.intent is not Intent.NOTHING:
+            job.command = replace(job.command, language=thought.understanding.language)
+        job.thought = thought
+        return thought
+
+    async def summary(self, job: Job, report: Report) -> Summary | None:
+        """What a model makes of the measured results in words, where the owner wants that."""
+        if not self.settings.summary or self.model is None or report.status != "done":
+            return None
+        spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
+        return await summarise(self.model, report.results, report.command.language, spent)
+
+    async def _think(self, job: Job, terms: Terms) -> str:
+        return _THOUGHT.dump_json(await self.consider(job, terms)).decode()
+
+    async def consider(self, job: Job, terms: Terms) -> Thought:
+        """Understand and judge now, and keep nothing of it."""
+        command, capabilities = job.command, await self.driver.capabilities()
+        others = tuple(name for name in mentions(command.text) if name not in self.names)
+        listener = Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
+        history = await self.journal.history(command.topic_id)
+        thought = await self._goal(command, listener, history)
+        if thought is None and may(command.author, "command").decision is not Decision.ALLOW:
+            thought = await by_rules(command.text, listener, history)  # whose words move nothing cost nothing
+        if thought is None and self.over_limit(command):  # nor do those whose command is refused, whoever reads it
+            thought = await by_rules(command.text, listener, history, RATE)
+        if thought is None:
+            reading = extract(self.mind, command.text, listener, history)
+            thought = await job.unless_ended(reading) or await by_rules(command.text, listener, history, OVER)
+        if self.eyes is not None:
+            thought = replace(thought, understanding=honest(thought.understanding))
+        understood = thought.understanding
+        if understood.intent is Intent.COMMAND:
+            command = replace(command, language=understood.language)
+            chained = await insist(partial(chain_refusal, self.forum, command))
+            plan = judged_plan(thought.goal) if thought.goal else understood.plan
+            rights = await insist(partial(rights_on, self.forum, command, terms))
+            known = replace(terms, known=thought.goal is not None)
+            verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
+            thought = replace(thought, verdict=verdict)
+            thought = await self._looked_at(job, thought, listener, capabilities, history, terms.scene)
+        elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
+            thought = replace(thought, verdict=harm_in_words(command.text, terms.scene, understood.language))
+        return thought
+
+    async def _goal(self, command: Command, listener: Listener, history: Sequence[Plan]) -> Thought | None:
+        """The thought when the post is a goal for eyes that this robot has."""
+        if self.eyes is None:
+            return None
+        thought = await by_rules(command.text, listener, history)
+        understood = thought.understanding
+        if (goal := goal_for(command.text, listener, understood)) is None:
+            return None
+        return replace(
+            thought, goal=goal, understanding=Understanding(Intent.COMMAND, understood.language, Plan(goal.steps))
+        )
+
+    async def _looked_at(
+        self,
+        job: Job,
+        thought: Thought,
+        listener: Listener,
+        capabilities: Capabilities,
+        history: Sequence[Plan],
+        scene: str,
+    ) -> Thought:
+        """The thought with what a model has against a command that the rules allow, or would with an approval."""
+        verdict, settings = thought.verdict, self.settings
+        passed = verdict is not None and verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL)
+        if verdict is None or not passed or settings.screen == "rules":
+            return thought
+        screened: Screened | None = None
+        plan, language = thought.understanding.plan, thought.understanding.language
+        if self.model is None:
+            pass  # nobody was to look at it
+        elif thought.mind == "rules" and thought.fallback:  # nobody answered a moment ago, or nobody was waited for
+            screened = Screened(self.mind.name, failed=thought.fallback) if thought.fallback != OVER else None
+        else:
+            part = part_for(job.command.text, listener.names, listener.others)
+            told = in_words(thought.goal, "en") if thought.goal else ""
+            looking = screen_by_model(
+                self.model, part, plan, capabilities, language, history, scene, spent=thought.usage, goal=told
+            )
+            screened = await job.unless_ended(looking)
+        usage = (*thought.usage, *(screened.usage if screened else ()))
+        verdict = narrowed(verdict, screened, language, settings.screen == "required")
+        return replace(thought, verdict=verdict, usage=usage, screened=screened)
+
+
+async def _told(text: str) -> str:
+    """An answer that is there already."""
+    return text

@@ -1,0 +1,75 @@
+"""Whether a post is a goal for the robot's eyes, what it may cost, and how it is judged (laws 7 and 10)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from agentrob.agent.execution.visual import Errand
+from agentrob.agent.reporting.visual_text import say
+from agentrob.config.load import LookConfig, RobotConfig
+from agentrob.language.goal import Goal
+from agentrob.language.messages.plan_text import step_sentence
+from agentrob.minds.llm.chat import ChatModel
+from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.protocol import Listener
+from agentrob.minds.usage import Usage
+from agentrob.minds.visual_loop.goal import goal_of, told
+from agentrob.minds.visual_loop.loop import LoopBudget
+from agentrob.minds.visual_loop.prompts import loop_prompt
+from agentrob.model import Capabilities, Intent, Language, Mandate, Op, Plan, Primitive, Understanding
+from agentrob.screening.mandate import goal_mandate
+
+#: How the rules say that something needs eyes.
+_NO_EYES = ("vision model", "视觉模型")
+#: What a post may be for the rules and still be a goal for eyes.
+_MAY_BE = (Intent.COMMAND, Intent.ASK_BACK, Intent.NOTHING, Intent.QUESTION)
+
+
+def eyes(model: ChatModel | None, settings: RobotConfig) -> ChatModel | None:
+    """The model that may steer this robot by its camera; None without the owner's consent, or without such a model."""
+    if not settings.look.allowed or not isinstance(model, ChatChain):
+        return None
+    return model.seeing()
+
+
+def goal_for(text: str, listener: Listener, by_rules: Understanding) -> Goal | None:
+    """The goal of a post, as far as the rules read nothing else in it."""
+    if by_rules.intent not in _MAY_BE or by_rules.cancels or Op.GET_FRONT_IMAGE not in listener.capabilities.ops:
+        return None
+    goal = goal_of(text, listener, by_rules.language)
+    if goal is None or (by_rules.intent is Intent.COMMAND and by_rules.plan.steps != goal.steps):
+        return None
+    return goal
+
+
+def honest(understood: Understanding) -> Understanding:
+    """What a robot with eyes asks back, where one without them says that it has none."""
+    if understood.intent is not Intent.ASK_BACK or not any(w in understood.question for w in _NO_EYES):
+        return understood
+    return replace(understood, question=say("ask", understood.language))
+
+
+def judged_plan(goal: Goal) -> Plan:
+    """What of a goal can be judged before it is looked for: the steps that it names, at least a picture."""
+    return Plan(goal.steps or (Primitive(Op.GET_FRONT_IMAGE),))
+
+
+def in_words(goal: Goal, language: Language) -> str:
+    """The goal with its named steps, in our own words."""
+    return told(goal, language, [step_sentence(step, language) for step in goal.steps])
+
+
+def errand_of(
+    goal: Goal, eyes: ChatModel, capabilities: Capabilities, look: LookConfig, language: Language,
+    spent: Sequence[Usage] = (),
+) -> Errand:  # fmt: skip
+    """All that a loop needs. The model is told the goal in English, and answers in the language of the post."""
+    most = Mandate(
+        {Op.GET_FRONT_IMAGE: look.pictures}, look.distance_m, look.degrees, look.seconds, look.calls + look.pictures,
+        look.speed_mps,
+    )  # fmt: skip
+    mandate = goal_mandate(goal, most, capabilities)
+    budget = LoopBudget(look.calls, look.seconds)
+    prompt = loop_prompt(capabilities.model, language)
+    return Errand(goal, in_words(goal, "en"), prompt, eyes, mandate, capabilities, budget, tuple(spent))

@@ -1,0 +1,1 @@
+"""What administrators and moderators do, backup and retention."""

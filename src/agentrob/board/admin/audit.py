@@ -1,0 +1,53 @@
+"""The audit log: who changed what that is not their own. Rows are added in the same transaction as the change."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import Connection, insert, select
+
+from agentrob.board.db import schema as db
+from agentrob.board.db.records import from_us
+
+#: Whoever types on the machine that the forum runs on.
+SHELL = "shell"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One change; `target` is such as `account:ann`, `post:12`, `board:talk`."""
+
+    id: str
+    at: datetime
+    actor: str
+    action: str
+    target: str
+    detail: dict[str, Any]
+
+
+def now_us() -> int:
+    return time.time_ns() // 1000
+
+
+def note(connection: Connection, actor: str, action: str, target: str, **detail: Any) -> None:
+    """Add a row; what is empty is left out. Never a password, a token or a link."""
+    told = {k: v for k, v in detail.items() if v not in (None, "", (), [])}
+    row = {"at_us": now_us(), "actor": actor, "action": action, "target": target[:80], "detail": told}
+    connection.execute(insert(db.audit).values(**row))
+
+
+def statement(before: int | None, limit: int, target: str | None = None) -> Any:
+    """Selects rows, newest first."""
+    a = db.audit.c
+    chosen = select(db.audit).order_by(a.id.desc()).limit(limit)
+    if before is not None:
+        chosen = chosen.where(a.id < before)
+    return chosen if target is None else chosen.where(a.target == target)
+
+
+def entry(row: Any) -> Entry:
+    """The record of a row."""
+    return Entry(str(row.id), from_us(row.at_us), row.actor, row.action, row.target, row.detail)

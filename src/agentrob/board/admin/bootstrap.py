@@ -1,0 +1,128 @@
+"""What the command line and the demo do to the forum's database, before the server starts or while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from sqlalchemy import Connection, insert, select
+from sqlalchemy.exc import DBAPIError
+
+from agentrob.board.admin import administration, audit
+from agentrob.board.admin.audit import SHELL
+from agentrob.board.auth import accounts
+from agentrob.board.db import schema as db
+from agentrob.board.db.database import check_version, migrate, open_engine, unavailable
+from agentrob.board.db.reader import Reader, not_found
+from agentrob.board.robots import rights
+from agentrob.board.settings import BoardSettings
+from agentrob.model import Account, AccountKind, Role
+
+#: Made when there is no board at all: id, name, description.
+FIRST_BOARDS = (
+    ("robots", "Robots", "Ask a robot to do something: mention it by name."),
+    ("talk", "Talk", "Everything else. No robot acts here."),
+)
+
+
+def bootstrap(settings: BoardSettings, *, alone: bool = False) -> None:
+    """Make or migrate the database; the first boards when there are none. Doing it again does nothing.
+
+    409 when a process serves a database of another version; `alone`: the caller knows that none does.
+    """
+    migrate(settings, alone=alone)
+    with writing(settings) as connection:
+        if connection.execute(select(db.boards.c.id).limit(1)).first() is None:
+            rows = [dict(zip(("id", "name", "description"), b, strict=True)) for b in FIRST_BOARDS]
+            connection.execute(insert(db.boards), [row | {"position": n} for n, row in enumerate(rows)])
+
+
+def make(settings: BoardSettings) -> None:
+    """Make the database when there is none. One of another version is left as it is: 409 says how to migrate it."""
+    if not check_version(settings):
+        bootstrap(settings)
+
+
+def create_account(
+    settings: BoardSettings,
+    name: str,
+    *,
+    kind: AccountKind = AccountKind.HUMAN,
+    role: Role = Role.MEMBER,
+    password: str | None = None,
+    display_name: str = "",
+) -> Account:
+    """A new account. `BoardError` 409 when the name is taken, 422 when name or password cannot be."""
+    password_hash = accounts.hash_password(password) if password is not None else None
+    with writing(settings) as connection:
+        return administration.add_account(
+            connection, SHELL, name, kind=kind, role=role, password_hash=password_hash, display_name=display_name
+        )
+
+
+def find_account(settings: BoardSettings, name: str) -> Account:
+    """The account of that name. `BoardError` 404."""
+    with writing(settings) as connection:
+        account = Reader(connection).account(name)
+    if account is None:
+        raise not_found("account", name)
+    return account
+
+
+def change_account(
+    settings: BoardSettings,
+    account: Account,
+    *,
+    role: Role | None = None,
+    suspended: bool | None = None,
+    password: str | None = None,
+) -> None:
+    """Change what is given."""
+    password_hash = accounts.hash_password(password) if password is not None else None
+    with writing(settings) as connection:
+        administration.change_account(connection, SHELL, account.name, role=role, suspended=suspended)
+        if password_hash is not None:
+            accounts.set_password(connection, int(account.id), password_hash)
+
+
+def claim_robot(settings: BoardSettings, name: str, owner: str) -> None:
+    """Make somebody the owner of a robot that has none."""
+    with writing(settings) as connection:
+        if not rights.settings_of(Reader(connection), name).owner:
+            administration.change_robot(connection, SHELL, name, owner=owner)
+
+
+def issue_token(
+    settings: BoardSettings, account: Account, label: str = "", scopes: Sequence[str] = ("read", "write")
+) -> str:
+    """A bearer token for a program. Only its hash is kept: it cannot be shown again."""
+    with writing(settings) as connection:
+        return administration.add_token(connection, SHELL, account.name, label, scopes)
+
+
+def revoke_tokens(settings: BoardSettings, account: Account, label: str | None = None) -> int:
+    """End the account's bearer tokens at once, with a label only those of that label; returns how many were ended."""
+    with writing(settings) as connection:
+        ended = accounts.revoke_tokens(connection, account, label)
+        if ended:
+            audit.note(connection, SHELL, "token.revoke", f"account:{account.name}", tokens=ended, label=label)
+        return ended
+
+
+def issue_link(settings: BoardSettings, account: Account) -> str:
+    """The path of a page that signs in once, within ten minutes: put `settings.base_url` before it."""
+    with writing(settings) as connection:
+        return administration.link(connection, SHELL, account.name, "enter")
+
+
+@contextmanager
+def writing(settings: BoardSettings) -> Iterator[Connection]:
+    """One transaction beside a server that may be running."""
+    engine = open_engine(settings, writes=True)
+    try:
+        with engine.begin() as connection:
+            yield connection
+    except DBAPIError as e:
+        raise unavailable(e) from e
+    finally:
+        engine.dispose()

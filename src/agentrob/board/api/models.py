@@ -1,0 +1,394 @@
+"""What goes in and out of the JSON API, as `docs/seams.md` says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Annotated, Any, Generic, TypeVar
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
+
+from agentrob.board.content.unread import News
+from agentrob.board.db import records
+from agentrob.board.robots.rights import RobotSettings
+from agentrob.model import Account, AccountKind, Role
+
+T = TypeVar("T")
+POST_BYTES = 64 * 1024
+
+Time = Annotated[str, Field(json_schema_extra={"format": "date-time"})]
+#: At least one character that is not white space, and no NUL (which no database can be trusted with).
+Body = Annotated[
+    str,
+    StringConstraints(pattern=r"^[^\x00]*[^\x00\s][^\x00]*$"),
+    Field(description="Markdown, at most 64 KiB in UTF-8 (413 beyond)"),
+]
+#: One line: no control characters.
+_SHOWN = r"[^\x00-\x1f\x7f-\x9f]*"
+Title = Annotated[
+    str, StringConstraints(pattern=rf"^{_SHOWN}[^\x00-\x1f\x7f-\x9f\s]{_SHOWN}$", min_length=1, max_length=200)
+]
+Ids = Annotated[list[str], Field(max_length=32, description="ids from POST /images")]
+Tags = Annotated[
+    list[Annotated[str, StringConstraints(max_length=24)]],
+    Field(max_length=5, description="to find a topic by; made lower-case, `-` for what is no letter or digit"),
+]
+
+
+def whole(value: object) -> object:
+    """JSON knows one kind of number: 2.0 is 2."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+Count = Annotated[int, Field(ge=0, le=1000), BeforeValidator(whole)]
+
+
+class _In(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class _Out(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+
+# -------------------------------------------------------------------- in
+class CardIn(BaseModel):
+    """The state of one command; only robot agents send it. What a newer agent says besides is left out."""
+
+    model_config = ConfigDict(extra="ignore", strict=True)
+
+    robot: str = Field(max_length=64)
+    state: str = Field(max_length=32)
+    step: Count = 0
+    steps: Count = 0
+    doing: str = Field("", max_length=500)
+    place: Count | None = None
+    trace_id: str = Field("", max_length=64)
+    until: str = Field("", max_length=40, description="RFC 3339 with a zone: until when it may be approved")
+
+
+class TopicIn(_In):
+    board: str = Field(max_length=32)
+    title: Title
+    body: Body
+    images: Ids = []
+    tags: Tags = []
+
+
+class TagsIn(_In):
+    """All tags that a topic is to have."""
+
+    tags: Tags
+
+
+#: The id of a post, also of one that is not there any more.
+PostId = Annotated[str, StringConstraints(pattern=r"^[0-9]{1,18}$")]
+
+
+class ReadIn(_In):
+    """`up_to` of the page of what is unread; `board` for one board only."""
+
+    up_to: PostId
+    board: str | None = Field(None, max_length=32)
+
+
+class TopicReadIn(_In):
+    up_to: PostId | None = Field(None, description="the last post that was read; without it all of the topic")
+
+
+class ReplyIn(_In):
+    body: Body
+    reply_to: str | None = None
+    images: Ids = []
+    card: CardIn | None = None
+
+
+class ApproveIn(_In):
+    robot: Annotated[str, Field(max_length=64)]
+    approve: bool = Field(True, description="false denies")
+
+
+class EditIn(_In):
+    """`images` are added to those the post has; a card that is not given stays, null takes it away."""
+
+    body: Body
+    images: Ids = []
+    card: CardIn | None = None
+
+
+class RobotIn(_In):
+    card: dict[str, Any] = Field(description="model, ops, limits, state, …; shown as it is")
+
+
+class CommandIn(_In):
+    """What a robot's agent recorded of a command; `reply` is its own post that tells it."""
+
+    reply: str | None = None
+    record: dict[str, Any] = Field(description="at most 64 KiB; shown as it is known, kept as it is")
+
+
+# -------------------------------------------------------------------- out
+class Problem(_Out):
+    """RFC 9457 problem details; `code` is a stable word, `hint` says what would be valid."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    code: str
+    hint: str
+
+
+class AccountOut(_Out):
+    id: str
+    name: str
+    display_name: str
+    kind: AccountKind
+    role: Role
+    suspended: bool
+
+
+class BoardOut(_Out):
+    id: str
+    name: str
+    description: str
+    post_role: Role
+    command_role: Role
+
+
+class TopicOut(_Out):
+    id: str
+    board: str
+    title: str
+    url: str
+    author: AccountOut
+    created_at: Time
+    last_post_at: Time
+    posts: int
+    locked: bool
+    tags: tuple[str, ...]
+
+
+class TagOut(_Out):
+    """A tag and how many topics have it, of those that the caller may read."""
+
+    tag: str
+    topics: int
+
+
+class UnreadOut(_Out):
+    """A topic, how many posts of others are new in it (100: more than 99), and the first of them."""
+
+    topic: TopicOut
+    new: int
+    first: str | None
+
+
+class ImageOut(_Out):
+    id: str
+    url: str
+    width: int
+    height: int
+
+
+class PostOut(_Out):
+    id: str
+    topic_id: str
+    board_id: str
+    author: AccountOut
+    raw: str
+    html: str
+    version: int
+    created_at: Time
+    edited_at: Time | None
+    removed: bool
+    mentions: tuple[str, ...]
+    reply_to: str | None
+    key: str | None = Field(description="own posts only")
+    url: str
+    images: tuple[ImageOut, ...]
+    card: dict[str, Any] | None
+
+
+class NoticeOut(_Out):
+    id: str
+    kind: str = Field(description="approve, mention, reply or topic")
+    read: bool
+    post: PostOut
+
+
+class EventOut(_Out):
+    id: str
+    kind: records.EventKind
+    at: Time
+    post: PostOut | None = None
+    robot: str | None = None
+    account: AccountOut | None = None
+
+
+class RobotOut(_Out):
+    name: str
+    url: str = Field(description="the robot's page, with its buttons")
+    card: dict[str, Any]
+    seen_at: Time | None
+    viewers: int
+    has_frame: bool
+
+
+class RightsOut(_Out):
+    """What `judge.rights` needs to know: each right is the least role, `owner` or `nobody`."""
+
+    owner: str
+    command: dict[str, str] = Field(description="by class of action: photo, gesture, move, risky")
+    approve: str
+    release: str
+    board: str = Field(description="the least role that commands on the board that was asked for")
+    approval: tuple[str, ...] = Field(description="classes of action that need somebody's approval")
+    approve_own: bool = Field(description="whether who may approve may approve what they asked for themselves")
+    closed_until: Time | None = Field(description="the end of the robot's maintenance, when it is closed now")
+
+
+class CommandOut(_Out):
+    robot: str
+    post: str
+    reply: str | None
+    at: Time
+    url: str
+    record: dict[str, Any]
+
+
+class Items(_Out, Generic[T]):
+    items: tuple[T, ...]
+
+
+class CommandsOut(Items[CommandOut]):
+    url: str = Field(description="the page that shows the same to people, also before there is anything")
+
+
+class Paged(_Out, Generic[T]):
+    items: tuple[T, ...]
+    next: str | None
+
+
+class UnreadPage(Paged[UnreadOut]):
+    up_to: str = Field(description="the newest post there is: to be sent back when all of this was read")
+
+
+class TopicWritten(_Out):
+    topic: TopicOut
+    post: PostOut
+    created: bool
+
+
+class PostWritten(_Out):
+    post: PostOut
+    created: bool
+
+
+class Now(_Out):
+    id: str
+    at: Time
+
+
+class Changes(_Out):
+    items: tuple[EventOut, ...]
+    now: Now
+
+
+class Viewers(_Out):
+    viewers: int
+
+
+# -------------------------------------------------------------------- records to models
+def time_out(at: datetime) -> str:
+    return at.astimezone(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
+
+
+def account_out(a: Account) -> AccountOut:
+    return AccountOut(
+        id=a.id, name=a.name, display_name=a.display_name, kind=a.kind, role=a.role, suspended=a.suspended
+    )
+
+
+def board_out(b: records.Board) -> BoardOut:
+    roles = {"post_role": b.post_role, "command_role": b.command_role}
+    return BoardOut(id=b.id, name=b.name, description=b.description, **roles)
+
+
+class Shaper:
+    """Makes models of records for one viewer: addresses begin with `base_url`, keys are shown to their owner only."""
+
+    def __init__(self, base_url: str, viewer: Account | None = None) -> None:
+        self.base_url = base_url
+        self.viewer_id = viewer.id if viewer else None
+
+    def topic(self, t: records.Topic) -> TopicOut:
+        return TopicOut(
+            id=t.id,
+            board=t.board_id,
+            title=t.title,
+            url=self.base_url + t.path,
+            author=account_out(t.author),
+            created_at=time_out(t.created_at),
+            last_post_at=time_out(t.last_post_at),
+            posts=t.posts,
+            locked=t.locked,
+            tags=t.tags,
+        )
+
+    def unread(self, t: records.Topic, news: News | None) -> UnreadOut:
+        return UnreadOut(topic=self.topic(t), new=news.count if news else 0, first=news.first if news else None)
+
+    def image(self, i: records.Image) -> ImageOut:
+        return ImageOut(id=i.id, url=self.base_url + i.path, width=i.width, height=i.height)
+
+    def post(self, p: records.Post) -> PostOut:
+        return PostOut(
+            id=p.id,
+            topic_id=p.topic_id,
+            board_id=p.board_id,
+            author=account_out(p.author),
+            raw=p.raw,
+            html=p.html,
+            version=p.version,
+            created_at=time_out(p.created_at),
+            edited_at=time_out(p.edited_at) if p.edited_at else None,
+            removed=p.removed,
+            mentions=p.mentions,
+            reply_to=p.reply_to,
+            key=p.key if p.author.id == self.viewer_id else None,
+            url=self.base_url + p.path,
+            images=tuple(map(self.image, p.images)),
+            card=dict(p.card) if p.card is not None else None,
+        )
+
+    def event(self, e: records.Event) -> EventOut:
+        return EventOut(
+            id=e.id,
+            kind=e.kind,
+            at=time_out(e.at),
+            post=self.post(e.post) if e.post else None,
+            robot=e.robot,
+            account=account_out(e.account) if e.account else None,
+        )
+
+
+def robot_out(
+    name: str, url: str, card: Mapping[str, Any], seen_at: datetime | None, viewers: int, has_frame: bool
+) -> RobotOut:
+    seen = time_out(seen_at) if seen_at else None
+    return RobotOut(name=name, url=url, card=dict(card), seen_at=seen, viewers=viewers, has_frame=has_frame)
+
+
+def rights_out(kept: RobotSettings, board: records.Board, now: datetime) -> RightsOut:
+    closed = kept.closed_until(now)
+    return RightsOut(
+        owner=kept.owner,
+        command=dict(kept.command),
+        approve=kept.approve,
+        release=kept.release,
+        board=str(board.command_role),
+        approval=kept.approval,
+        approve_own=kept.approve_own,
+        closed_until=time_out(closed) if closed else None,
+    )

@@ -1,0 +1,1 @@
+"""Posts, pictures, tags and notifications, and how Markdown is rendered."""

@@ -1,0 +1,156 @@
+"""Who is told of a post: those it names, whoever it answers, whoever began the topic; and what each has seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, update
+
+from agentrob.board.db import schema as db
+from agentrob.board.db.cursors import from_cursor, to_cursor
+from agentrob.board.db.reader import ACCOUNT, Reader
+from agentrob.board.db.records import Page, Post
+from agentrob.board.db.rows import account_from
+from agentrob.board.db.writer import Transaction
+from agentrob.board.robots import rights
+from agentrob.model import Account, AccountKind, Role
+
+#: More than this many are not counted.
+MOST = 99
+REASONS = {"mention": "names you", "reply": "answers you", "topic": "is in your topic"}
+REASONS |= {"approve": "waits for your approval"}
+#: So many are told of one command that waits.
+MOST_APPROVERS = 100
+#: Robots and programs that watch listen to events instead.
+_TOLD = (AccountKind.HUMAN, AccountKind.COMMANDING_AGENT)
+_BEGAN = select(db.topics.c.author_id).where(db.topics.c.id == bindparam("topic"))
+_PEOPLE = select(db.accounts.c.id).where(
+    db.accounts.c.id.in_(bindparam("ids", expanding=True)), db.accounts.c.kind.in_(_TOLD)
+)
+
+
+def _unread(boards: bool) -> Select[Any]:
+    """Counts what `me` has not seen, of all boards or of `boards`. Built once: every page shows the number."""
+    n, p, t, s = db.notices.c, db.posts.c, db.topics.c, db.notices_seen.c
+    seen = select(s.post_id).where(s.account_id == bindparam("me")).scalar_subquery()
+    fresh = select(n.post_id).where(n.account_id == bindparam("me"), n.post_id > func.coalesce(seen, 0))
+    fresh = fresh.join(db.posts, and_(p.id == n.post_id, p.removed.is_(False)))
+    # What its topic was read up to is seen too.
+    r = db.topic_reads.c
+    fresh = fresh.outerjoin(db.topic_reads, and_(r.account_id == bindparam("me"), r.topic_id == p.topic_id))
+    fresh = fresh.where(p.id > func.coalesce(r.post_id, 0))
+    if boards:
+        fresh = fresh.join(db.topics, t.id == p.topic_id).where(t.board_id.in_(bindparam("boards", expanding=True)))
+    return select(func.count()).select_from(fresh.limit(MOST).subquery())
+
+
+_UNREAD = {boards: _unread(boards) for boards in (False, True)}
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """`reason` is a word of `REASONS`; `fresh`: not seen before."""
+
+    post: Post
+    reason: str
+    fresh: bool
+
+
+def tell(
+    t: Transaction, post_id: int, topic_id: int, author: Account, mentions: Sequence[str], reply_to: int | None
+) -> None:
+    """Tell people and agents of a new post; of several reasons the first counts."""
+    a, p = db.accounts.c, db.posts.c
+    reasons = {int(t.connection.execute(_BEGAN, {"topic": topic_id}).scalar_one()): "topic"}
+    if reply_to is not None:
+        answered = select(p.author_id).where(p.id == reply_to)
+        reasons |= {int(i): "reply" for i in t.connection.execute(answered).scalars()}
+    if mentions:
+        named = select(a.id).where(a.name.in_(mentions))
+        reasons |= {int(i): "mention" for i in t.connection.execute(named).scalars()}
+    reasons.pop(int(author.id), None)
+    if not reasons:
+        return
+    people = t.connection.execute(_PEOPLE, {"ids": list(reasons)}).scalars()
+    rows = [{"account_id": i, "post_id": post_id, "reason": reasons[i]} for i in people]
+    if rows:
+        t.connection.execute(insert(db.notices), rows)
+
+
+def tell_approvers(t: Transaction, status_id: int, robot: Account, command_id: int | None, waits: bool) -> None:
+    """Tell whoever may approve a command that its robot waits, by the robot's status post; and no more when that is
+    over."""
+    n, a = db.notices.c, db.accounts.c
+    told = n.post_id == status_id
+    if not waits:
+        t.connection.execute(delete(db.notices).where(told, n.reason == "approve"))
+        return
+    if command_id is None:
+        return
+    reader = Reader(t.connection)
+    command, kept = reader.post(str(command_id)), rights.settings_of(reader, robot.name)
+    rank = max(Role.OPERATOR.rank, reader.board(command.board_id).read_role.rank)
+    roles = [role for role in Role if role.rank >= rank]
+    people = ACCOUNT.where(a.kind == AccountKind.HUMAN, a.role.in_(roles), a.suspended.is_(False)).order_by(a.id)
+    may = [int(p.id) for p in map(account_from, reader.rows(people)) if rights.approves(kept, p, command.author)]
+    if may := may[:MOST_APPROVERS]:
+        t.connection.execute(delete(db.notices).where(told, n.account_id.in_(may)))
+        rows = [{"account_id": i, "post_id": status_id, "reason": "approve"} for i in may]
+        t.connection.execute(insert(db.notices), rows)
+
+
+def unread(reader: Reader, account: Account) -> int:
+    """How many an account has not seen, at most `MOST`."""
+    values: dict[str, Any] = {"me": int(account.id)}
+    if (seen := reader.seen()) is not None:
+        values["boards"] = list(seen)
+    return int(reader.rows(_UNREAD[seen is not None], **values)[0][0])
+
+
+def latest(reader: Reader, account: Account, cursor: str | None = None, limit: int = 30) -> Page[Notice]:
+    """An account's notices, newest first; those of posts that are gone or not to be seen are left out."""
+    n, r, seen = db.notices.c, db.topic_reads.c, _seen(reader, account)
+    read = func.coalesce(r.post_id, 0).label("read")
+    statement = _visible(reader, _of(account, n.post_id, n.reason, read))
+    mine = and_(r.account_id == int(account.id), r.topic_id == db.posts.c.topic_id)
+    statement = statement.outerjoin(db.topic_reads, mine).order_by(n.post_id.desc()).limit(limit + 1)
+    if cursor:
+        statement = statement.where(n.post_id < from_cursor(cursor))
+    rows = reader.rows(statement)
+    posts = {int(p.id): p for p in reader.posts_by_id([row.post_id for row in rows[:limit]])}
+    items = tuple(
+        Notice(posts[row.post_id], row.reason, row.post_id > max(seen, row.read))
+        for row in rows[:limit]
+        if row.post_id in posts
+    )
+    return Page(items, to_cursor(rows[limit - 1].post_id) if len(rows) > limit else None)
+
+
+def mark_seen(t: Transaction, account: Account, up_to: int) -> None:
+    """All up to a post are seen; never fewer than before."""
+    s = db.notices_seen.c
+    newest = t.connection.execute(select(func.max(db.posts.c.id))).scalar_one() or 0
+    up_to, mine = min(up_to, newest), s.account_id == int(account.id)
+    before = t.connection.execute(select(s.post_id).where(mine)).scalar_one_or_none()
+    if before is None:
+        t.connection.execute(insert(db.notices_seen).values(account_id=int(account.id), post_id=up_to))
+    elif before < up_to:
+        t.connection.execute(update(db.notices_seen).where(mine).values(post_id=up_to))
+
+
+def _of(account: Account, *columns: Any) -> Select[Any]:
+    return select(*columns).where(db.notices.c.account_id == int(account.id))
+
+
+def _visible(reader: Reader, statement: Select[Any]) -> Select[Any]:
+    p, t, seen = db.posts.c, db.topics.c, reader.seen()
+    statement = statement.join(db.posts, and_(p.id == db.notices.c.post_id, p.removed.is_(False)))
+    return statement if seen is None else statement.join(db.topics, t.id == p.topic_id).where(t.board_id.in_(seen))
+
+
+def _seen(reader: Reader, account: Account) -> int:
+    s = db.notices_seen.c
+    row: Sequence[Any] | None = reader.first(select(s.post_id).where(s.account_id == int(account.id)))
+    return int(row[0]) if row else 0

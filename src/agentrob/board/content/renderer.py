@@ -1,0 +1,177 @@
+"""Everything that follows from the text of a post, made before it is written: neither the event loop nor the one writer
+parses what people wrote, for stops of others would wait for it (law 15).
+
+Short plain texts, and so every stop, are rendered at once. All others go to a process (`render_process`), one after
+another, of each account one at a time; robots have a process of their own. What cannot be rendered within its limits is
+shown as it was typed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from typing import Any, TypeVar
+
+from agentrob.board.content.markdown import Parsed, as_plain_text
+from agentrob.board.content.render_process import RenderProcess, TooSlow
+from agentrob.board.search.fulltext import indexed
+from agentrob.errors import BoardError
+from agentrob.language.complexity import parsing_us
+from agentrob.language.stop.at_rest import is_only_stop, stop_intent
+from agentrob.language.stop.while_moving import stop_while_moving
+from agentrob.language.visible_text import mentions, visible_text
+from agentrob.model import Account, AccountKind
+
+T = TypeVar("T")
+#: Rendered at once when parsing is estimated to take so many microseconds at most, and of so many characters.
+AT_ONCE_US, AT_ONCE_CHARS = 3_000, 2_000
+#: Shown as it was typed beyond. Prose of 64 KiB is estimated at a quarter of it.
+MOST_US = 1_500_000
+#: And when its HTML has more characters than this, ten times the longest post: a short text can use a long link again
+#: and again or say one name ten thousand times, and a page shows fifty posts. Nothing but links makes seven times.
+MAX_HTML = 10 * 65_536
+#: A longer text that says stop somewhere waits for its turn to be written as any other does.
+STOP_CHARS = 200
+#: Different names after an @ that one text may have: each is looked up.
+MAX_NAMES = 100
+#: Texts of one account that may wait for its first one, and accounts whose texts may wait.
+MAX_OF_ONE, MAX_ACCOUNTS = 4, 64
+#: For so long a text waits until it is its turn.
+PATIENCE_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rendered:
+    """A text with what follows from it. `mentions` are accounts that it visibly names, `words` and `chars` what the
+    index of words gets; `stop`: it stops a robot that moves, `only_stop`: it says nothing else."""
+
+    raw: str
+    html: str
+    mentions: tuple[str, ...]
+    words: str
+    chars: str
+    stop: bool = False
+    only_stop: bool = False
+
+    def fields(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+class Text:
+    """A body that is being rendered: first its names, then, when it is known which are accounts, everything else."""
+
+    def __init__(self, raw: str) -> None:
+        self._raw, self._parsed = raw, Parsed(raw)
+        self._visible = visible_text(raw)
+        self._named = mentions(self._visible)
+        self.names = tuple(dict.fromkeys((*self._named, *self._parsed.names())))
+
+    def rendered(self, accounts: Collection[str]) -> Rendered:
+        html = self._parsed.html(accounts.__contains__)
+        named = tuple(name for name in self._named if name in accounts)
+        if len(html) > MAX_HTML:
+            html, named = as_plain_text(self._raw), ()
+        stop = stop_intent(self._visible) is not None
+        only_stop = stop and is_only_stop(self._raw)
+        stop = stop or (len(self._visible) <= STOP_CHARS and stop_while_moving(self._visible) is not None)
+        return Rendered(self._raw, html, named, *indexed(self._raw), stop, only_stop)
+
+
+class Renderer:
+    """`accounts` says which of some names are accounts; it is asked on the event loop."""
+
+    def __init__(self, accounts: Callable[[Collection[str]], Collection[str]]) -> None:
+        self._accounts = accounts
+        self._people, self._robots = _Lane("board-render"), _Lane("board-render-robots")
+
+    async def render(self, raw: str, by: Account) -> Rendered:
+        """429 when too many texts of the account wait, 503 when too many do, 422 when it names too many."""
+        if len(raw) <= AT_ONCE_CHARS and parsing_us(raw, AT_ONCE_US) <= AT_ONCE_US:
+            text = Text(raw)
+            return text.rendered(self._known(text.names))
+        lane = self._robots if by.kind is AccountKind.ROBOT_AGENT else self._people
+        return await lane.of(by.id, raw, self._known)
+
+    def close(self) -> None:
+        for lane in (self._people, self._robots):
+            lane.close()
+
+    def _known(self, names: Collection[str]) -> Collection[str]:
+        if len(names) > MAX_NAMES:
+            what = f"the text has {len(names)} different names after an @"
+            raise BoardError(422, "too_many_names", what, f"at most {MAX_NAMES}")
+        return self._accounts(names) if names else ()
+
+
+class _Lane:
+    """A process, and who waits for it: in the order in which they came, but of each account one text at a time."""
+
+    def __init__(self, name: str) -> None:
+        self._process, self._thread = RenderProcess(), ThreadPoolExecutor(1, name)
+        self._turn = asyncio.Semaphore(1)
+        self._waiting: Counter[str] = Counter()
+        self._first: dict[str, asyncio.Lock] = {}
+
+    def close(self) -> None:
+        self._process.close()
+        self._thread.shutdown(cancel_futures=True)
+
+    async def of(self, account: str, raw: str, known: Callable[[Collection[str]], Collection[str]]) -> Rendered:
+        if self._waiting[account] >= MAX_OF_ONE:
+            what = "earlier texts of this account are still being rendered"
+            raise BoardError(429, "too_many_texts", what, "wait for them; a short stop is always taken", 1.0)
+        if len(self._waiting) > MAX_ACCOUNTS:
+            raise _overloaded()
+        self._waiting[account] += 1
+        try:
+            async with self._first.setdefault(account, asyncio.Lock()):
+                return await self._in_turn(raw, known)
+        finally:
+            self._waiting[account] -= 1
+            if not self._waiting[account]:
+                del self._waiting[account], self._first[account]
+
+    async def _in_turn(self, raw: str, known: Callable[[Collection[str]], Collection[str]]) -> Rendered:
+        try:
+            async with asyncio.timeout(PATIENCE_S):
+                await self._turn.acquire()
+        except TimeoutError:
+            raise _overloaded() from None
+        # Whoever asked may go away meanwhile; the process still answers, and the next one must not read that answer.
+        working = asyncio.ensure_future(self._work(raw, known))
+        working.add_done_callback(self._next)
+        return await asyncio.shield(working)
+
+    def _next(self, done: asyncio.Future[Rendered]) -> None:
+        self._turn.release()
+        if not done.cancelled():
+            done.exception()  # whoever asked has it, if still there
+
+    async def _work(self, raw: str, known: Callable[[Collection[str]], Collection[str]]) -> Rendered:
+        if parsing_us(raw, MOST_US) > MOST_US:
+            return await self._aside(_as_typed, raw)
+        try:
+            names = await self._aside(self._process.names_in, raw)
+            try:
+                accounts: Iterable[str] = known(names)
+            except BoardError:
+                await self._aside(self._process.made, ())
+                raise
+            made = await self._aside(self._process.made, accounts)
+        except TooSlow:
+            return await self._aside(_as_typed, raw)
+        return Rendered(**made | {"mentions": tuple(made["mentions"])})
+
+    async def _aside(self, call: Callable[..., T], *asked: Any) -> T:
+        return await asyncio.wrap_future(self._thread.submit(call, *asked))
+
+
+def _as_typed(raw: str) -> Rendered:
+    return Rendered(raw, as_plain_text(raw), (), *indexed(raw))
+
+
+def _overloaded() -> BoardError:
+    return BoardError(503, "overloaded", "too many texts are waiting to be rendered", "try again in a moment", 2.0)

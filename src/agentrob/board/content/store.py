@@ -1,0 +1,255 @@
+"""The embedded forum's memory: short synchronous reads on the event loop, writes through one thread that batches them.
+
+Reads answer in well under a millisecond and may be called anywhere on the event loop's thread. Writes are awaited; each
+becomes a job with a savepoint of its own, and every change is an event row in the same transaction. Everything raises
+`BoardError` with the HTTP status that fits: 404 for what is not there, 503 when the database cannot be used now.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal
+
+from sqlalchemy.exc import DBAPIError
+
+from agentrob.board.auth import visibility
+from agentrob.board.content import writes
+from agentrob.board.content.renderer import Renderer
+from agentrob.board.db.database import open_engine, unavailable
+from agentrob.board.db.reader import Reader
+from agentrob.board.db.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
+from agentrob.board.db.writer import Job, T, Writer
+from agentrob.board.search import search
+from agentrob.board.settings import BoardSettings
+from agentrob.errors import BoardError
+from agentrob.model import Account
+
+SearchMode = Literal["words", "meaning"]
+#: More searches than this do not wait for the one that runs.
+MAX_SEARCHES = 20
+#: A read that takes longer is given up, on PostgreSQL: the event loop waits for it.
+READ_S = 2.0
+
+
+class Store:
+    """One open database. Made once per process by `server.create_app`; pages get it as `services(request).store`.
+
+    `published` is called on the event loop with the ids of new events, in order, after each commit; other processes
+    that serve the same database hear of it as from `process`. `reader` sees what the request that runs may see
+    (`sight`), `everything` all: what it gives needs its own look at who asks.
+    """
+
+    def __init__(
+        self, settings: BoardSettings, published: Callable[[list[int]], None] = lambda _: None, process: str = ""
+    ) -> None:
+        self._limits = settings.limits
+        reading = open_engine(settings, writes=False, patience_s=READ_S)
+        self._engines = [reading, open_engine(settings, writes=True, process=process)]
+        try:
+            self.reader = Reader(self._engines[0].connect(), visibility.now, keeps=True)
+            self.everything = Reader(self.reader.connection, keeps=True)
+            self._finder = search.finder(self._engines[0].connect(), visibility.now)
+        except DBAPIError as e:
+            raise unavailable(e) from e
+        self._searches, self._searching = 0, ThreadPoolExecutor(1, "board-search")
+        self._follower = None
+        if settings.encoder is not None:
+            from agentrob.board.search.embeddings import Follower  # numpy, for those who want it
+
+            self._follower = Follower(settings.encoder(), Reader(self._engines[0].connect()))
+        self.writer = Writer(self._engines[1], published)
+        self.renderer = Renderer(self.everything.names)
+
+    def close(self) -> None:
+        """Finish what is being written and close the database."""
+        if self._follower is not None:
+            self._follower.close()
+        self.writer.close()
+        self.renderer.close()
+        self._searching.shutdown(cancel_futures=True)
+        for reader in (self._finder, self.reader):
+            reader.connection.close()
+        for engine in self._engines:
+            engine.dispose()
+
+    # ---------------------------------------------------------------- reads, synchronous
+    def boards(self) -> tuple[Board, ...]:
+        return self.reader.boards()
+
+    def board(self, board_id: str) -> Board:
+        return self.reader.board(board_id)
+
+    def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
+        """Latest activity first."""
+        return self.reader.topics(board_id, cursor, limit)
+
+    def latest(self, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
+        """Topics of all boards, latest activity first."""
+        return self.reader.topics(None, cursor, limit)
+
+    def topic(self, topic_id: str) -> Topic:
+        return self.reader.topic(topic_id)
+
+    def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
+        """Oldest first, removed ones among them (empty). 404 when there is no such topic."""
+        return self.reader.posts(topic_id, cursor, limit)
+
+    def posts_by(self, author: Account, limit: int = 20) -> tuple[Post, ...]:
+        """What an account wrote, newest first, without what was removed."""
+        return self.reader.posts_by(author, limit)
+
+    def cursor_before(self, post_id: str, limit: int = 50) -> str | None:
+        """The cursor of the page of `posts(limit=limit)` that shows this post; None for the first page."""
+        return self.reader.cursor_before(post_id, limit)
+
+    def post(self, post_id: str) -> Post:
+        return self.reader.post(post_id)
+
+    def versions(self, post_id: str) -> tuple[Version, ...]:
+        """Earlier texts, oldest first."""
+        return self.reader.versions(post_id)
+
+    def find(self, author: Account, key: str) -> Post | None:
+        """The author's own post written under `key`."""
+        return self.reader.find(author, key)
+
+    def account(self, name: str) -> Account | None:
+        return self.reader.account(name)
+
+    def robots(self) -> tuple[Account, ...]:
+        """All accounts of robot agents."""
+        return self.reader.robots()
+
+    def image(self, image_id: str) -> Image:
+        return self.reader.image(image_id)[0]
+
+    def newest_event_id(self) -> str:
+        return self.reader.newest_event_id()
+
+    def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[Event, ...]:
+        """What happened after an event, oldest first. 404 when `after` is no event of this history."""
+        return self.reader.events(self.reader.known_event(after), limit, topic_id)
+
+    # ---------------------------------------------------------------- search, awaited
+    @property
+    def search_modes(self) -> tuple[SearchMode, ...]:
+        return ("words",) if self._follower is None else ("words", "meaning")
+
+    async def search(
+        self,
+        query: str,
+        cursor: str | None = None,
+        limit: int = 20,
+        board_id: str | None = None,
+        mode: SearchMode = "words",
+        tag: str | None = None,
+    ) -> Page[Post]:
+        """Posts with all the words, newest first, or most alike in meaning first. 404 for what this forum has not, 503
+        as for `beside`."""
+        return await self._aside(self._finder_by(mode), query, cursor, limit, board_id, tag)
+
+    async def beside(self, read: Callable[..., T], *asked: Any) -> T:
+        """A read that may take longer, of a reader and what is asked. 503 when it takes too long or too many wait."""
+        return await self._aside(search.bounded, self._finder, read, *asked)
+
+    async def _aside(self, call: Callable[..., T], *asked: Any) -> T:
+        """In a thread of its own, one after another: nothing else waits for it, least of all a stop (law 15)."""
+        if self._searches >= MAX_SEARCHES:
+            raise BoardError(503, "overloaded", "too many searches are waiting", "try again in a moment", 2.0)
+        self._searches += 1
+        try:
+            seeing = copy_context().run  # what whoever asks may see
+            running = self._searching.submit(seeing, call, *asked)
+            return await asyncio.wrap_future(running)
+        finally:
+            self._searches -= 1
+
+    def _finder_by(self, mode: SearchMode) -> Callable[..., Page[Post]]:
+        if mode == "words":
+            return partial(search.find, self._finder)
+        if self._follower is None:
+            hint = "search for words; its owner may install agentrob[semantic] and set board.semantic = true"
+            raise BoardError(404, "no_meaning", "this forum has no search by meaning", hint)
+        from agentrob.board.search import semantic
+
+        return partial(semantic.find, self._finder, self._follower.meanings)
+
+    async def follow_meanings(self) -> None:
+        """Keep up with what the posts mean, where this forum is searched by meaning; until cancelled."""
+        if self._follower is not None:
+            await self._follower.run(self.do)
+
+    # ---------------------------------------------------------------- writes, awaited
+    async def do(self, job: Job[T]) -> T:
+        """Any job for the one writer."""
+        return await self.writer.do(job)
+
+    async def create_topic(
+        self,
+        author: Account,
+        board_id: str,
+        title: str,
+        body: str,
+        *,
+        key: str | None = None,
+        images: Sequence[str] = (),
+        tags: Sequence[str] = (),
+    ) -> Written:
+        """`tags` as `tags.checked` gives them."""
+        text = await self.renderer.render(body, author)
+        draft = writes.Draft(author, text, key, images, limits=self._limits)
+        job: Job[Written] = lambda t: writes.create_topic(t, board_id, title, draft, tags)  # noqa: E731
+        return await self.writer.do(job, first=text.stop)
+
+    async def reply(
+        self,
+        author: Account,
+        topic_id: str,
+        body: str,
+        *,
+        key: str | None = None,
+        reply_to: str | None = None,
+        images: Sequence[str] = (),
+        card: Mapping[str, Any] | None = None,
+    ) -> Written:
+        text = await self.renderer.render(body, author)
+        draft = writes.Draft(author, text, key, images, reply_to, card, self._limits)
+        return await self.writer.do(lambda t: writes.reply(t, topic_id, draft), first=text.stop)
+
+    async def edit(
+        self,
+        editor: Account,
+        post_id: str,
+        body: str,
+        *,
+        key: str | None = None,
+        images: Sequence[str] = (),
+        card: Mapping[str, Any] | Literal["keep"] | None = "keep",
+    ) -> Post:
+        """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
+        text, most = await self.renderer.render(body, editor), self._limits.posts
+        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, text, key, images, card, most)  # noqa: E731
+        return await self.writer.do(job, first=text.stop)
+
+    async def remove(self, by: Account, post_id: str, reason: str = "") -> Post:
+        """Hide a post for everybody; its author and moderators may (403). Again does nothing."""
+        return await self.do(lambda t: writes.remove(t, by, post_id, reason))
+
+    async def record(
+        self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None, at_us: int | None = None
+    ) -> Event:
+        """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
+        happened_us = writes.now_us() if at_us is None else at_us
+        job: Job[Event] = lambda t: writes.record(t, kind, robot, by, key, happened_us)  # noqa: E731
+        return await self.writer.do(job, first=kind is EventKind.ROBOT_STOP)
+
+    async def add_image(
+        self, by: Account, file: Path, image: Image, key: str | None = None
+    ) -> tuple[Image, bool] | None:
+        """Register a picture; False when the key had been used: then it is the old one. None: its file is gone."""
+        return await self.do(lambda t: writes.add_image(t, by, file, image, key, self._limits.uploads))

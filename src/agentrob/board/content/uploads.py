@@ -1,0 +1,63 @@
+"""Takes pictures that people and programs upload: whether they may, what it is, where it is kept."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from pathlib import Path
+
+import structlog
+from sqlalchemy import select
+
+from agentrob.board.content import images
+from agentrob.board.db import schema as db
+from agentrob.board.db.records import Image
+from agentrob.board.services import Services
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind, Role
+
+#: How often a picture is written anew whose file is deleted meanwhile, since the same one of somebody else's went.
+TRIES = 5
+
+log = structlog.get_logger(__name__)
+
+
+def check_folder(services: Services) -> None:
+    """Say so where the newest picture is not in the folder: processes on several hosts must share it."""
+    i, folder = db.images.c, services.settings.images_dir
+    newest = select(i.sha256).where(i.gone_us.is_(None)).order_by(i.id.desc()).limit(1)
+    row = services.store.everything.first(newest)
+    if row is not None and not images.path_of(folder, row.sha256).exists():
+        hint = "all processes that serve a forum need the same folder"
+        log.error("board.pictures_missing", folder=str(folder), hint=hint)
+
+
+def may(by: Account | None) -> bool:
+    """Whether an account may upload: robot agents, operators and those above."""
+    if by is None or by.suspended:
+        return False
+    return by.kind is AccountKind.ROBOT_AGENT or by.role.rank >= Role.OPERATOR.rank
+
+
+async def take(services: Services, by: Account, data: bytes, key: str | None = None) -> tuple[Image, bool]:
+    """Keep a picture; whether it is new. 403, 413, 415, 429, 503."""
+    if not may(by):
+        raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
+    image, data = await asyncio.to_thread(images.check, data)
+    for _ in range(TRIES):
+        path = await asyncio.to_thread(images.keep, services.settings.images_dir, data)
+        if (taken := await services.store.add_image(by, path, image, key)) is not None:
+            return taken
+    raise BoardError(503, "storage", "the picture was taken away again and again", "try again in a moment", 1.0)
+
+
+async def file_of(services: Services, image: Image, digest: str) -> tuple[Path, os.stat_result]:
+    """Where the file of a picture is, and what it is. 404 when it is not there any more, 503 when it cannot be read."""
+    path = images.path_of(services.settings.images_dir, digest)
+    try:
+        return path, await asyncio.to_thread(path.stat)
+    except FileNotFoundError:
+        log.warning("board.picture_missing", image=image.id, file=str(path))
+        raise images.gone() from None
+    except OSError as e:
+        raise BoardError(503, "storage", f"the picture cannot be read now: {e.strerror}", "try again later") from e

@@ -1,0 +1,95 @@
+"""Who may serve a database, and who has it alone: one process a SQLite file, several one PostgreSQL database.
+
+On PostgreSQL whoever serves holds a lock together with all others who do (`peers`), so that nobody puts a backup back
+or changes the tables under them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sqlalchemy import Connection, create_engine, extract, func, select
+from sqlalchemy.exc import DBAPIError
+
+from agentrob.board.admin import bootstrap
+from agentrob.board.db.database import SERVING_LOCK, connect_args, serving_lock, unavailable
+from agentrob.board.settings import BoardSettings
+from agentrob.errors import BoardError, RobotBusy
+
+#: What a post's age is judged by (law 5) comes from the clock of the process that took it: all must be about the same.
+MAX_SKEW_S = 2.0
+
+
+@contextmanager
+def to_serve(settings: BoardSettings) -> Iterator[None]:
+    """The database is made, and this process may serve it. `BoardError` says who stands in the way."""
+    if settings.shared:
+        bootstrap.bootstrap(settings)
+        with _lock(settings, together=True):
+            pass  # `peers` holds it from the start of the app on
+        yield
+        return
+    with _on_this_host(settings):
+        bootstrap.bootstrap(settings, alone=True)
+        yield
+
+
+@contextmanager
+def alone(settings: BoardSettings) -> Iterator[None]:
+    """Nobody serves the database meanwhile, and nobody begins to. 503 when somebody does."""
+    with _lock(settings, together=False) if settings.shared else _on_this_host(settings):
+        yield
+
+
+def check_clock(before: float, there: float, after: float) -> None:
+    """503 when the database's clock, asked for between two looks at ours, surely differs by more than `MAX_SKEW_S`."""
+    ahead_s, behind_s = before - there, there - after
+    if (skew_s := max(ahead_s, behind_s)) > MAX_SKEW_S:
+        how = "ahead of" if skew_s == ahead_s else "behind"
+        what = f"this host's clock is {skew_s:.1f} s {how} the database's, more than {MAX_SKEW_S:g} s"
+        raise BoardError(503, "clock_skew", f"{what}: let both follow a time server")
+
+
+def being_changed(settings: BoardSettings) -> BoardError:
+    what = f"{settings.database_shown} is being restored or migrated now"
+    return BoardError(503, "being_changed", what, "try again when that is done", 10.0)
+
+
+@contextmanager
+def _on_this_host(settings: BoardSettings) -> Iterator[None]:
+    try:
+        lock = serving_lock(settings)
+    except RobotBusy:
+        key = settings.database_path or settings.database_shown
+        what = f"another process serves {key} already; several can serve one forum on PostgreSQL only (docs/deploy.md)"
+        raise BoardError(503, "already_served", what, "end it first") from None
+    with lock:
+        yield
+
+
+@contextmanager
+def _lock(settings: BoardSettings, together: bool) -> Iterator[None]:
+    engine = create_engine(settings.database, isolation_level="AUTOCOMMIT", connect_args=connect_args(settings))
+    try:
+        with engine.connect() as connection:
+            take = func.pg_try_advisory_lock_shared if together else func.pg_try_advisory_lock
+            if not connection.execute(select(take(SERVING_LOCK))).scalar_one():
+                if together:
+                    raise being_changed(settings)
+                what = f"{settings.database_shown} is served by other processes: end them first"
+                raise BoardError(503, "already_served", what)
+            if together:
+                _check_clock(connection)
+            yield
+    except DBAPIError as e:
+        raise unavailable(e) from e
+    finally:
+        engine.dispose()
+
+
+def _check_clock(connection: Connection) -> None:
+    before = time.time()
+    there = float(connection.execute(select(extract("epoch", func.clock_timestamp()))).scalar_one())
+    check_clock(before, there, time.time())

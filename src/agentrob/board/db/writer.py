@@ -1,0 +1,187 @@
+"""One thread that does all writing: it takes what waits as one transaction, each job in a savepoint of its own.
+
+So a burst costs one commit, a job that fails undoes only itself, and nobody ever waits for a lock on the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+import structlog
+from sqlalchemy import Connection, Engine
+from sqlalchemy.exc import DBAPIError
+
+from agentrob.board.db.database import unavailable
+from agentrob.errors import BoardError
+
+T = TypeVar("T")
+Job = Callable[["Transaction"], T]
+#: More jobs than this are not taken into one transaction, nor any more after so many seconds: the first of them waits
+#: for all.
+MAX_BATCH, MAX_BATCH_S = 64, 0.02
+#: More than this waiting means that the disk cannot follow; then the forum says so, but takes a stop (law 15).
+MAX_WAITING = 2000
+
+log = structlog.get_logger(__name__)
+
+
+@dataclass(slots=True)
+class Transaction:
+    """What a job gets: the connection, and the list of the ids of event rows that it wrote."""
+
+    connection: Connection
+    event_ids: list[int] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class _Waiting:
+    """`job` is None for one that only proves that jobs are taken."""
+
+    job: Job[Any] | None
+    first: bool
+    loop: asyncio.AbstractEventLoop
+    future: asyncio.Future[Any]
+    result: Any = None
+    error: BaseException | None = None
+
+
+class Writer:
+    """`published` is called on the event loop with the ids of the events of each commit, in order.
+
+    Jobs that come `first`, as stops do, wait for the one that runs and for no other, and are committed at once.
+    """
+
+    def __init__(self, engine: Engine, published: Callable[[list[int]], None]) -> None:
+        self.engine = engine
+        self.published = published
+        self._more = threading.Condition()
+        self._first: deque[_Waiting] = deque()
+        self._rest: deque[_Waiting] = deque()
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="board-writer", daemon=True)
+        self._thread.start()
+
+    async def do(self, job: Job[T], first: bool = False) -> T:
+        """Run a job and wait for its commit. Raises what the job raised, or `BoardError` 503: when too much waits,
+        unless it comes `first`."""
+        return await self._wait(job, first)  # type: ignore[no-any-return]
+
+    async def prove(self) -> None:
+        """Go the way of a job that comes first, and write nothing. Raises `BoardError` as `do` does."""
+        await self._wait(None, first=True)
+
+    async def _wait(self, job: Job[Any] | None, first: bool) -> Any:
+        if len(self._rest) > MAX_WAITING and not first:
+            raise BoardError(503, "overloaded", "too many writes are waiting", "try again in a moment", 2.0)
+        loop = asyncio.get_running_loop()
+        waiting = _Waiting(job, first, loop, loop.create_future())
+        with self._more:
+            if self._closed:
+                raise BoardError(503, "closing", "the forum is shutting down", "try again in a moment", 2.0)
+            (self._first if first else self._rest).append(waiting)
+            self._more.notify()
+        return await waiting.future
+
+    def close(self) -> None:
+        """Finish what waits, then end the thread."""
+        with self._more:
+            self._closed = True
+            self._more.notify()
+        self._thread.join()
+
+    # ---------------------------------------------------------------- in the thread
+    def _run(self) -> None:
+        while self._something_waits():
+            batch: list[_Waiting] = []
+            try:
+                event_ids = self._commit(batch)
+            except Exception as e:  # the thread outlives whatever happens: the next batch may well succeed
+                error = unavailable(e) if isinstance(e, DBAPIError) else e
+                batch = batch or self._all_waiting()
+                log.error("board.write_failed", error=str(e), jobs=len(batch))
+                event_ids = []
+                for waiting in batch:
+                    waiting.error = waiting.error or error
+            self._answer(batch, event_ids)
+
+    def _something_waits(self) -> bool:
+        """Wait until it does; False when the writer is closed and nothing is left."""
+        with self._more:
+            self._more.wait_for(lambda: self._first or self._rest or self._closed)
+            return bool(self._first or self._rest)
+
+    def _all_waiting(self) -> list[_Waiting]:
+        """When no transaction can be begun."""
+        taken: list[_Waiting] = []
+        while len(taken) < MAX_BATCH and (self._first or self._rest):
+            taken.append((self._first or self._rest).popleft())
+        return taken
+
+    def _commit(self, batch: list[_Waiting]) -> list[int]:
+        """Run what waits as one transaction, into `batch`; the ids of its events."""
+        event_ids: list[int] = []
+        with self.engine.connect() as connection:
+            whole = connection.begin()
+            until_s = time.monotonic() + MAX_BATCH_S
+            while (waiting := self._next(batch, until_s)) is not None:
+                batch.append(waiting)
+                event_ids += self._run_one(waiting, connection)
+            if any(waiting.job for waiting in batch):
+                whole.commit()
+            else:
+                whole.rollback()  # nothing to tell other processes of
+        return event_ids
+
+    def _next(self, batch: list[_Waiting], until_s: float) -> _Waiting | None:
+        """The next job of this transaction; None when it is to be committed."""
+        if self._first:
+            return self._first.popleft()
+        enough = len(batch) >= MAX_BATCH or time.monotonic() > until_s or any(waiting.first for waiting in batch)
+        return self._rest.popleft() if self._rest and not (batch and enough) else None
+
+    def _run_one(self, waiting: _Waiting, connection: Connection) -> list[int]:
+        """One job in a savepoint of its own; the ids of its events."""
+        if waiting.job is None:
+            return []
+        transaction = Transaction(connection)
+        savepoint = connection.begin_nested()
+        try:
+            waiting.result = waiting.job(transaction)
+            savepoint.commit()
+        except Exception as e:
+            # For some errors (a full disk) SQLite itself ends the transaction: then nothing of it is kept.
+            if not _in_transaction(connection):
+                raise
+            savepoint.rollback()
+            waiting.error = unavailable(e) if isinstance(e, DBAPIError) else e
+            return []
+        return transaction.event_ids
+
+    def _answer(self, batch: list[_Waiting], event_ids: list[int]) -> None:
+        def on_loop() -> None:
+            if event_ids:
+                self.published(event_ids)
+            for waiting in batch:
+                if waiting.future.done():
+                    continue  # whoever asked is gone; what was written stays written
+                if waiting.error is not None:
+                    waiting.future.set_exception(waiting.error)
+                else:
+                    waiting.future.set_result(waiting.result)
+
+        try:
+            batch[0].loop.call_soon_threadsafe(on_loop)
+        except RuntimeError:  # the loop has ended: nobody waits any more
+            log.warning("board.nobody_waits", jobs=len(batch))
+
+
+def _in_transaction(connection: Connection) -> bool:
+    """Whether the database still is where we think it is."""
+    raw: Any = connection.connection.dbapi_connection
+    return bool(getattr(raw, "in_transaction", True))

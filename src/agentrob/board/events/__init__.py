@@ -1,0 +1,1 @@
+"""The event stream, webhooks, and several server processes on one database."""

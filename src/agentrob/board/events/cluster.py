@@ -1,0 +1,208 @@
+"""The other processes that serve the same PostgreSQL database: hearing of what they do, and knowing that one hears.
+
+One connection listens. PostgreSQL tells it of every commit (`database`), of what robots show on other processes and of
+stops that those could not write (`teller`). Every `PROOF_S` it asks whether it still hears; when it does not, the hub
+sends no beat (law 16). It holds two locks, which the database gives back however this process ends: that it serves,
+together with the others; and, on one of them, the duties that only one process has.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Coroutine
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import structlog
+
+from agentrob.board.db.database import CHANNEL, LEADING_LOCK, SERVING_LOCK, connection_words
+from agentrob.board.db.serving_lock import being_changed, check_clock
+from agentrob.board.events.cluster_messages import NOW_US, Teller, event_from_words
+from agentrob.board.events.hub import Hub
+from agentrob.board.robots.presence import Stage
+from agentrob.board.settings import BoardSettings
+from agentrob.errors import BoardError
+
+if TYPE_CHECKING:
+    from psycopg import AsyncConnection
+
+#: How often it is proven that the others are heard, when nothing is.
+PROOF_S = 0.25
+#: A connection that does not answer for so long is given up for another one; the beats have ended before.
+PATIENCE_S = 2.0
+CONNECT_S = 5.0
+AGAIN_S = 0.25
+#: The database ends a connection that asks nothing for so long: its process hangs, or its host is gone, and its locks
+#: are for the others.
+GONE_S = 5
+_PROOF = (
+    "SELECT (SELECT coalesce(max(id), 0) FROM events), extract(epoch FROM clock_timestamp())::float8, "
+    f"CASE WHEN %(leads)s THEN true ELSE pg_try_advisory_lock({LEADING_LOCK}) END, "
+    "(SELECT coalesce(json_object_agg(robot, n), '{}') FROM (SELECT robot, sum(viewers)::int AS n FROM stage_viewers "
+    f"WHERE process <> %(me)s AND until_us > {NOW_US} GROUP BY robot) AS looking)"
+)
+_CARDS = f"SELECT robot, card, {NOW_US} - seen_us FROM stage"
+_FRAMES = f"SELECT robot, frame, {NOW_US} - shown_us FROM stage WHERE frame IS NOT NULL"
+
+log = structlog.get_logger(__name__)
+
+
+class Peers:
+    """`duties` is what only one of the processes does; it is told whether another one may have done it before."""
+
+    def __init__(
+        self,
+        settings: BoardSettings,
+        me: str,
+        hub: Hub,
+        stage: Stage,
+        duties: Callable[[bool], Coroutine[Any, Any, None]],
+    ) -> None:
+        self.settings, self.me, self._hub, self._stage, self._duties = settings, me, hub, stage, duties
+        self._words = connection_words(settings)
+        self._connection: AsyncConnection[Any] | None = None
+        self._duty: asyncio.Task[None] | None = None
+        self._asked_to_lead = False
+        self._proven_s = 0.0
+        self._cut_off = False
+        self._teller = Teller(me, stage, self._connect)
+        hub.tell_others, stage.changed = self._teller.announce, self._teller.changed
+
+    @property
+    def cut_off(self) -> bool:
+        """Whether the database could not be reached, or this process must not serve it."""
+        return self._cut_off
+
+    @property
+    def leads(self) -> bool:
+        """Whether this process has the duties now."""
+        return self._duty is not None
+
+    async def begin(self) -> None:
+        """Hear for the first time. `BoardError` when this process must not serve, or cannot."""
+        import psycopg
+
+        try:
+            self._connection = await self._listening()
+        except (psycopg.Error, OSError) as e:  # TimeoutError is one
+            raise BoardError(503, "storage", f"the database cannot be used: {e or 'no answer'}") from e
+
+    async def run(self) -> None:
+        """Hear and tell until cancelled, whatever becomes of the database meanwhile."""
+        telling = asyncio.create_task(self._teller.run())
+        try:
+            await self._listen()
+        finally:
+            telling.cancel()
+            await asyncio.gather(telling, return_exceptions=True)
+
+    # ---------------------------------------------------------------- connections
+    async def _connect(self) -> AsyncConnection[Any]:
+        import psycopg
+
+        async with asyncio.timeout(CONNECT_S):
+            return await psycopg.AsyncConnection.connect(**self._words, autocommit=True)
+
+    async def _listening(self) -> AsyncConnection[Any]:
+        connection = await self._connect()
+        try:
+            async with asyncio.timeout(CONNECT_S):
+                await connection.execute(f"SET idle_session_timeout = '{GONE_S}s'")
+                await connection.execute(f"LISTEN {CHANNEL}")
+                free = await connection.execute(f"SELECT pg_try_advisory_lock_shared({SERVING_LOCK})")
+                if not (await free.fetchone() or [False])[0]:
+                    raise being_changed(self.settings)
+                await self._look_around(connection)
+            await self._prove(connection)
+        except BaseException:
+            await connection.close()
+            raise
+        return connection
+
+    async def _listen(self) -> None:
+        import psycopg
+
+        while True:
+            try:
+                if self._connection is None:
+                    self._connection = await self._again()
+                await self._follow(self._connection)
+            except (psycopg.Error, OSError, BoardError) as e:
+                if not self._cut_off:
+                    log.warning("board.not_heard", error=str(e) or "no answer from the database")
+            finally:
+                await self._let_go()
+            await asyncio.sleep(AGAIN_S)
+
+    async def _again(self) -> AsyncConnection[Any]:
+        """Another connection. While there is none nobody waits for the database."""
+        try:
+            connection = await self._listening()
+        except Exception as e:
+            if not self._cut_off:
+                log.error("board.cut_off", error=str(e) or "no answer from the database")
+            self._cut_off = True
+            raise
+        if self._cut_off:
+            log.info("board.heard_again")
+        self._cut_off = False
+        return connection
+
+    async def _let_go(self) -> None:
+        """First the duties end, then the lock on them."""
+        duty, self._duty = self._duty, None
+        if duty is not None:
+            duty.cancel()
+            await asyncio.gather(duty, return_exceptions=True)
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            with suppress(Exception):
+                await connection.close()
+
+    # ---------------------------------------------------------------- hearing
+    async def _follow(self, connection: AsyncConnection[Any]) -> None:
+        while True:
+            heard = [notice.payload async for notice in connection.notifies(timeout=PROOF_S, stop_after=1)]
+            others = dict.fromkeys(what for by, _, what in (said.partition(" ") for said in heard) if by != self.me)
+            if others or time.monotonic() - self._proven_s >= PROOF_S:  # our own commits prove nothing
+                await self._prove(connection)
+            for what in others:
+                await self._hear(connection, what)
+
+    async def _prove(self, connection: AsyncConnection[Any]) -> None:
+        """Ask what is new, and whether the clocks agree and somebody has the duties."""
+        before = time.time()
+        async with asyncio.timeout(PATIENCE_S):
+            asked = await connection.execute(_PROOF, {"leads": self.leads, "me": self.me})
+            newest, clock, leads, viewers = await asked.fetchone() or (0, before, False, {})
+        check_clock(before, clock, time.time())
+        self._proven_s = time.monotonic()
+        self._stage.hear_viewers(viewers)
+        self._hub.proven(newest)
+        if leads and self._duty is None:
+            log.info("board.has_the_duties", taken_over=self._asked_to_lead)
+            self._duty = asyncio.create_task(self._duties(self._asked_to_lead))
+        self._asked_to_lead = True
+
+    async def _hear(self, connection: AsyncConnection[Any], said: str) -> None:
+        what, _, more = said.partition(" ")
+        try:
+            if what == "card" or (what == "frame" and self._stage.wants(more)):
+                async with asyncio.timeout(PATIENCE_S):
+                    await self._look_around(connection, what, more)
+            elif what == "event":
+                self._hub.hear_unwritten(event_from_words(more, self._hub))
+        except (ValueError, KeyError, TypeError) as e:
+            log.warning("board.not_understood", said=said[:200], error=str(e))
+
+    async def _look_around(self, connection: AsyncConnection[Any], what: str = "", robot: str = "") -> None:
+        """What other processes were told and shown, of one robot or of all."""
+        which = " WHERE robot = %s" if robot else ""
+        words = [robot] if robot else []
+        if what != "frame":
+            async for name, card, age_us in await connection.execute(_CARDS + which, words):
+                self._stage.hear_card(name, card, age_us / 1_000_000)
+        if what != "card":
+            async for name, frame, age_us in await connection.execute(_FRAMES + which.replace("WHERE", "AND"), words):
+                self._stage.hear_frame(name, frame, age_us / 1_000_000)

@@ -1,0 +1,165 @@
+"""Tells the other processes that serve the same PostgreSQL database what they cannot find in its tables by themselves.
+
+That is a stop that could not be written, which goes before everything else; robots' cards and live pictures; and how
+many look at a robot's camera here. Of cards and pictures only the newest is told. A picture stays in the database only
+while it is live.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections import deque
+from collections.abc import Awaitable, Callable
+from datetime import timedelta
+from typing import TYPE_CHECKING, Any
+
+from agentrob.board.db.database import CHANNEL
+from agentrob.board.db.records import Event, EventKind, from_us
+from agentrob.board.events.hub import Hub
+from agentrob.board.robots.presence import LIVE_FOR, Stage
+from agentrob.errors import BoardError
+
+if TYPE_CHECKING:
+    from psycopg import AsyncConnection
+
+#: The database's own clock, in SQL: ages are told by it, since hosts differ.
+NOW_US = "(extract(epoch FROM clock_timestamp()) * 1000000)::bigint"
+#: How often those who look are told of, and for how long that holds.
+RENEW_S, HOLDS_S = 1.0, 3.0
+#: How often a picture is told of that nobody looks at elsewhere: for who comes.
+IDLE_FRAME_S = 1.0
+#: A stop that could not be told for so long was heard as silence (law 16).
+TOO_LATE_S = 2.0
+AGAIN_S = 0.25
+#: The database may take so long for a picture.
+PATIENCE_S = 2.0
+_SECONDS = 1_000_000
+_CARD = (
+    f"INSERT INTO stage (robot, card, seen_us) VALUES (%s, %s::json, {NOW_US}) "
+    "ON CONFLICT (robot) DO UPDATE SET card = excluded.card, seen_us = excluded.seen_us"
+)
+_FRAME = (
+    f"INSERT INTO stage (robot, card, seen_us, frame, shown_us) VALUES (%s, '{{}}', {NOW_US}, %s, {NOW_US}) "
+    "ON CONFLICT (robot) DO UPDATE SET frame = excluded.frame, shown_us = excluded.shown_us, seen_us = excluded.seen_us"
+)
+_LOOKING = (
+    f"INSERT INTO stage_viewers (process, robot, viewers, until_us) VALUES (%s, %s, %s, {NOW_US} + %s) "
+    "ON CONFLICT (process, robot) DO UPDATE SET viewers = excluded.viewers, until_us = excluded.until_us"
+)
+_NOT_LIVE = f"UPDATE stage SET frame = NULL, shown_us = NULL WHERE frame IS NOT NULL AND shown_us < {NOW_US} - %s"
+_GONE = f"DELETE FROM stage_viewers WHERE until_us < {NOW_US}"
+
+
+class Teller:
+    """Never keeps anybody waiting: what there is to tell is noted, and told by `run`."""
+
+    def __init__(self, me: str, stage: Stage, connect: Callable[[], Awaitable[AsyncConnection[Any]]]) -> None:
+        self.me, self._stage, self._connect = me, stage, connect
+        self._events: deque[tuple[float, str]] = deque(maxlen=1000)
+        self._cards: set[str] = set()
+        self._frames: set[str] = set()
+        self._framed_s: dict[str, float] = {}
+        self._looking: dict[str, int] = {}
+        self._renewed_s = 0.0
+        self._wake = asyncio.Event()
+
+    def announce(self, event: Event) -> None:
+        """An event that could not be written."""
+        self._events.append((time.monotonic(), words_of(event)))
+        self._wake.set()
+
+    def changed(self, robot: str, what: str) -> None:
+        """Something of a robot is another here: its `card`, its `frame` or its `viewers`."""
+        if what == "frame":
+            rare = time.monotonic() - self._framed_s.get(robot, 0.0) < IDLE_FRAME_S
+            if rare and not self._stage.robot(robot).elsewhere:
+                return
+            self._frames.add(robot)
+        elif what == "card":
+            self._cards.add(robot)
+        self._wake.set()
+
+    async def run(self) -> None:
+        """Until cancelled, whatever becomes of the database meanwhile."""
+        import psycopg
+
+        while True:
+            try:
+                async with await self._connect() as connection:
+                    while True:
+                        async with asyncio.timeout(PATIENCE_S):
+                            await self._tell(connection)
+                        await self._woken()
+            except (psycopg.Error, OSError):
+                pass  # `peers` says that the database is gone
+            await asyncio.sleep(AGAIN_S)
+
+    async def _woken(self) -> None:
+        try:
+            async with asyncio.timeout(RENEW_S):
+                await self._wake.wait()
+        except TimeoutError:
+            return  # time to renew who looks
+        self._wake.clear()
+
+    async def _tell(self, connection: AsyncConnection[Any]) -> None:
+        await self._tell_events(connection)
+        while self._cards:
+            robot = self._cards.pop()
+            await connection.execute(_CARD, [robot, json.dumps(dict(self._stage.robot(robot).card))])
+            await self._notify(connection, f"card {robot}")
+            await self._tell_events(connection)
+        while self._frames:
+            robot = self._frames.pop()
+            self._framed_s[robot] = time.monotonic()
+            await connection.execute(_FRAME, [robot, self._stage.robot(robot).frame])
+            await self._notify(connection, f"frame {robot}")
+            await self._tell_events(connection)
+        await self._tell_viewers(connection)
+
+    async def _tell_events(self, connection: AsyncConnection[Any]) -> None:
+        while self._events:
+            at_s, words = self._events[0]
+            if time.monotonic() - at_s < TOO_LATE_S:
+                await self._notify(connection, f"event {words}")
+            self._events.popleft()
+
+    async def _tell_viewers(self, connection: AsyncConnection[Any]) -> None:
+        """Those who look, again and again; and once that nobody does any more."""
+        looking = {robot.name: robot.viewers for robot in self._stage.robots() if robot.viewers}
+        if looking == self._looking and time.monotonic() - self._renewed_s < RENEW_S:
+            return
+        for robot in looking.keys() | self._looking.keys():
+            holds_us = int(HOLDS_S * _SECONDS) if robot in looking else -1
+            await connection.execute(_LOOKING, [self.me, robot, looking.get(robot, 0), holds_us])
+        if looking != self._looking:
+            await self._notify(connection, "viewers")
+        self._looking, self._renewed_s = looking, time.monotonic()
+        await connection.execute(_NOT_LIVE, [int(LIVE_FOR / timedelta(microseconds=1))])
+        await connection.execute(_GONE)
+
+    async def _notify(self, connection: AsyncConnection[Any], said: str) -> None:
+        await connection.execute("SELECT pg_notify(%s, %s)", [CHANNEL, f"{self.me} {said}"])
+
+
+# -------------------------------------------------------------------- events in words
+def words_of(event: Event) -> str:
+    """An event of a robot, without its id: it has none of its own."""
+    at_us = round(event.at.timestamp() * _SECONDS)
+    return json.dumps([str(event.kind), at_us, event.robot, event.account.name if event.account else None])
+
+
+def event_from_words(words: str, hub: Hub) -> Event:
+    """As another process said it. `ValueError` for what no process announces."""
+    kind, at_us, robot, name = json.loads(words)
+    if kind not in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP, EventKind.ROBOT_WATCH) or not isinstance(robot, str):
+        raise ValueError("no event that is announced")
+    account = None
+    if name is not None and hub.reader is not None:
+        try:
+            account = hub.reader.account(str(name))
+        except BoardError:  # who pressed is not known then, but that somebody did
+            account = None
+    return Event(hub.last_id, EventKind(kind), from_us(at_us), robot=robot, account=account)

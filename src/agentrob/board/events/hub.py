@@ -1,0 +1,346 @@
+"""Tells everybody who listens what happened: one hub on the event loop, server-sent events that resume and beat.
+
+An event is read and encoded once, however many listen. A listener that cannot keep up is cut off and resumes from the
+last id it got; nothing is ever dropped from the middle of a stream.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import deque
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import structlog
+from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
+
+from agentrob.board.api.models import EventOut, Shaper, time_out
+from agentrob.board.db.reader import BEFORE_ALL, Reader, event_number
+from agentrob.board.db.records import Event, EventKind
+from agentrob.board.events import streams
+from agentrob.errors import BoardError
+from agentrob.model import Account
+
+#: A listener with more than this waiting does not read.
+MAX_PENDING = 1000
+MAX_LISTENERS = 2000
+#: Nobody may take the streams that others, above all the robots' agents, need to hear of a stop.
+MAX_PER_ACCOUNT = 50
+MAX_ANONYMOUS = MAX_LISTENERS // 2
+#: How often is looked for what another process wrote: on SQLite, where that takes microseconds, and elsewhere.
+FOLLOW_S, FOLLOW_ELSEWHERE_S = 0.02, 0.1
+#: A beat is sent only so long after the way of a stop was proven: that a post is written, and, where other processes
+#: take stops too, that they are heard.
+PROVEN_S = 1.0
+#: How often it is proven that a stop in a post would be written.
+PROOF_S = 0.2
+
+log = structlog.get_logger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """An event, its place in the order, and its encodings for everybody and for the author of its post.
+
+    `written`: it is in the database.
+    """
+
+    event: Event
+    number: int
+    frame: bytes
+    frame_for_author: bytes
+    written: bool = True
+
+    @property
+    def topic_id(self) -> str | None:
+        return self.event.post.topic_id if self.event.post else None
+
+
+def encode(event: Event, base_url: str, written: bool = True) -> Happening:
+    author = event.post.author if event.post and event.post.key is not None else None
+    for_all = _frame(Shaper(base_url).event(event))
+    for_author = _frame(Shaper(base_url, author).event(event)) if author else for_all
+    return Happening(event, event_number(event.id), for_all, for_author, written)
+
+
+def _frame(event: EventOut) -> bytes:
+    return f"id: {event.id}\nevent: {event.kind}\ndata: {event.model_dump_json()}\n\n".encode()
+
+
+class Listener:
+    """One open stream of an account (None: not signed in): what waits to be sent to it, of one topic or of all.
+
+    `ended` is set when the stream is to end: it is closed, or too much waits since its listener does not read. `boards`
+    are those whose posts it is told of; None is every board, for the server's own ears only.
+    """
+
+    def __init__(
+        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] | None = frozenset()
+    ) -> None:
+        self.topic_id, self.account_id, self.boards = topic_id, account_id, boards
+        self.ended = asyncio.Event()
+        self._pending: deque[Happening] = deque()
+        self._waiter: asyncio.Future[None] | None = None
+
+    @property
+    def closed(self) -> bool:
+        return self.ended.is_set()
+
+    def offer(self, happening: Happening) -> None:
+        if self.closed or self.topic_id not in (None, happening.topic_id):
+            return
+        post = happening.event.post
+        if post is not None and self.boards is not None and post.board_id not in self.boards:
+            return
+        self._pending.append(happening)
+        if len(self._pending) > MAX_PENDING:
+            self.close()
+        self._wake()
+
+    def close(self) -> None:
+        self._pending.clear()
+        self.ended.set()
+        self._wake()
+
+    async def next(self, timeout_s: float) -> Happening | None:
+        """The next event, or None when there was none in time or the stream is closed."""
+        if not self._pending and not self.closed:
+            loop = asyncio.get_running_loop()
+            self._waiter = loop.create_future()
+            timer = loop.call_later(timeout_s, self._wake)
+            try:
+                await self._waiter
+            finally:
+                timer.cancel()
+                self._waiter = None
+        return self._pending.popleft() if self._pending else None
+
+    def _wake(self) -> None:
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_result(None)
+
+
+class Hub:
+    """All listeners of this process. Lives on the event loop."""
+
+    def __init__(self, base_url: str) -> None:
+        self.base_url = base_url
+        self.closed = False
+        self.reader: Reader | None = None
+        self._listeners: set[Listener] = set()
+        self._last, self._last_id = 0, BEFORE_ALL
+        self._proven_s: float | None = None
+        self._written_s: float | None = None
+        #: Tells other processes of an event that could not be written.
+        self.tell_others: Callable[[Event], None] = lambda event: None
+
+    def start(self, reader: Reader) -> None:
+        """Begin after the newest event there is."""
+        self.reader = reader
+        self._last_id = reader.newest_event_id()
+        self._last = event_number(self._last_id)
+
+    def close(self) -> None:
+        """End all streams now, so that the server can end."""
+        self.closed = True
+        self._cut_off()
+
+    def published(self, event_ids: list[int]) -> None:
+        """Tell all listeners of the events up to these. Called by the writer after each commit."""
+        self._catch_up(event_ids[-1])
+
+    async def follow(self) -> None:
+        """Tell also of what other processes write to the same database, as the command line does; until cancelled."""
+        assert self.reader is not None
+        seen, well = None, True
+        while not self.closed:
+            await asyncio.sleep(FOLLOW_S if seen is not None else FOLLOW_ELSEWHERE_S)
+            version = self.reader.version()
+            if version is not None and version == seen:
+                continue
+            try:
+                self._catch_up(event_number(self.reader.newest_event_id()))
+                seen, well = version, True
+            except BoardError as e:  # it may come back, as a server that is started again
+                if well:
+                    log.error("board.events_unreadable", error=str(e))
+                seen, well = None, False
+
+    def proven(self, newest: int) -> None:
+        """The other processes are heard: the database just said that its newest event is this one."""
+        if newest < self._last:
+            self._look_back()
+        if self._catch_up(newest):
+            self._proven_s = time.monotonic()
+
+    def _look_back(self) -> None:
+        """Either we wrote one meanwhile, or the database was put back from a backup: then who resumes is told so."""
+        assert self.reader is not None
+        newest_id = self.reader.newest_event_id()
+        if event_number(newest_id) < self._last:
+            log.error("board.other_history", newest=newest_id, told=self._last_id)
+            self._last, self._last_id = event_number(newest_id), newest_id
+            self._cut_off()
+
+    async def prove_writing(self, prove: Callable[[], Awaitable[None]]) -> None:
+        """Go the way of a stop in a post again and again, from this loop through the writer and back (`prove`), until
+        cancelled. Counted from when each was due, so that also a loop that is held up proves nothing."""
+        self._written_s, well = time.monotonic(), True
+        while not self.closed:
+            due_s = time.monotonic() + PROOF_S
+            await asyncio.sleep(PROOF_S)
+            try:
+                await prove()
+                self._written_s, well = due_s, True
+            except Exception as e:  # it outlives whatever happens: the next try may well succeed
+                if well:
+                    log.error("board.stops_not_written", error=str(e))
+                well = False
+
+    @property
+    def hears(self) -> bool:
+        """Whether a stop that any process takes now, by the button or in a post, is told here within a second. Without
+        it there is no beat, and after 2 s of silence robots stop by themselves (law 16)."""
+        since_s = time.monotonic() - PROVEN_S
+        return all(proven_s is None or proven_s > since_s for proven_s in (self._proven_s, self._written_s))
+
+    def _catch_up(self, newest: int) -> bool:
+        assert self.reader is not None
+        try:
+            while self._last < newest and (events := self.reader.events(self._last, 100)):
+                for event in events:
+                    self._tell(event)
+                    self._last, self._last_id = event_number(event.id), event.id
+        except BoardError as e:
+            # Everybody must hear of what is in the database: cut them all off, and they resume.
+            log.error("board.events_unreadable", error=str(e))
+            self._cut_off()
+            return False
+        return True
+
+    def _cut_off(self) -> None:
+        for listener in list(self._listeners):
+            listener.close()
+
+    def announce(self, event: Event) -> None:
+        """Tell all listeners of an event that could not be written (a stop must get through in any case).
+
+        Its id is that of the newest written event, so that resuming after it misses nothing.
+        """
+        self._tell(event, written=False)
+        self.tell_others(event)
+
+    def hear_unwritten(self, event: Event) -> None:
+        """Tell all listeners of one that another process could not write."""
+        self._tell(event, written=False)
+
+    def listen(
+        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] | None = frozenset()
+    ) -> Listener:
+        """Begin to listen; give the listener back with `leave`. 503 when too many do, 429 when this account does."""
+        if self.closed or len(self._listeners) >= MAX_LISTENERS:
+            raise BoardError(503, "no_more_streams", "no more event streams now", "poll /api/v1/changes", 5.0)
+        most = MAX_ANONYMOUS if account_id is None else MAX_PER_ACCOUNT
+        if sum(other.account_id == account_id for other in self._listeners) >= most:
+            who = "visitors who are not signed in have" if account_id is None else "this account has"
+            hint = f"at most {most}: close one, or poll /api/v1/changes"
+            raise BoardError(429, "too_many_streams", f"{who} too many event streams open", hint, 5.0)
+        listener = Listener(topic_id, account_id, boards)
+        self._listeners.add(listener)
+        return listener
+
+    def leave(self, listener: Listener) -> None:
+        self._listeners.discard(listener)
+
+    @property
+    def listeners(self) -> int:
+        return len(self._listeners)
+
+    @property
+    def last_id(self) -> str:
+        """The id of the newest event that was told."""
+        return self._last_id
+
+    def _tell(self, event: Event, written: bool = True) -> None:
+        happening = encode(event, self.base_url, written)
+        for listener in self._listeners:
+            listener.offer(happening)
+
+
+class EventStream(Response):
+    """Server-sent events from `after` on: first what is in the database, then what happens, and beats in between."""
+
+    media_type = "text/event-stream"
+
+    def __init__(
+        self,
+        hub: Hub,
+        listener: Listener,
+        viewer: Account | None,
+        after: int,
+        heartbeat_s: float,
+        allowed: Callable[[], bool],
+    ) -> None:
+        super().__init__(headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
+        del self.headers["content-length"]
+        self._hub, self._listener, self._viewer = hub, listener, viewer
+        self._after, self._heartbeat_s, self._allowed = after, heartbeat_s, allowed
+        self._early: deque[tuple[EventKind, str | None, datetime]] = deque(maxlen=100)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            await streams.run(self._send(send), receive, send, self._allowed, self._listener.ended)
+        finally:
+            self._listener.close()
+            self._hub.leave(self._listener)
+
+    async def _send(self, send: Send) -> None:
+        await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
+        await streams.part(send, b"retry: 1000\n\n")
+        await self._replay(send)
+        await self._live(send)
+
+    async def _replay(self, send: Send) -> None:
+        assert self._hub.reader is not None
+        while not self._listener.closed:
+            events = self._hub.reader.events(self._after, 100, self._listener.topic_id, self._listener.boards)
+            if not events:
+                return
+            for event in events:
+                happening = encode(event, self._hub.base_url)
+                await streams.part(send, self._bytes(happening))
+                self._after = happening.number
+
+    async def _live(self, send: Send) -> None:
+        while not self._listener.closed:
+            happening = await self._listener.next(self._heartbeat_s)
+            if happening is not None:
+                if self._told_early(happening):
+                    self._after = max(self._after, happening.number)
+                elif happening.number > self._after or not happening.written:
+                    await streams.part(send, self._bytes(happening))
+                    self._after = max(self._after, happening.number)
+            elif not self._listener.closed and self._hub.hears:
+                await streams.part(send, _heartbeat())
+
+    def _told_early(self, happening: Happening) -> bool:
+        """Whether this was told here before it could be written: then nobody hears it twice."""
+        event = happening.event
+        if not happening.written:
+            self._early.append((event.kind, event.robot, event.at))
+            return False
+        return event.robot is not None and (event.kind, event.robot, event.at) in self._early
+
+    def _bytes(self, happening: Happening) -> bytes:
+        post = happening.event.post
+        mine = post is not None and self._viewer is not None and post.author.id == self._viewer.id
+        return happening.frame_for_author if mine else happening.frame
+
+
+def _heartbeat() -> bytes:
+    at = time_out(datetime.now(UTC))
+    # No id line: the listener's last id stays what it was.
+    return f'event: {EventKind.HEARTBEAT}\ndata: {{"id":"","kind":"heartbeat","at":"{at}"}}\n\n'.encode()

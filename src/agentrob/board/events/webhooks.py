@@ -1,0 +1,64 @@
+"""Tells other programs by webhook that something happened on the board, so that an agent need not poll.
+
+Only ids are told: whoever is told must ask the board, with rights of its own.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+
+from agentrob.board.events.hub import Happening, Hub
+from agentrob.board.settings import BoardSettings
+from agentrob.errors import BoardError
+from agentrob.process.webhooks import Outbox, Receiver, read_secret
+
+#: Whose streams the hub counts ours among; no account has such an id.
+LISTENER = "(webhooks)"
+AGAIN_S = 1.0
+
+
+def receivers(settings: BoardSettings) -> Sequence[Receiver]:
+    """Whoever `[board.hooks]` names. Raises `ConfigError` for secrets that are not there."""
+    return [Receiver(name, hook.url, read_secret(hook.secret_env)) for name, hook in settings.hooks.items()]
+
+
+async def run(hub: Hub, to: Sequence[Receiver], taken_over: bool = False) -> None:
+    """Tell each of them, signed and again until it is taken, until the hub is closed.
+
+    `taken_over`: another process did before, and may have ended in the middle of it.
+    """
+    if not to:
+        return
+    outbox = Outbox(to)
+    if taken_over:
+        outbox.tell("board.changed", {})
+    delivering = asyncio.create_task(outbox.run())
+    try:
+        while not hub.closed:
+            try:
+                await _tell(hub, outbox)
+            except BoardError:  # too many streams for now
+                await asyncio.sleep(AGAIN_S)
+    finally:
+        delivering.cancel()
+
+
+async def _tell(hub: Hub, outbox: Outbox) -> None:
+    """Until the hub cuts us off: then there may be more than what we heard of."""
+    listener = hub.listen(account_id=LISTENER, boards=None)
+    try:
+        while not listener.closed:
+            if (happening := await listener.next(60.0)) is not None:
+                outbox.tell(str(happening.event.kind), _ids(happening))
+    finally:
+        hub.leave(listener)
+    outbox.tell("board.changed", {})
+
+
+def _ids(happening: Happening) -> dict[str, str]:
+    event = happening.event
+    found = {"event": event.id, "robot": event.robot or ""}
+    if event.post is not None:
+        found |= {"post": event.post.id, "topic": event.post.topic_id, "board": event.post.board_id}
+    return {name: value for name, value in found.items() if value}

@@ -1,0 +1,124 @@
+"""The forum's front door, around every request: whose address, from which site, how large, and headers for browsers."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+from urllib.parse import urlsplit
+
+import structlog
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from agentrob.board.api.problem import problem
+from agentrob.board.content import images
+from agentrob.board.settings import BoardSettings
+from agentrob.errors import BoardError
+
+#: JSON writes CJK text with up to six bytes a character, so a post of 64 KiB may come in a larger body.
+MAX_BODY: Final = 512 * 1024
+_MULTIPART_ROOM: Final = 64 * 1024
+#: The API's uploads, and forms of pages for writing.
+_WITH_PICTURES: Final = ("/images", "/reply", "/new", "/edit")
+_SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
+_LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
+_TRACE_ID: Final = re.compile(r"[A-Za-z0-9_-]{8,64}")
+_HEADERS: Final = {
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+    "font-src 'self'; connect-src 'self'; manifest-src 'self'; form-action 'self'; base-uri 'none'; "
+    "frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Permissions-Policy": "camera=(), microphone=(), geolocation=()",
+}
+
+
+log = structlog.get_logger(__name__)
+
+
+class Gate:
+    """ASGI around the app."""
+
+    def __init__(self, app: ASGIApp, settings: BoardSettings) -> None:
+        self.app = app
+        parts = urlsplit(settings.base_url)
+        self.origin, self.secure = settings.base_url, settings.secure
+        self.hosts = {parts.hostname or "", settings.host} | _LOOPBACK
+        self.any_host = bool(self.hosts & {"0.0.0.0", "::"})
+        self.headers = dict(_HEADERS)
+        if settings.secure:
+            self.headers["Strict-Transport-Security"] = "max-age=31536000"
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+
+        trace_id = Headers(scope=scope).get("x-trace-id", "")
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                if _TRACE_ID.fullmatch(trace_id):  # whoever traces a request finds it in this log too
+                    asked = {"method": scope["method"], "path": scope["path"], "status": message["status"]}
+                    log.info("board.traced", **asked, trace_id=trace_id)
+                headers = MutableHeaders(scope=message)
+                for name, value in self.headers.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        try:
+            self._check(scope)
+        except BoardError as e:
+            await problem(e)(scope, receive, send_with_headers)
+            return
+        await self.app(scope, _limited(receive, max_body(scope["path"])), send_with_headers)
+
+    def _check(self, scope: Scope) -> None:
+        headers = Headers(scope=scope)
+        host = headers.get("host", "")
+        name = urlsplit(f"//{host}").hostname if _is_host(host) else None
+        if name not in self.hosts and not (self.any_host and name):
+            # A page of another site whose name was made to point here could otherwise talk to a forum on loopback.
+            raise BoardError(421, "unknown_host", f"this is not {host[:64]!r}", f"open {self.origin}")
+        if scope["method"] not in _SAFE and "authorization" not in headers:
+            self._check_origin(headers, host)
+        length = headers.get("content-length", "0")
+        if not length.isdigit() or int(length) > max_body(scope["path"]):
+            raise BoardError(413, "too_large", "the body is too large", f"at most {max_body(scope['path'])} bytes")
+
+    def _check_origin(self, headers: Headers, host: str) -> None:
+        ours = {None, self.origin} if self.secure else {None, self.origin, f"http://{host}"}
+        if headers.get("origin") not in ours or headers.get("sec-fetch-site") in ("cross-site", "same-site"):
+            raise BoardError(403, "foreign_origin", "the request comes from another site", f"open {self.origin}")
+
+
+def max_body(path: str) -> int:
+    """Bytes that a request to this path may have."""
+    if path.endswith(_WITH_PICTURES):
+        return images.MAX_BYTES + _MULTIPART_ROOM
+    return images.MAX_FRAME_BYTES if path.endswith("/frame") else MAX_BODY
+
+
+def _limited(receive: Receive, limit: int) -> Receive:
+    got = 0
+
+    async def limited() -> Message:
+        nonlocal got
+        message = await receive()
+        got += len(message.get("body", b""))
+        if got > limit:
+            raise HTTPException(413, f"the body is larger than {limit} bytes")
+        return message
+
+    return limited
+
+
+def _is_host(host: str) -> bool:
+    try:
+        return bool(host) and urlsplit(f"//{host}").port != 0
+    except ValueError:
+        return False

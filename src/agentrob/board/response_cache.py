@@ -1,0 +1,117 @@
+"""Answers of hot topics, kept as bytes for exactly as long as nothing that they show has changed.
+
+Two layers. `Topics` keeps what was made of a topic's posts and asks before each use whether that topic or anything that
+an admin changes is another one since: so writing elsewhere voids nothing. `Hot`, in front of the app, repeats a whole
+answer to the same question by the same credential until anybody commits anything: so a lost right, a revoked token or
+a closed board is asked for anew. What time alone voids, the end of a session, is noticed within `REPEAT_S`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
+
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from agentrob.board.db.reader import Reader, row_id
+
+T = TypeVar("T")
+#: Characters or bytes that each of the two layers keeps, with `ENTRY_BYTES` for whatever else an entry takes: its key,
+#: headers and places in tables (measured: 1,300, a short answer included).
+MAX_KEPT, ENTRY_BYTES = 8_000_000, 2_000
+REPEAT_S = 1.0
+_HOT = re.compile(r"/api/v1/topics/\d{1,19}/posts")
+
+
+class Topics:
+    """What was made of topics' posts, least lately used first. `of` is for the event loop's thread."""
+
+    def __init__(self, max_kept: int = MAX_KEPT) -> None:
+        self._kept: OrderedDict[Hashable, tuple[Any, int, Any]] = OrderedDict()
+        self._size, self._max = 0, max_kept
+
+    def of(self, reader: Reader, topic_id: str, asked: Hashable, make: Callable[[], tuple[T, int]]) -> T:
+        """What `make` gives, and its size; or gave, when nothing that it can show has changed since.
+
+        Whatever decides what somebody sees has to be in `asked`: who asks, and which boards they may read. Nothing in
+        it may be as long as who asks likes.
+        """
+        key, version = (topic_id, asked), reader.topic_version(row_id(topic_id, "topic"))
+        if version[1] is None:  # its events are kept no more: nothing would tell this version from another
+            return make()[0]
+        if (found := self._kept.get(key)) is not None and found[0] == version:
+            self._kept.move_to_end(key)
+            kept: T = found[2]
+            return kept
+        made, size = make()
+        size += ENTRY_BYTES
+        self._drop(key)
+        self._kept[key] = (version, size, made)
+        self._size += size
+        while self._size > self._max and self._kept:
+            self._drop(next(iter(self._kept)))
+        return made
+
+    def _drop(self, key: Hashable) -> None:
+        if (old := self._kept.pop(key, None)) is not None:
+            self._size -= old[1]
+
+
+class Hot:
+    """ASGI around the app: the same answer again, without asking anybody but the database's version."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+        self._answers: dict[bytes, tuple[float, list[Message]]] = {}
+        self._version, self._size = 0, 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or scope["method"] != "GET" or not _HOT.fullmatch(scope["path"]):
+            await self.app(scope, receive, send)
+            return
+        version = scope["app"].state.services.store.reader.version()
+        if version is None:
+            await self.app(scope, receive, send)
+            return
+        if version != self._version or self._size > MAX_KEPT:
+            self._answers, self._version, self._size = {}, version, 0
+        asked = _question(scope)
+        found = self._answers.get(asked)
+        if found is None or found[0] < time.monotonic():
+            await self._ask(asked, version, scope, receive, send)
+            return
+        for message in found[1]:
+            await send(dict(message))
+
+    async def _ask(self, asked: bytes, version: int, scope: Scope, receive: Receive, send: Send) -> None:
+        until, sent = time.monotonic() + REPEAT_S, list[Message]()
+
+        async def send_and_keep(message: Message) -> None:
+            sent.append(dict(message))
+            await send(message)
+
+        await self.app(scope, receive, send_and_keep)
+        whole = len(sent) == 2 and sent[0].get("status") == 200 and not sent[1].get("more_body")
+        if whole and version == self._version:
+            self._answers[asked] = (until, sent)
+            self._size += len(sent[1].get("body", b"")) + ENTRY_BYTES
+
+
+def _question(scope: Scope) -> bytes:
+    """What is asked and by which credential, as `access.viewer` reads it, in 32 bytes however long it is.
+
+    Other headers and cookies decide nothing of the answer.
+    """
+    request, cookie = HTTPConnection(scope), scope["app"].state.services.settings.cookie
+    parts = [scope["path"].encode(), scope["query_string"]]
+    for credential in (request.headers.get("authorization"), request.cookies.get(cookie)):
+        parts.append(b"-" if credential is None else b"+" + credential.encode("utf-8", "surrogatepass"))
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(b"%d:" % len(part) + part)
+    return digest.digest()

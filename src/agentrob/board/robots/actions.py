@@ -1,0 +1,150 @@
+"""What the buttons of a robot's page do: stop, emergency stop, release, home, put the room back; and telling a robot's
+agent that somebody looks."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from datetime import UTC, datetime
+
+import structlog
+
+from agentrob.board.content.writes import now_us
+from agentrob.board.db.reader import not_found
+from agentrob.board.db.records import Event, EventKind, from_us
+from agentrob.board.robots import presence, rights
+from agentrob.board.services import Services
+from agentrob.errors import BoardError
+from agentrob.language.messages.durations import duration
+from agentrob.model import Account, AccountKind, Role
+
+#: A stop is told before it is written when writing takes longer (locked database, full disk): law 15.
+TELL_S = 0.05
+#: Who pressed is answered then, written or not.
+WRITE_S = 0.25
+
+log = structlog.get_logger(__name__)
+
+
+def known_robot(services: Services, name: str) -> Account:
+    """The account of a robot's agent. 404 names those that are there."""
+    account = services.store.account(name)
+    if account is None or account.kind is not AccountKind.ROBOT_AGENT:
+        known = ", ".join(a.name for a in services.store.robots()) or "none"
+        raise not_found("robot", name, f"there are: {known}")
+    return account
+
+
+async def stop(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Stop a robot. Every signed-in account may; there is no limit, and no disk stands in its way."""
+    name = known_robot(services, robot).name
+    return await _record_or_announce(services, EventKind.ROBOT_STOP, name, by, key)
+
+
+async def emergency_stop(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Stop a robot and lock it until its owner releases it. Every signed-in account may, as `stop`."""
+    name = known_robot(services, robot).name
+    return await _record_or_announce(services, EventKind.ROBOT_ESTOP, name, by, key)
+
+
+async def release(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Ask a robot's agent to release it. 403 for all but its owner and admins; the agent asks for the right again."""
+    name = check_owner(services, robot, by)
+    return await services.store.record(EventKind.ROBOT_RELEASE, name, by, key=key)
+
+
+async def home(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Ask a robot's agent to make its home where it stands. As `release`."""
+    name = check_owner(services, robot, by)
+    return await services.store.record(EventKind.ROBOT_HOME, name, by, key=key)
+
+
+def check_owner(services: Services, robot: str, by: Account | None) -> str:
+    """The robot's name. 403 for those who may not release it, 404."""
+    name = known_robot(services, robot).name
+    if not may_release(services, name, by):
+        what = "only the robot's owner and admins may release it or set its home"
+        raise BoardError(403, "not_owner", what, f"at its machine: agentrob release {name}, agentrob home {name}")
+    return name
+
+
+def may_release(services: Services, robot: str, by: Account | None) -> bool:
+    """Whether somebody may release this robot and set its home."""
+    return rights.releases(rights.settings_of(services.store.reader, robot), by, _told_owner(services, robot))
+
+
+def owner_of(services: Services, robot: str) -> str:
+    """Whose it is: as this forum keeps it, else as its agent's configuration says, when there is such an account."""
+    if owner := rights.settings_of(services.store.reader, robot).owner:
+        return owner
+    told = _told_owner(services, robot)
+    return told if told and services.store.account(told) is not None else ""
+
+
+def _told_owner(services: Services, robot: str) -> str:
+    told = services.stage.robot(robot).card.get("owner")
+    return told.lower() if isinstance(told, str) else ""
+
+
+async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+    """Put a simulated room back. 403 for those who may not command."""
+    name = known_robot(services, robot).name
+    kept = rights.settings_of(services.store.reader, name)
+    if by.role.rank < Role.OPERATOR.rank or not rights.reaches(by, kept.command["move"], kept.owner):
+        raise BoardError(403, "not_operator", "only operators may reset the room", "ask an admin for the role operator")
+    if (until := kept.closed_until(now := datetime.now(UTC))) is not None:
+        left = duration((until - now).total_seconds())
+        raise BoardError(403, "closed", f"this robot is in maintenance for another {left}", "come again")
+    return await services.store.record(EventKind.ROBOT_RESET, name, by, key=key)
+
+
+def check_camera(services: Services, robot: str, viewer: Account | None) -> None:
+    """403 for those who may not see what this robot's camera saw."""
+    kept = rights.settings_of(services.store.reader, robot)
+    if not rights.sees_camera(kept, viewer, robot):
+        what = f"pictures of this robot's camera need the role {kept.camera_role}"
+        raise BoardError(403, "camera_role", what, "ask the robot's owner")
+
+
+def watch(services: Services, robot: str) -> None:
+    """Tell the robot's agent that somebody looks now, at most once in `WATCH_EVERY_S`.
+
+    It is told and never written: whoever only reads, signed in or not, leaves nothing in the database. An agent that
+    did not listen just then is told when it next publishes its card.
+    """
+    now = services.stage.robot(robot)
+    wait_s = now.called_s + presence.WATCH_EVERY_S - time.monotonic()
+    if wait_s <= 0:
+        _tell_agent(services, robot)
+    elif now.call is None:
+        now.call = asyncio.get_running_loop().call_later(wait_s, _tell_agent_again, services, robot)
+
+
+def _tell_agent(services: Services, robot: str) -> None:
+    services.stage.robot(robot).called_s = time.monotonic()
+    services.hub.announce(Event(services.hub.last_id, EventKind.ROBOT_WATCH, from_us(now_us()), robot=robot))
+
+
+def _tell_agent_again(services: Services, robot: str) -> None:
+    now = services.stage.robot(robot)
+    now.call = None
+    if now.watched:
+        _tell_agent(services, robot)
+
+
+async def _record_or_announce(
+    services: Services, kind: EventKind, robot: str, by: Account | None, key: str | None
+) -> Event:
+    at_us = now_us()
+    writing = asyncio.ensure_future(services.store.record(kind, robot, by, key=key, at_us=at_us))
+    try:
+        return await asyncio.wait_for(asyncio.shield(writing), TELL_S)
+    except (TimeoutError, BoardError):
+        event = Event(services.hub.last_id, kind, from_us(at_us), robot=robot, account=by)
+        services.hub.announce(event)
+    try:
+        return await asyncio.wait_for(asyncio.shield(writing), WRITE_S - TELL_S)
+    except (TimeoutError, BoardError) as e:
+        log.error("board.event_not_written", kind=str(kind), robot=robot, error=str(e) or "timeout")
+        writing.add_done_callback(lambda task: task.cancelled() or task.exception())
+        return event

@@ -1,0 +1,105 @@
+"""Commands that wait for an approval, and the button that gives or denies one: it writes the same post as a person."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import select
+
+from agentrob.board.content.store import Store
+from agentrob.board.db import schema as db
+from agentrob.board.db.records import Post, Written
+from agentrob.board.robots import rights
+from agentrob.board.robots.actions import known_robot
+from agentrob.board.services import Services
+from agentrob.errors import BoardError
+from agentrob.language.registry import language_of
+from agentrob.language.visible_text import visible_text
+from agentrob.model import Account, AccountKind
+
+#: The state of a status card whose command waits.
+WAITING = "waiting"
+_WORDS = {"en": ("approve", "deny"), "zh": ("批准", "拒绝")}
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """One robot that waits with the command of a post, as its `answer` says. `may`: whoever looks may approve it."""
+
+    robot: str
+    post: Post
+    answer: Post
+    may: bool
+
+
+def waiting(services: Services, post: Post, robots: Iterable[Account], viewer: Account | None) -> tuple[Waiting, ...]:
+    """Which of these robots wait with this post's command."""
+    store = services.store
+    found = [(robot.name, _asks(store, robot, post)) for robot in robots if not post.removed]
+    return tuple(
+        Waiting(name, post, asks, _may(store, name, viewer, post))
+        for name, asks in found
+        if asks and not _decided(store, name, post, asks)
+    )
+
+
+def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None) -> dict[str, Waiting]:
+    """Which of these posts are of robots that wait with a command which whoever looks may approve, by their ids."""
+    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == WAITING]
+    if viewer is None or not asking:
+        return {}
+    commands = {p.id: p for p in services.store.reader.posts_by_id([int(str(p.reply_to)) for p in asking])}
+    found = {
+        one.answer.id: one
+        for status in asking
+        if (post := commands.get(str(status.reply_to))) and status.author.kind is AccountKind.ROBOT_AGENT
+        for one in waiting(services, post, [status.author], viewer)
+    }
+    return {post_id: one for post_id, one in found.items() if one.may}
+
+
+def of_post(services: Services, post: Post, viewer: Account | None) -> tuple[Waiting, ...]:
+    """Which robots wait with this post's command; they are among those whose line it is in."""
+    stage = services.stage
+    robots = [
+        a for a in services.store.robots() if a.name in post.mentions or post.id in _line(stage.robot(a.name).card)
+    ]
+    return waiting(services, post, robots, viewer)
+
+
+async def say(services: Services, by: Account, post_id: str, robot: str, approve: bool, key: str | None) -> Written:
+    """Approve or deny: a reply to the command by who pressed. 403 for those who may not, 409 when nothing waits."""
+    post, account = services.store.post(post_id), known_robot(services, robot)
+    if not _may(services.store, account.name, by, post):
+        raise BoardError(403, "not_approver", "this account may not approve this command", "ask the robot's owner")
+    if post.removed or _asks(services.store, account, post) is None:
+        raise BoardError(409, "nothing_waits", f"{account.name} does not wait with this command", "look at its thread")
+    words = _WORDS.get(language_of(visible_text(post.raw)), _WORDS["en"])
+    text = f"@{account.name} {words[0 if approve else 1]}"
+    return await services.store.reply(by, post.topic_id, text, key=key, reply_to=post.id)
+
+
+def _asks(store: Store, robot: Account, post: Post) -> Post | None:
+    """The robot's status post of this command, written under the key of its claim, when it says that it waits."""
+    status = store.find(robot, f"claim:{post.id}")
+    waits = status is not None and not status.removed and (status.card or {}).get("state") == WAITING
+    return status if waits else None
+
+
+def _decided(store: Store, robot: str, post: Post, asks: Post) -> bool:
+    """Whether somebody who may has pressed a button already: its agent has only not heard it yet."""
+    p = db.posts.c
+    said = [f"@{robot} {word}" for words in _WORDS.values() for word in words]
+    later = select(p.id).where(p.topic_id == int(post.topic_id), p.id > int(asks.id), p.reply_to == int(post.id))
+    rows = store.reader.rows(later.where(p.raw.in_(said), p.removed.is_(False)).limit(20))
+    return any(_may(store, robot, one.author, post) for one in store.reader.posts_by_id([r.id for r in rows]))
+
+
+def _may(store: Store, robot: str, account: Account | None, post: Post) -> bool:
+    return account is not None and rights.approves(rights.settings_of(store.reader, robot), account, post.author)
+
+
+def _line(card: Mapping[str, Any]) -> Sequence[Any]:
+    return line if isinstance(line := card.get("line"), (list, tuple)) else ()

@@ -1,0 +1,287 @@
+"""What the page of a command shows, made from what a robot's agent recorded; whatever is in it, the page holds."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+
+from agentrob.board.db.records import Image, Post, from_text
+from agentrob.board.robots.commands import Told
+from agentrob.board.robots.view import op_in_words
+
+_UNITS = {
+    "distance_m": "{:z.2f} m",
+    "sideways_m": "{:z.2f} m sideways",
+    "degrees": "{:z.1f}°",
+    "heading_deg": "{:z.1f}° off",
+    "drift_m": "{:z.2f} m drifted",
+    "speed_mps": "{:z.2f} m/s",
+    "seconds": "{:z.1f} s",
+}
+#: Not worth saying where it rounds to nothing.
+_ASIDE = frozenset({"sideways_m", "heading_deg", "drift_m"})
+_MOMENTS = {"seen": "seen by the robot's agent", "first_motion": "first motion", "done": "at rest, all steps done"}
+_PICTURES = {"step": "Photo of step", "path": "Path that was measured", "recording": "Recording"}
+MOST = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step: what was asked beside what was measured, in words; `outcome` is a bare word, `why` a sentence."""
+
+    asked: str
+    measured: str
+    outcome: str
+    why: str
+    seconds: str
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """One model that was asked: who, how many tokens, how long, and what failed."""
+
+    name: str
+    tokens: str
+    seconds: str
+    failed: str
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """One call of a tool by a model, and what came of it; `step` is the robot's step that it was, if any."""
+
+    tool: str
+    arguments: str
+    step: str
+    outcome: str
+    words: str
+    seconds: str
+
+
+@dataclass(frozen=True, slots=True)
+class CommandView:
+    """One robot's side of a command. `verdict` is (decision, rule, reason); `timeline` (what, when, ms after the post).
+
+    `facts` are (name, value): who read the words, who else looked at them, who stopped it. `steps` are those that were
+    tried or, when there were none (`planned`), those that were asked for. `links` are pictures kept elsewhere:
+    (what, address, until when it is good).
+    """
+
+    robot: str
+    reply: Post | None
+    status: str
+    message: str
+    trace_id: str
+    verdict: tuple[str, str, str]
+    timeline: tuple[tuple[str, datetime, str], ...]
+    steps: tuple[Step, ...]
+    planned: bool
+    facts: tuple[tuple[str, str], ...]
+    models: tuple[Model, ...]
+    calls: tuple[Call, ...]
+    pictures: tuple[tuple[str, Image], ...]
+    links: tuple[tuple[str, str, datetime | None], ...]
+
+
+def command_view(post: Post, told: Told) -> CommandView:
+    """The view of one record; fields of the wrong type are left out rather than believed."""
+    record = told.record
+    verdict = _map(record.get("verdict"))
+    looked = _map(record.get("looked"))
+    summary = _map(record.get("summary"))
+    usage = (*_list(record.get("models")), *_list(looked.get("usage")), *_list(summary.get("models")))
+    done, planned = _list(record.get("steps")), _list(record.get("plan"))
+    return CommandView(
+        robot=told.robot,
+        reply=told.reply,
+        status=_text(record.get("status"), 24),
+        message=_message(record),
+        trace_id=_text(record.get("trace_id"), 64),
+        verdict=(_text(verdict.get("decision"), 24), _text(verdict.get("rule"), 80), _text(verdict.get("reason"), 600)),
+        timeline=_timeline(post, told.reply, _map(record.get("timings_ms")), _map(record.get("approval"))),
+        steps=tuple(_step(_map(step)) for step in done) or tuple(_asked(_map(step)) for step in planned),
+        planned=not done,
+        facts=tuple(_facts(record, looked, summary)),
+        models=tuple(_model(_map(model)) for model in usage),
+        calls=tuple(_call(_map(turn)) for turn in _list(looked.get("turns"))),
+        pictures=_pictures(told.reply, _list(record.get("pictures"))),
+        links=tuple(filter(None, map(_link, _list(record.get("links"))))),
+    )
+
+
+def _message(record: Mapping[str, Any]) -> str:
+    """The robot's words beside its status, without their Markdown; of a stopped command they are who stopped it, which
+    is among the facts."""
+    return "" if record.get("status") == "stopped" else _text(record.get("message"), 600).replace("**", "")
+
+
+def _timeline(
+    post: Post, reply: Post | None, timings: Mapping[str, Any], approval: Mapping[str, Any]
+) -> tuple[tuple[str, datetime, str], ...]:
+    ms = {name: number for name, value in timings.items() if (number := _number(value)) is not None}
+    moments = [(ms[name], words) for name, words in _MOMENTS.items() if name in ms]
+    if reply is not None:
+        told_at = reply.edited_at or reply.created_at
+        moments.append(((told_at - post.created_at).total_seconds() * 1000, "told in the thread"))
+    if (said_at := from_text(approval.get("at"))) is not None:
+        said = "approved" if approval.get("approved") is True else "denied"
+        moments.append(((said_at - post.created_at).total_seconds() * 1000, said))
+    moments.sort(key=lambda moment: moment[0])
+    told = tuple(
+        (words, post.created_at + timedelta(milliseconds=max(-1e9, min(at, 1e9))), f"+{at / 1000:.2f}\u00a0s")
+        for at, words in moments
+    )
+    return (("posted", post.created_at, ""), *told)
+
+
+def _step(step: Mapping[str, Any]) -> Step:
+    seconds = _number(step.get("duration_s"))
+    why = _text(step.get("message"), 300) or _text(step.get("reason"), 60)
+    return Step(
+        asked=_deed(step, _map(step.get("asked"))),
+        measured=_amounts(_map(step.get("measured"))) or _unmeasured(_text(step.get("unmeasured"), 40)),
+        outcome=_text(step.get("outcome"), 24),
+        why=why,
+        seconds="" if seconds is None else f"{seconds:.1f} s",
+    )
+
+
+def _unmeasured(why: str) -> str:
+    """What stands in place of an amount; `why` is a stable word (`odometry_lost`), empty where nothing is measured."""
+    return f"unknown: {why.replace('_', ' ')}" if why else "–"
+
+
+def _asked(step: Mapping[str, Any]) -> Step:
+    """A step of a plan that came to nothing."""
+    return Step(_deed(step, {k: v for k, v in step.items() if k != "op"}), "–", "not begun", "", "")
+
+
+def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any]) -> str:
+    return f"{op_in_words(_text(step.get('op'), 40))} {_amounts(amounts)}".strip()
+
+
+def _amounts(amounts: Mapping[str, Any]) -> str:
+    said = []
+    for name, value in list(amounts.items())[:8]:
+        number = _number(value)
+        if number is not None and name in _UNITS:
+            words = _UNITS[name].format(number)
+            if name not in _ASIDE or any(digit in words for digit in "123456789"):
+                said.append(words)
+        elif number is not None:
+            said.append(f"{name.replace('_', ' ')[:40]} {number:g}")
+        else:
+            said.append(_text(value, 60))
+    return ", ".join(filter(None, said))
+
+
+def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    screened, stop, end = _map(record.get("screened")), _map(record.get("stop")), _map(looked.get("end"))
+    refusal = _map(screened.get("refusal"))
+    latency = _number(stop.get("latency_ms"))
+    approval = _map(record.get("approval"))
+    approver = _text(approval.get("by"), 80)
+    facts = [
+        ("Read by", _text(record.get("mind"), 80)),
+        ("Because", _text(record.get("fallback"), 300)),
+        ("Also looked at by", _text(screened.get("mind"), 80)),
+        ("It objected", _text(refusal.get("reason"), 300) or _text(screened.get("why"), 300)),
+        ("It failed", _text(screened.get("failed"), 200)),
+        ("Looked for", _text(looked.get("goal"), 300)),
+        ("The loop ended", _text(end.get("why"), 40).replace("_", " ")),
+        ("The model claims", _text(end.get("claim"), 40).replace("_", " ")),
+        ("It says it saw", ", ".join(_text(saw, 100) for saw in _list(end.get("saw"))[:8])),
+        ("It says it did", _text(end.get("did"), 300)),
+        ("The model failed", _text(end.get("fault"), 200)),
+        ("Summed up by", _text(summary.get("mind"), 80)),
+        ("Its words were left out", _text(summary.get("failed"), 200) or _text(summary.get("problem"), 200)),
+        ("Contradicted by measurement", _text(looked.get("contradicted"), 300)),
+        ("Approved by" if approval.get("approved") is True else "Denied by", approver),
+        ("Stopped by", _text(record.get("stopped_by"), 80)),
+        ("Stop took", "" if latency is None else f"{latency:.0f} ms"),
+        ("Stop confirmed", "" if not stop else "yes" if stop.get("confirmed") is True else "no"),
+        ("Notes", " ".join(_text(note, 200) for note in _list(record.get("notes"))[:8]).replace("`", '"')),
+        ("Shortened", "the record was too long to be sent whole" if record.get("shortened") is True else ""),
+    ]
+    return [(name, value) for name, value in facts if value]
+
+
+def _model(usage: Mapping[str, Any]) -> Model:
+    tokens = [_number(usage.get(key)) for key in ("input_tokens", "output_tokens")]
+    latency, cost = _number(usage.get("latency_ms")), _number(usage.get("cost"))
+    said = " + ".join("?" if n is None else f"{n:.0f}" for n in tokens) + " tokens"
+    money = "" if cost is None else f", {cost:.4f} {_text(usage.get('currency'), 8)}"
+    name = f"{_text(usage.get('mind'), 60)} ({_text(usage.get('model'), 80)})"
+    return Model(
+        name, said + money, "" if latency is None else f"{latency / 1000:.2f} s", _text(usage.get("failed"), 200)
+    )
+
+
+def _call(turn: Mapping[str, Any]) -> Call:
+    arguments = ", ".join(f"{_text(k, 40)}={_text(v, 80)}" for k, v in list(_map(turn.get("arguments")).items())[:8])
+    outcome = _text(turn.get("outcome"), 60) or _text(turn.get("problem"), 300)
+    step, latency = _number(turn.get("step")), _number(turn.get("latency_ms"))
+    return Call(
+        tool=_text(turn.get("tool"), 60),
+        arguments=arguments,
+        step=f"step {step:.0f}" if step else "",
+        outcome=outcome.replace("_", " "),
+        words=_text(turn.get("words"), 300),
+        seconds=f"{latency / 1000:.2f} s" if latency else "",
+    )
+
+
+def _pictures(reply: Post | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image], ...]:
+    """The pictures of the reply with what they are; only as pictures when their number is another one."""
+    if reply is None:
+        return ()
+    named = len(kinds) == len(reply.images)
+    shown = []
+    for n, image in enumerate(reply.images):
+        kind = _map(kinds[n]) if named else {}
+        shown.append((_picture(kind, "Recording" if image.moving else "Picture"), image))
+    return tuple(shown)
+
+
+def _picture(kind: Mapping[str, Any], otherwise: str) -> str:
+    words, step = _PICTURES.get(_text(kind.get("kind"), 20), otherwise), _number(kind.get("step"))
+    return f"{words} {step:.0f}" if step else words
+
+
+def _link(kept: object) -> tuple[str, str, datetime | None] | None:
+    """A picture that is kept elsewhere; None when that is no address of the web."""
+    link = _map(kept)
+    address = link.get("url")
+    if not isinstance(address, str) or not re.fullmatch(r"https?://[^\s<>\"']{1,2000}", address):
+        return None
+    return _picture(link, "Data of the recording"), address, from_text(link.get("until"))
+
+
+def _map(value: object) -> Mapping[str, Any]:
+    return value if isinstance(value, Mapping) else {}
+
+
+def _list(value: object) -> Sequence[Any]:
+    return value[:MOST] if isinstance(value, (list, tuple)) else ()
+
+
+def _number(value: object) -> float | None:
+    try:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            return None
+    except OverflowError:
+        return None
+    return float(value)
+
+
+def _text(value: object, most: int) -> str:
+    if value is None or isinstance(value, (Mapping, list, tuple)):
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= most else text[: most - 1] + "…"

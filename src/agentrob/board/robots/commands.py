@@ -1,0 +1,103 @@
+"""What robots' agents recorded of the commands they carried out: one record per post and robot, sent when it ends."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import and_, insert, select, update
+
+from agentrob.board.content.writes import now_us
+from agentrob.board.db import schema as db
+from agentrob.board.db.reader import Reader, not_found, row_id
+from agentrob.board.db.records import Post, from_us
+from agentrob.board.db.writer import Transaction
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind
+
+#: Bytes of JSON and levels of nesting that a record may have.
+RECORD_BYTES, RECORD_DEPTH = 64 * 1024, 20
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """One robot's record of one command. `reply` is the robot's own post that tells it, with the pictures."""
+
+    robot: str
+    at: datetime
+    reply: Post | None
+    record: Mapping[str, Any]
+
+
+def keep(t: Transaction, by: Account, post_id: str, reply_id: str | None, record: Mapping[str, Any]) -> None:
+    """Keep a robot's record; again replaces it. 404 when the posts are not there, 403 when the reply is not its own."""
+    reader = Reader(t.connection)
+    post = reader.post(post_id)
+    if post.removed:
+        raise not_found("post", post_id)
+    reply = reader.post(reply_id) if reply_id is not None else None
+    if reply is not None and (reply.author.id != by.id or reply.topic_id != post.topic_id):
+        raise BoardError(403, "not_yours", "the reply is not this robot's in this topic", "the id of its own reply")
+    c = db.commands.c
+    key = {"post_id": int(post.id), "robot_id": int(by.id)}
+    values = {"reply_id": int(reply.id) if reply else None, "at_us": now_us(), "record": dict(record)}
+    mine = and_(c.post_id == key["post_id"], c.robot_id == key["robot_id"])
+    if t.connection.execute(update(db.commands).where(mine).values(**values)).rowcount == 0:
+        t.connection.execute(insert(db.commands).values(**key, **values))
+
+
+def of(reader: Reader, post_id: str) -> tuple[Post, tuple[Told, ...]]:
+    """The post of a command and what robots recorded of it, in the order of their names.
+
+    Of a removed post nothing is told: a record may repeat its words. 404 when it is not there or not to be seen.
+    """
+    post = reader.post(str(row_id(post_id, "post")))
+    if post.removed:
+        return post, ()
+    c, a = db.commands.c, db.accounts.c
+    statement = select(db.commands, a.name).join(db.accounts, a.id == c.robot_id).where(c.post_id == int(post.id))
+    rows = reader.rows(statement.order_by(a.name))
+    replies = {int(p.id): p for p in reader.posts_by_id([r.reply_id for r in rows if r.reply_id is not None])}
+    return post, tuple(Told(r.name, from_us(r.at_us), replies.get(r.reply_id), r.record) for r in rows)
+
+
+def answered(reader: Reader, post_id: str) -> str | None:
+    """The id of the command that a post tells the end of, or claims: then it is a robot's and no command itself."""
+    post = reader.post(str(row_id(post_id, "post")))
+    if post.author.kind is not AccountKind.ROBOT_AGENT:
+        return None
+    c = db.commands.c
+    recorded = select(c.post_id).where(c.reply_id == int(post.id), c.robot_id == int(post.author.id))
+    asked = row.post_id if (row := reader.first(recorded)) else post.reply_to if post.card else None
+    return None if asked is None or str(asked) == post.id else str(asked)
+
+
+def check_robot(by: Account, named: object, what: str) -> None:
+    """403 for what a robot's agent says in the name of another robot: a card has that robot's stop button."""
+    if not by.speaks_for(named):
+        said = f"this {what} names {str(named)[:64]!r}, but the account is {by.name!r}"
+        raise BoardError(403, "not_this_robot", said, f"robot: {by.name!r}, or that robot's own token")
+
+
+def check(value: dict[str, Any], what: str, most_bytes: int, depth: int) -> None:
+    """413 for JSON that is too large, 422 for what is none or cannot be shown."""
+    try:
+        size = len(json.dumps(value, allow_nan=False, ensure_ascii=False).encode())
+        if not _plain(value, depth):
+            raise ValueError("nested too deeply, or a number that is too large")
+    except (ValueError, RecursionError) as e:
+        reason = "a broken character" if isinstance(e, UnicodeError) else str(e)
+        hint = f"finite numbers below 2^53, whole characters, at most {depth} levels"
+        raise BoardError(422, f"bad_{what}", f"that {what} cannot be shown: {reason}"[:200], hint) from None
+    if size > most_bytes:
+        raise BoardError(413, f"{what}_too_large", f"the {what} has {size} bytes", f"at most {most_bytes} bytes")
+
+
+def _plain(value: object, depth: int) -> bool:
+    if isinstance(value, (dict, list)):
+        inside = value.values() if isinstance(value, dict) else value
+        return depth > 0 and all(_plain(v, depth - 1) for v in inside)
+    return not isinstance(value, int) or abs(value) < 2**53

@@ -1,0 +1,234 @@
+"""What pages show of a robot, made from the card that its agent sent; whatever is in the card, the page holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from agentrob.board.db.records import Post, from_text
+from agentrob.board.robots import rights
+from agentrob.board.robots.actions import known_robot
+from agentrob.board.robots.presence import LIVE_FOR
+from agentrob.board.services import Services
+from agentrob.model import Account, AccountKind
+
+_KNOWN = {
+    "model",
+    "ops",
+    "limits",
+    "state",
+    "battery_percent",
+    "board",
+    "boards",
+    "simulated",
+    "can_reset",
+    "camera",
+    "queue",
+    "line",
+    "owner",
+    "homed",
+    "lock",
+    "told",
+}
+#: What came of an owner's button is shown for so long after it was pressed.
+TOLD_FOR = timedelta(minutes=5)
+_LIMITS = {
+    "speed_mps": ("Speed", "m/s"),
+    "turn_dps": ("Turning", "°/s"),
+    "step_m": ("One move", "m"),
+    "step_deg": ("One turn", "°"),
+    "command_m": ("One command", "m"),
+    "command_s": ("One command", "s"),
+    "command_steps": ("One command", "steps"),
+}
+_OPS = {
+    "get_front_image": "take a photo",
+    "hello": "wave",
+    "heart": "make a heart",
+    "shake": "shake hands",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class LockView:
+    """Who locked it, why and when; what is not known is empty."""
+
+    by: str = ""
+    why: str = ""
+    at: datetime | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ToldView:
+    """What came of the last release or home: whose it was, whether it was done, and what the agent said of it."""
+
+    deed: str
+    by: str
+    at: datetime
+    done: bool
+    said: str
+
+    @property
+    def recent(self) -> bool:
+        return datetime.now(UTC) - self.at < TOLD_FOR
+
+
+@dataclass(frozen=True, slots=True)
+class RobotView:
+    """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
+    `camera`: there may be live pictures, unless its card says that there are none.
+
+    `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
+    words for people; `facts` are what else the card says. `lock` is None while it is not locked, `homed` while that is
+    not known; `told` is what came of the last release or home.
+    """
+
+    name: str
+    live: bool = False
+    seen_at: datetime | None = None
+    state: str = ""
+    model: str = ""
+    simulated: bool = False
+    battery: int | None = None
+    board: str = ""
+    boards: tuple[str, ...] = ()
+    can_reset: bool = False
+    camera: bool = True
+    line: tuple[str, ...] = ()
+    ops: tuple[str, ...] = ()
+    limits: tuple[tuple[str, str], ...] = ()
+    facts: tuple[tuple[str, str], ...] = ()
+    lock: LockView | None = None
+    homed: bool | None = None
+    told: ToldView | None = None
+
+
+def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> RobotView:
+    """The view of one robot; fields of the wrong type are left out rather than believed."""
+    limits = card.get("limits")
+    ops = card.get("ops")
+    facts = [("Model", _words(card.get("model"))), ("Simulated", "yes" if card.get("simulated") is True else "")]
+    facts += [(str(k)[:40].replace("_", " ").capitalize(), _words(v)) for k, v in card.items() if k not in _KNOWN]
+    return RobotView(
+        name=name,
+        live=seen_at is not None and datetime.now(UTC) - seen_at < LIVE_FOR,
+        seen_at=seen_at,
+        state="locked" if _lock(card.get("lock")) else _words(card.get("state")),
+        model=_words(card.get("model")),
+        simulated=card.get("simulated") is True,
+        battery=_percent(card.get("battery_percent")),
+        board=_words(card.get("board")),
+        boards=_boards(card),
+        can_reset=card.get("can_reset") is True,
+        camera=card.get("camera") is not False,
+        line=tuple(p for p in line[:20] if _is_id(p)) if isinstance(line := card.get("line"), (list, tuple)) else (),
+        ops=tuple(op_in_words(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
+        limits=_limits(limits) if isinstance(limits, Mapping) else (),
+        facts=tuple((name, value) for name, value in facts[:20] if value),
+        lock=_lock(card.get("lock")),
+        homed=homed if isinstance(homed := card.get("homed"), bool) else None,
+        told=_told(card.get("told")),
+    )
+
+
+def _lock(lock: object) -> LockView | None:
+    """Anything that is no mapping is no lock: a card of before says so by its state alone."""
+    if not isinstance(lock, Mapping):
+        return None
+    return LockView(_words(lock.get("by")), _words(lock.get("why")).rstrip("."), from_text(lock.get("at")))
+
+
+def _told(told: object) -> ToldView | None:
+    if not isinstance(told, Mapping) or (at := from_text(told.get("at"))) is None:
+        return None
+    said = {key: _words(told.get(key)) for key in ("deed", "by", "said")}
+    return ToldView(at=at, done=told.get("done") is True, **said)
+
+
+def robots(services: Services) -> tuple[RobotView, ...]:
+    """All robots that have an account, those that are here now first."""
+    found = [_look(services, account) for account in services.store.robots() if not account.suspended]
+    return tuple(sorted(found, key=lambda robot: (not robot.live, robot.name)))
+
+
+def robot(services: Services, name: str) -> tuple[Account, RobotView]:
+    """One robot. Raises `BoardError` 404."""
+    account = known_robot(services, name)
+    return account, _look(services, account)
+
+
+def hidden_cameras(services: Services, viewer: Account | None, posts: Iterable[Post]) -> frozenset[str]:
+    """Which of the robots that show pictures in these posts show them to others only."""
+    reader = services.store.reader
+    shown = {p.author.name for p in posts if p.images and p.author.kind is AccountKind.ROBOT_AGENT}
+    return frozenset(n for n in shown if not rights.sees_camera(rights.settings_of(reader, n), viewer, n))
+
+
+def owners(services: Services, posts: Iterable[Post]) -> dict[str, str]:
+    """Whose the robots are that wrote some posts; those that are nobody's are left out."""
+    reader = services.store.reader
+    robots = {p.author.name for p in posts if p.author.kind is AccountKind.ROBOT_AGENT}
+    return {name: owner for name in robots if (owner := rights.settings_of(reader, name).owner)}
+
+
+def _look(services: Services, account: Account) -> RobotView:
+    now = services.stage.robot(account.name)
+    return robot_view(account.name, now.card, now.seen_at)
+
+
+def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:
+    """Where the robot acts; agents of before 0.2 tell the first of its boards only."""
+    told = card.get("boards")
+    boards = told if isinstance(told, (list, tuple)) else (card.get("board"),)
+    return tuple(board for board in boards[:20] if isinstance(board, str) and board)
+
+
+def _is_id(value: object) -> bool:
+    return isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 19
+
+
+def op_in_words(op: str) -> str:
+    return _OPS.get(op, op.replace("_", " "))[:40]
+
+
+def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:
+    """In words, those of the same thing on one line."""
+    lines: dict[str, list[str]] = {}
+    for name, value in list(limits.items())[:20]:
+        label, shown = _limit(name, value)
+        lines.setdefault(label, []).append(shown)
+    return tuple((label, ", ".join(shown)) for label, shown in lines.items())
+
+
+def _limit(name: str, value: object) -> tuple[str, str]:
+    label, unit = _LIMITS.get(name, (str(name)[:40].replace("_", " ").capitalize(), ""))
+    try:
+        shown = f"{value:g}" if isinstance(value, (int, float)) and not isinstance(value, bool) else _words(value)
+    except OverflowError:
+        shown = "?"
+    return label, f"{shown}{'' if unit in ('°', '°/s', '') else ' '}{unit}"
+
+
+def _percent(value: object) -> int | None:
+    try:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            return None
+    except OverflowError:
+        return None
+    return round(min(max(value, 0), 100))
+
+
+def _words(value: object) -> str:
+    """A value of a card as a short line; nothing for nothing."""
+    if value is None or value == "":
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(filter(None, map(_words, value[:20])))[:200] or "empty"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{k}: {_words(v)}" for k, v in list(value.items())[:20])[:200]
+    return f"{value:g}" if isinstance(value, float) else str(value)[:200]

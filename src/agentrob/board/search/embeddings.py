@@ -1,0 +1,200 @@
+"""What the posts mean, kept as vectors: in the database for good, in memory to be compared.
+
+A follower looks through all posts once, the oldest first, then follows the events, so that it also sees what other
+processes wrote. It only ever asks the writer to keep what is made already: nobody who posts waits for it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import structlog
+from numpy.typing import NDArray
+from sqlalchemy import Column, Integer, LargeBinary, MetaData, Row, String, Table, delete, func, insert, select, text
+
+from agentrob.board.content.markdown import unmarked
+from agentrob.board.db import schema as db
+from agentrob.board.db.reader import Reader
+from agentrob.board.db.writer import Transaction
+from agentrob.errors import BoardError
+from agentrob.semantic.encoder import MODEL, SIZE, Encodes, MeaningError
+
+log = structlog.get_logger(__name__)
+#: Characters of a post that count, its topic's title among them.
+MAX_CHARS = 1500
+#: Posts that are looked at together, and of those as many as get their vectors together: a search waits for them.
+WINDOW, TOGETHER = 500, 16
+#: How often the follower looks for events, and when it tries again after a failure.
+POLL_S, AGAIN_S = 1.0, 5.0
+#: Vectors that are compared together: as many as the processor keeps near, and too few to be worth other cores.
+_BLOCK = 512
+
+#: Of the database, but made anew from the posts at any time: no part of a backup.
+derived = MetaData(naming_convention=db.metadata.naming_convention)
+post_meanings = Table(
+    "post_meanings",
+    derived,
+    Column("post_id", db.Id, primary_key=True, autoincrement=False),
+    Column("version", Integer, nullable=False),
+    Column("model", String(20), nullable=False),
+    Column("vector", LargeBinary, nullable=False),
+)
+_POSTS = (
+    f"SELECT p.id, p.version, p.removed, substr(p.raw, 1, {MAX_CHARS}) AS raw, "
+    "m.version AS known, m.model, m.vector, "
+    "CASE WHEN p.id = (SELECT min(id) FROM posts WHERE topic_id = p.topic_id) THEN t.title ELSE '' END AS title "
+    "FROM posts p JOIN topics t ON t.id = p.topic_id LEFT JOIN post_meanings m ON m.post_id = p.id "
+)
+_WINDOW = text(_POSTS + "WHERE p.id > :after ORDER BY p.id LIMIT :most")
+_ONE = text(_POSTS + "WHERE p.id = :id")
+
+
+class Meanings:
+    """The vectors in memory, by rising id of post. What may be seen is not known here: whoever asks must look."""
+
+    def __init__(self, encoder: Encodes) -> None:
+        self.encoder = encoder
+        self._lock = threading.Lock()
+        self._count = 0
+        self._ids = np.zeros(1024, np.int64)
+        self._versions = np.zeros(1024, np.int32)
+        self._lengths = np.ones(1024, np.float32)
+        self._vectors = np.zeros((1024, SIZE), np.int8)
+
+    def __len__(self) -> int:
+        return self._count
+
+    def put(self, post_id: int, version: int, vector: bytes) -> None:
+        """The vector of a post's text of that version; the id is known, or greater than all that are."""
+        row = np.frombuffer(vector, np.int8)
+        with self._lock:
+            at = int(np.searchsorted(self._ids[: self._count], post_id))
+            if at == self._count:
+                self._grow()
+                self._count += 1
+            self._ids[at], self._versions[at], self._vectors[at] = post_id, version, row
+            self._lengths[at] = max(1.0, float(np.linalg.norm(row.astype(np.float32))))
+
+    def _grow(self) -> None:
+        """Room for one more. Not in place: who compares meanwhile has the old ones."""
+        if self._count == len(self._ids):
+            more = self._count // 2
+            self._ids = np.concatenate([self._ids, np.zeros(more, np.int64)])
+            self._versions = np.concatenate([self._versions, np.zeros(more, np.int32)])
+            self._lengths = np.concatenate([self._lengths, np.ones(more, np.float32)])
+            self._vectors = np.concatenate([self._vectors, np.zeros((more, SIZE), np.int8)])
+
+    def compared(self, vector: bytes) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+        """The posts' ids, the versions that are known of them, and how alike each is to the vector: 1 is the same."""
+        wanted = np.frombuffer(vector, np.int8).astype(np.float32)
+        wanted /= max(1.0, float(np.linalg.norm(wanted)))
+        with self._lock:
+            count = self._count
+            ids, versions = self._ids[:count], self._versions[:count]
+            lengths, vectors = self._lengths[:count], self._vectors[:count]
+        alike = np.empty(count, np.float32)
+        for n in range(0, count, _BLOCK):
+            alike[n : n + _BLOCK] = vectors[n : n + _BLOCK].astype(np.float32) @ wanted
+        return ids, versions, alike / lengths
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    post_id: int
+    version: int
+    vector: bytes
+
+
+class Follower:
+    """Keeps the vectors up with the posts. `reader` is its own, and sees every board."""
+
+    def __init__(self, encoder: Encodes, reader: Reader) -> None:
+        self.meanings, self._reader = Meanings(encoder), reader
+        self._looking = threading.Lock()
+        self._seen = 0  # all posts up to this id were looked at
+        self._event: int | None = None
+
+    def close(self) -> None:
+        self.meanings.encoder.close()
+        with self._looking:
+            self._reader.connection.close()
+
+    async def run(self, do: Any) -> None:
+        """Until cancelled; `do` hands a job to the writer."""
+        while True:
+            begun = self._event, self._seen
+            try:
+                rows = await asyncio.to_thread(self._look)
+                for some in (rows[n : n + TOGETHER] for n in range(0, len(rows), TOGETHER)):
+                    await self._keep(some, do)
+                if not rows:
+                    await asyncio.sleep(POLL_S)
+            except Exception as e:  # it outlives whatever happens: the next try may well succeed
+                known = isinstance(e, BoardError | MeaningError)
+                log.warning("board.meanings_wait", error=str(e), again_s=AGAIN_S, exc_info=None if known else e)
+                self._event, self._seen = begun  # look again: what was found may not have been kept
+                await asyncio.sleep(AGAIN_S)
+
+    def _look(self) -> Sequence[Row[Any]]:
+        """The next posts that may need a vector: those that something happened to, then those not looked at yet."""
+        with self._looking:
+            events = db.events.c
+            if self._event is None:
+                newest = self._reader.first(select(func.max(events.id)))
+                self._event = (newest[0] if newest else None) or 0
+            newer = select(events.id, events.post_id).where(events.id > self._event).order_by(events.id).limit(WINDOW)
+            happened = self._reader.rows(newer)
+            if happened:
+                self._event = happened[-1].id
+            touched = sorted({r.post_id for r in happened if r.post_id is not None and r.post_id <= self._seen})
+            if touched:
+                return [row for post_id in touched for row in self._reader.rows(_ONE, id=post_id)]
+            rows = self._reader.rows(_WINDOW, after=self._seen, most=WINDOW)
+            if rows:
+                self._seen = rows[-1].id
+            return rows
+
+    async def _keep(self, rows: Sequence[Row[Any]], do: Any) -> None:
+        lacking = [r for r in rows if _shown(r) and not _known(r)]
+        made: list[_Kept] = []
+        if lacking:
+            vectors = await asyncio.to_thread(self.meanings.encoder.encode, [_said(r) for r in lacking])
+            made = [_Kept(r.id, r.version, vector) for r, vector in zip(lacking, vectors, strict=True)]
+            await do(lambda t: _write(t, made))
+        vectors_of = {kept.post_id: kept.vector for kept in made}
+        for row in rows:
+            vector = vectors_of.get(row.id, bytes(row.vector) if _shown(row) and _known(row) else bytes(SIZE))
+            self.meanings.put(row.id, row.version, vector)
+
+
+def _shown(row: Row[Any]) -> bool:
+    return bool(row.raw) and not row.removed
+
+
+def _known(row: Row[Any]) -> bool:
+    """Whether the vector that the database has is of this text and of this model."""
+    return row.known == row.version and row.model == MODEL and len(row.vector) == SIZE
+
+
+def _said(row: Row[Any]) -> str:
+    return unmarked(f"{row.title}\n{row.raw}"[:MAX_CHARS])
+
+
+def _write(t: Transaction, made: Sequence[_Kept]) -> None:
+    """Only of posts that still say it: one may have been erased meanwhile, and then nothing of it is kept."""
+    p = db.posts.c
+    ids = [kept.post_id for kept in made]
+    now = {r.id: r.version for r in t.connection.execute(select(p.id, p.version).where(p.id.in_(ids), p.raw != ""))}
+    rows = [
+        {"post_id": kept.post_id, "version": kept.version, "model": MODEL, "vector": kept.vector}
+        for kept in made
+        if now.get(kept.post_id) == kept.version
+    ]
+    t.connection.execute(delete(post_meanings).where(post_meanings.c.post_id.in_(ids)))
+    if rows:
+        t.connection.execute(insert(post_meanings), rows)

@@ -1,0 +1,165 @@
+"""Full-text search, newest first: words in any language, Chinese of one character or more.
+
+It stands on the index of `words`, which SQLite and PostgreSQL have. On another database posts are looked through for
+the words: right, but not quick.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from sqlalchemy import Connection, and_, select, text
+
+from agentrob.board.content.markdown import unmarked
+from agentrob.board.db import schema as db
+from agentrob.board.db.cursors import from_cursor, to_cursor
+from agentrob.board.db.reader import Reader
+from agentrob.board.db.records import Page, Post
+from agentrob.board.search.fulltext import INDEXED, Where, index_query
+from agentrob.errors import BoardError
+from agentrob.language.complexity import nfkc
+
+T = TypeVar("T")
+#: Characters and words of a query that count.
+MAX_QUERY, MAX_WORDS = 200, 12
+#: Seconds after which a search is given up: some words stand in so many posts that none has them all.
+MOST_S = 1.0
+#: Steps of SQLite's machine between two looks at the clock.
+STEPS = 20_000
+
+
+# -------------------------------------------------------------------- searching
+def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = None) -> Reader:
+    """A reader to search with, on a connection of its own."""
+    if connection.dialect.name == "postgresql":
+        # A plan for any words at all would look through every post for a rare one, or sort half of them for a common.
+        for setting in (f"statement_timeout = {MOST_S * 1000:.0f}", "plan_cache_mode = force_custom_plan", "jit = off"):
+            connection.execute(text(f"SET {setting}"))
+    return Reader(connection, sees, keeps=True)
+
+
+def bounded(reader: Reader, read: Callable[..., T], *asked: Any) -> T:
+    """What `read` gives for what is asked, or 503 when it takes longer than `MOST_S`."""
+    with given_up(reader):
+        return read(reader, *asked)
+
+
+@contextmanager
+def given_up(reader: Reader) -> Iterator[None]:
+    """Ends a statement that takes longer than `MOST_S`: 503 with what to do."""
+    end_s = time.monotonic() + MOST_S
+    raw: Any = reader.connection.connection.dbapi_connection
+    watched = reader.connection.dialect.name == "sqlite"
+    if watched:
+        raw.set_progress_handler(lambda: time.monotonic() > end_s, STEPS)
+    try:
+        yield
+    except BoardError as e:
+        if e.status != 503 or time.monotonic() < end_s:
+            raise
+        hint = "add a rarer word, or put words that stand together between double quotes"
+        raise BoardError(503, "too_broad", "too many posts had to be looked through", hint) from e
+    finally:
+        if watched:
+            raw.set_progress_handler(None, 0)
+
+
+def find(
+    reader: Reader,
+    query: str,
+    cursor: str | None = None,
+    limit: int = 20,
+    board_id: str | None = None,
+    tag: str | None = None,
+) -> Page[Post]:
+    """Posts with all the words, of one board or of all, of topics with a tag, newest first, without removed ones and
+    those on boards that are not seen.
+
+    A query without any word finds nothing. Raises `BoardError` 422, 503.
+    """
+    words = terms(query)
+    if not words:
+        return Page(())
+    with given_up(reader):
+        where = Where(from_cursor(cursor) if cursor else 2**62, boards_seen(reader, board_id), tag)
+        ids = _find(reader, words, where, limit + 1)
+    return Page(in_order(reader, ids[:limit]), to_cursor(ids[limit - 1]) if len(ids) > limit else None)
+
+
+def boards_seen(reader: Reader, board_id: str | None) -> list[str]:
+    """Where whoever asks may look: on one board, or on all that they see."""
+    seen = reader.seen()
+    boards = [b.id for b in reader.all_boards()] if seen is None else sorted(seen)
+    return [board for board in boards if board_id in (None, board)]
+
+
+def in_order(reader: Reader, ids: Sequence[int]) -> tuple[Post, ...]:
+    """The posts in the order in which they were found."""
+    found = {int(post.id): post for post in reader.posts_by_id(ids)}
+    return tuple(found[i] for i in ids if i in found)
+
+
+def terms(query: str) -> list[str]:
+    """The words of a query; what stands between double quotes is one."""
+    plain = nfkc(query.replace("\0", ""))[:MAX_QUERY]
+    found = (quoted or word for quoted, word in re.findall(r'"([^"]*)"|([^\s"]+)', plain))
+    return [word for word in found if any(c.isalnum() for c in word)][:MAX_WORDS]
+
+
+def _find(reader: Reader, words: Sequence[str], where: Where, most: int) -> list[int]:
+    dialect = reader.connection.dialect.name
+    if dialect not in INDEXED:
+        return _by_looking(reader, words, where, most)
+    asked = index_query(dialect, words, where, most)
+    return [row.id for row in reader.rows(asked[0], **asked[1])] if asked else []
+
+
+def _by_looking(reader: Reader, words: Sequence[str], where: Where, most: int) -> list[int]:
+    p, t, g = db.posts.c, db.topics.c, db.topic_tags.c
+    has = (p.raw.icontains(word, autoescape=True) | t.title.icontains(word, autoescape=True) for word in words)
+    shown = and_(p.id < where.before, p.removed.is_(False), t.board_id.in_(where.boards), *has)
+    statement = select(p.id).join(db.topics, t.id == p.topic_id).where(shown).order_by(p.id.desc()).limit(most)
+    if where.tag is not None:
+        statement = statement.where(t.id.in_(select(g.topic_id).where(g.tag == where.tag)))
+    return [row.id for row in reader.rows(statement)]
+
+
+# -------------------------------------------------------------------- showing
+def around(raw: str, query: str, length: int = 200) -> tuple[tuple[str, bool], ...]:
+    """The part of a text where it is found, in pieces; the second of each says whether it is a word looked for."""
+    words = sorted(terms(query), key=len, reverse=True)
+    if not words:
+        return ((unmarked(raw[:length]), False),)
+    pattern = re.compile("|".join(map(_beginning, words)), re.IGNORECASE)
+    # Of a long post only the part where it is found: pages are made on the event loop, which a stop needs too.
+    found = pattern.search(raw)
+    begin = max(0, found.start() - length) if found else 0
+    plain = unmarked(raw[begin : begin + 3 * length])
+    first = pattern.search(plain)
+    start = max(0, (first.start() if first else 0) - length // 3)
+    shown = plain[start : start + length]
+    pieces, done = [("…", False)] if begin or start else [], 0
+    for match in pattern.finditer(shown):
+        pieces += [(shown[done : match.start()], False), (match[0], True)]
+        done = match.end()
+    pieces += [(shown[done:], False)] + (
+        [("…", False)] if start + length < len(plain) or begin + 3 * length < len(raw) else []
+    )
+    return tuple(piece for piece in pieces if piece[0])
+
+
+def _beginning(word: str) -> str:
+    """A pattern of where a word begins as it was written: in `photo` nobody looked for `to`."""
+    written = word.strip("@") or word
+    return ("" if not written[0].isascii() else r"(?<![A-Za-z0-9\u00c0-\u024f])") + re.escape(written)
+
+
+def checked(query: str) -> str:
+    """What somebody searches for; 422 when it is too long."""
+    if len(query) > MAX_QUERY:
+        raise BoardError(422, "long_query", "that is too much to search for", f"at most {MAX_QUERY} characters")
+    return query.strip()

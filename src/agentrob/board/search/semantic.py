@@ -1,0 +1,86 @@
+"""Search by meaning: the posts that say something like the query, most alike first, in whatever language either is.
+
+Every vector is compared; then the database says, of those most alike, which whoever asks may see and which still say
+what was compared. So rights, hidden posts and edits count here exactly as in the search for words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import BindParameter, String, bindparam, text
+
+from agentrob.board.db.cursors import from_cursor, to_cursor
+from agentrob.board.db.reader import Reader
+from agentrob.board.db.records import Page, Post
+from agentrob.board.search.embeddings import Meanings
+from agentrob.board.search.fulltext import TAGGED
+from agentrob.board.search.search import boards_seen, given_up, in_order, terms
+from agentrob.errors import BoardError
+from agentrob.semantic.encoder import LEAST, MeaningError
+
+#: Posts that are found at most: what comes after so many has little to do with the query.
+MOST = 100
+#: Posts about which the database is asked at a time.
+_ASKED = 400
+_BOARDS = bindparam("boards", expanding=True, type_=String)
+_VISIBLE = (
+    "SELECT p.id, p.version FROM posts p JOIN topics t ON t.id = p.topic_id "
+    "WHERE p.id IN :ids AND NOT p.removed AND p.raw <> '' AND t.board_id IN :boards "
+)
+
+
+def find(
+    reader: Reader,
+    meanings: Meanings,
+    query: str,
+    cursor: str | None = None,
+    limit: int = 20,
+    board_id: str | None = None,
+    tag: str | None = None,
+) -> Page[Post]:
+    """Posts alike in meaning, most alike first, of one board or of all that are seen, of topics with a tag when one is
+    given. Raises `BoardError` 422, 503."""
+    begin = from_cursor(cursor) if cursor else 0
+    end = min(begin + limit, MOST)
+    if not terms(query) or begin >= end:
+        return Page(())
+    try:
+        (vector,) = meanings.encoder.encode([query])
+    except MeaningError as e:
+        raise BoardError(503, "model_out", str(e), "try again in a moment, or search for words", 5.0) from e
+    ids, versions, alike = meanings.compared(vector)
+    found: list[int] = []
+    with given_up(reader):
+        for some in _most_alike_first(alike):
+            found += _visible(reader, ids[some].tolist(), versions[some].tolist(), boards_seen(reader, board_id), tag)
+            if len(found) > end:
+                break
+    more = len(found) > end and end < MOST
+    return Page(in_order(reader, found[begin:end]), to_cursor(end) if more else None)
+
+
+def _most_alike_first(alike: NDArray[np.float32]) -> Iterator[NDArray[np.int64]]:
+    """The places of what is alike enough, some at a time. Of what is equally alike the newest comes first."""
+    places = np.flatnonzero(alike >= LEAST)
+    if len(places) > _ASKED:  # nearly always the first of them are all that is needed
+        nearest = np.argpartition(-alike[places], _ASKED)
+        first = places[nearest[:_ASKED]]
+        yield first[np.lexsort((-first, -alike[first]))]
+        places = places[nearest[_ASKED:]]
+    places = places[np.lexsort((-places, -alike[places]))]
+    for n in range(0, len(places), _ASKED):
+        yield places[n : n + _ASKED]
+
+
+def _visible(
+    reader: Reader, ids: Sequence[int], versions: Sequence[int], boards: Sequence[str], tag: str | None
+) -> list[int]:
+    """Those that may be seen and still are of that version, in their order."""
+    ids_in: BindParameter[int] = bindparam("ids", expanding=True)
+    statement = text(_VISIBLE + ("" if tag is None else TAGGED)).bindparams(ids_in, _BOARDS)
+    values = {"ids": list(ids), "boards": list(boards)} | ({} if tag is None else {"tag": tag})
+    now = {row.id: row.version for row in reader.rows(statement, **values)}
+    return [i for i, version in zip(ids, versions, strict=True) if now.get(i) == version]

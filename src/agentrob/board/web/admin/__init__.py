@@ -1,0 +1,1 @@
+"""The pages of administrators and moderators, and of signing in."""

@@ -1,0 +1,178 @@
+"""The pages of robots and people: what each is and did, and a robot's buttons."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import HTMLResponse, Response
+
+from agentrob.board.auth import access
+from agentrob.board.auth.access import Viewer
+from agentrob.board.content.store import Store
+from agentrob.board.db.records import Image, Post, Topic
+from agentrob.board.robots import actions, approvals, rights
+from agentrob.board.robots import view as robot_view
+from agentrob.board.robots.view import RobotView
+from agentrob.board.services import Services, services
+from agentrob.board.web import forms
+from agentrob.board.web.templating import go, own_path, show, with_receipt
+from agentrob.errors import BoardError
+from agentrob.model import Account, AccountKind
+
+router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
+
+Reading = Annotated[Viewer, Depends(access.reader)]
+Anybody = Annotated[Viewer, Depends(access.viewer)]
+_LATEST = 10
+#: An owner's button waits so often for so long until the robot's agent has told what came of it.
+HEARD_TRIES, HEARD_S = 15, 0.1
+Press = Callable[[Services, str, Account], Awaitable[object]]
+#: Answers among which the last picture is looked for.
+_LOOK_BACK = 50
+
+
+@router.get("/robots")
+async def robots(request: Request, viewer: Reading, part: str = "") -> Response:
+    data = {"robots": robot_view.robots(services(request))}
+    return show(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
+
+
+@router.get("/robots/{name}")
+async def robot(request: Request, viewer: Reading, name: str) -> Response:
+    known = services(request)
+    account, view = robot_view.robot(known, name)
+    latest = _latest(known.store, account, once=True)
+    kept = rights.settings_of(known.store.reader, account.name)
+    seen = (
+        _last_picture(known.store.posts_by(account, _LOOK_BACK))
+        if rights.sees_camera(kept, viewer.account, account.name)
+        else None
+    )
+    data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view, viewer)
+    data["releases"] = actions.may_release(known, account.name, viewer.account)
+    data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
+    return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
+
+
+@router.get("/robots/{name}/fragment")
+async def robot_fragment(request: Request, viewer: Reading, name: str, part: str = "") -> Response:
+    known = services(request)
+    view = robot_view.robot(known, name)[1]
+    data = {"robot": view, "releases": actions.may_release(known, view.name, viewer.account)}
+    template = "robot_lock.html" if part == "lock" else "robot_facts.html"
+    return show(request, viewer, template, data | _about(known, view, viewer))
+
+
+@router.post("/robots/{name}/stop")
+async def stop(request: Request, viewer: Anybody, name: str) -> Response:
+    """Anybody signed in, at any rate, whatever the robot's agent last said."""
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    await actions.stop(services(request), name, access.account_of(viewer))
+    if request.headers.get("x-live"):
+        return Response(status_code=204)
+    return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "stop", name))
+
+
+@router.post("/robots/{name}/estop")
+async def emergency_stop(request: Request, viewer: Anybody, name: str) -> Response:
+    """As stop; besides, it locks the robot."""
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    await actions.emergency_stop(services(request), name, access.account_of(viewer))
+    if request.headers.get("x-live"):
+        return Response(status_code=204)
+    return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "estop", name))
+
+
+@router.get("/robots/{name}/release")
+async def release_form(request: Request, viewer: Reading, name: str) -> Response:
+    return _confirm(request, viewer, name, "release", f"Release @{name}?")
+
+
+@router.post("/robots/{name}/release")
+async def release(request: Request, viewer: Anybody, name: str) -> Response:
+    return await _owners(request, viewer, name, "release", actions.release)
+
+
+@router.get("/robots/{name}/home")
+async def home_form(request: Request, viewer: Reading, name: str) -> Response:
+    return _confirm(request, viewer, name, "home", f"Set the home of @{name} here?")
+
+
+@router.post("/robots/{name}/home")
+async def home(request: Request, viewer: Anybody, name: str) -> Response:
+    return await _owners(request, viewer, name, "home", actions.home)
+
+
+def _confirm(request: Request, viewer: Viewer, name: str, deed: str, heading: str) -> Response:
+    """Asks whether the owner means it: nothing that lets a robot move is one slip of the finger away."""
+    known = services(request)
+    actions.check_owner(known, name, access.account_of(viewer))
+    data = {"robot": robot_view.robot(known, name)[1], "deed": deed, "heading": heading}
+    return show(request, viewer, "robot_owner.html", data, here="robots")
+
+
+async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press: Press) -> Response:
+    """Press an owner's button and wait a moment for what came of it, so that the page that follows shows that."""
+    known = services(request)
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    stage, before = known.stage, known.stage.robot(name).card.get("told")
+    await press(known, name, access.account_of(viewer))
+    for _ in range(HEARD_TRIES):
+        if stage.robot(name).card.get("told") != before:
+            return go(f"/robots/{name}")
+        await asyncio.sleep(HEARD_S)
+    return go(with_receipt(f"/robots/{name}", viewer, deed, name))
+
+
+@router.post("/robots/{name}/reset")
+async def reset(request: Request, viewer: Anybody, name: str) -> Response:
+    form = await forms.read(request)
+    access.check_form(viewer, form.get("csrf"))
+    await actions.reset(services(request), name, access.account_of(viewer))
+    return go(with_receipt(f"/robots/{name}", viewer, "reset", name))
+
+
+@router.get("/u/{name}")
+async def person(request: Request, viewer: Reading, name: str) -> Response:
+    store = services(request).store
+    found = store.account(name)
+    if found is None:
+        raise BoardError(404, "no_such_account", f"there is no account {name[:64]!r}")
+    if found.kind is AccountKind.ROBOT_AGENT:
+        return go(f"/robots/{found.name}")
+    mine = viewer.account is not None and viewer.account.id == found.id
+    latest = _latest(store, found)
+    data = {"account": found, "mine": mine, "latest": latest}
+    return show(request, viewer, "account.html", data, here="me" if mine else "")
+
+
+# ------------------------------------------------------------------ pieces
+def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[Topic, Post]]:
+    """An account's latest posts, each with its topic; with `once` only the latest one of each topic."""
+    posts = store.posts_by(author, 5 * _LATEST if once else _LATEST)
+    newest: dict[str, Post] = {}
+    for post in posts:
+        newest.setdefault(post.topic_id if once else post.id, post)
+    return [(store.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
+
+
+def _about(known: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:
+    """What the forum itself knows of a robot: its owner, and the posts that wait (some for an approval), as far as they
+    are to be seen."""
+    posts = {post.id: post for post in known.store.reader.posts_by_id([int(i) for i in view.line])}
+    line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
+    robots = [actions.known_robot(known, view.name)]
+    asking = [one for post in line for one in approvals.waiting(known, post, robots, viewer.account)]
+    about = {"owner": actions.owner_of(known, view.name), "line": line}
+    return about | {"waiting": asking, "key": forms.nonce()}
+
+
+def _last_picture(posts: Sequence[Post]) -> tuple[Post, Image] | None:
+    """The last picture that a robot put into an answer: of its photos the first, which stand before the drawings."""
+    return next(((post, image) for post in posts for image in post.images if not image.moving), None)

@@ -1,0 +1,280 @@
+"""Puts a template and data together into a page and serves the static files."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import math
+import re
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, RedirectResponse, Response
+
+from agentrob.board.auth import access
+from agentrob.board.auth.access import Viewer
+from agentrob.board.content import notifications
+from agentrob.board.content.markdown import unmarked
+from agentrob.board.db.reader import Reader
+from agentrob.board.db.records import from_text
+from agentrob.board.services import services
+from agentrob.errors import BoardError
+from agentrob.model import AccountKind, Role, StatusCard
+
+HERE = Path(__file__).parent
+NAME = re.compile(r"[a-z][a-z0-9_-]{0,63}\Z")
+_NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+#: Characters of a post that its excerpt is made from.
+EXCERPT_FROM = 600
+
+#: The states of a command as words for people.
+STATES = {
+    **{s: s for s in ("seen", "queued", "running", "done", "failed", "refused", "stopped", "interrupted")},
+    **{"waiting": "waits for approval", "cancelled": "cancelled", "expired": "expired", "asks_back": "asks back"},
+}
+BADGES = {
+    AccountKind.ROBOT_AGENT: "robot",
+    AccountKind.COMMANDING_AGENT: "agent",
+    AccountKind.MONITORING_AGENT: "monitor",
+}
+KINDS = {
+    AccountKind.HUMAN: "a person",
+    AccountKind.ROBOT_AGENT: "a robot",
+    AccountKind.COMMANDING_AGENT: "a program that commands",
+    AccountKind.MONITORING_AGENT: "a program that watches",
+}
+ROLES = {
+    Role.GUEST: "guest: looks and stops",
+    Role.MEMBER: "member: looks, writes, stops",
+    Role.OPERATOR: "operator: commands robots",
+    Role.MODERATOR: "moderator: commands robots, hides and locks",
+    Role.ADMIN: "administrator",
+}
+
+#: Pages show what this viewer may see, as it is now; `gate` adds the headers that every answer has.
+_HEADERS = {"Cache-Control": "private, no-cache"}
+_MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
+_STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}
+_HASHES = {name: hashlib.sha256(content).hexdigest()[:12] for name, content in _STATIC.items()}
+
+
+# ------------------------------------------------------------------ what templates call
+def static_url(name: str) -> str:
+    """The address of a static file, with the hash of its content in it."""
+    return f"/static/{_HASHES[name]}/{name}"
+
+
+def stamp(at: datetime) -> str:
+    """`21 Nov 2026, 09:31 UTC`; scripts replace it by the reader's own time."""
+    return f"{at.astimezone(UTC):%-d %b %Y, %H:%M} UTC"
+
+
+def iso(at: datetime) -> str:
+    return at.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def word(value: object) -> str:
+    """A state as a bare word that may stand in a class name."""
+    return re.sub(r"[^a-z_]", "", str(value))[:24]
+
+
+def tone(name: str) -> int:
+    """One of five colours, always the same one for a name."""
+    return sum(name.encode()) % 5
+
+
+def excerpt(raw: str) -> str:
+    """The first words of a post, without the marks of Markdown. Takes no longer for a long post than for a short one:
+    pages with many of them are made on the event loop, which the stop button needs too."""
+    text = unmarked(raw[:EXCERPT_FROM])
+    return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
+
+
+def status_card(card: Mapping[str, Any]) -> StatusCard:
+    """A card as a robot's agent sent it, with every field of the type that a page relies on."""
+    known = {f.name: card.get(f.name) for f in fields(StatusCard)}
+    robot = str(known["robot"] or "")
+    return StatusCard(
+        robot=robot if NAME.match(robot) else "",
+        state=word(known["state"]),
+        step=_count(known["step"]),
+        steps=_count(known["steps"]),
+        doing=str(known["doing"] or "")[:200],
+        place=_count(known["place"]) or None,
+        trace_id=str(known["trace_id"] or "")[:64],
+        until=str(known["until"] or "")[:40],
+    )
+
+
+def _count(value: object) -> int:
+    return min(max(value, 0), 10_000) if isinstance(value, int) else 0
+
+
+def _environment() -> Environment:
+    made = Environment(
+        loader=FileSystemLoader(HERE / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        auto_reload=False,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
+    made.filters |= {"status_card": status_card, "time": from_text}
+    made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
+    made.globals["parts"] = made.get_template("parts.html").module
+    return made
+
+
+_TEMPLATES = _environment()
+
+
+# ------------------------------------------------------------------ answers
+def show(
+    request: Request, viewer: Viewer, template: str, data: Mapping[str, Any], *, status: int = 200, here: str = ""
+) -> HTMLResponse:
+    """A page for this viewer. `here` marks the part of the navigation it belongs to."""
+    known = services(request)
+    settings = known.settings
+    frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
+    frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
+    frame["unread"] = _unread(known.store.reader, viewer)
+    html = _TEMPLATES.get_template(template).render(
+        {"viewer": viewer, "here": here, "title": settings.title, "problem": "", "feed": ""} | frame | dict(data)
+    )
+    response = HTMLResponse(html, status, headers=_HEADERS)
+    if viewer.account is None:
+        access.keep(response, known, viewer)
+    return response
+
+
+def _unread(reader: Reader, viewer: Viewer) -> int:
+    """The number at the bell, counted once between two commits."""
+    account = viewer.account
+    if account is None or account.suspended:
+        return 0
+    return reader.kept(("unread", account.id, reader.seen()), lambda: notifications.unread(reader, account))
+
+
+def render_feed(data: Mapping[str, Any]) -> str:
+    """An Atom feed. Characters that no XML may have are left out."""
+    return _NOT_XML.sub("", _TEMPLATES.get_template("feed.xml").render(data))
+
+
+def piece(template: str, data: Mapping[str, Any]) -> str:
+    """A part of a page, safe to put into one as it is."""
+    return Markup(_TEMPLATES.get_template(template).render(data))  # made by a template that escapes
+
+
+@dataclass(frozen=True, slots=True)
+class Receipt:
+    """That a button was pressed, shown on the page that follows. `deed` is stop, estop, release, home or reset."""
+
+    deed: str
+    robot: str
+    at: datetime
+
+
+def with_receipt(path: str, viewer: Viewer, deed: str, robot: str) -> str:
+    """The path of the following page with a receipt that only this viewer's session can have made: no link from
+    elsewhere makes a page say that a robot was stopped."""
+    told = f"{deed}.{robot}.{int(time.time())}"
+    return f"{path.partition('?')[0]}?done={told}.{_seal(viewer, told)}"
+
+
+def receipt_of(request: Request, viewer: Viewer) -> Receipt | None:
+    told, _, seal = request.query_params.get("done", "").rpartition(".")
+    if not told or not hmac.compare_digest(seal.encode(), _seal(viewer, told).encode()):
+        return None
+    deed, robot, at = told.split(".")
+    return Receipt(deed, robot, datetime.fromtimestamp(int(at), UTC))
+
+
+def _seal(viewer: Viewer, told: str) -> str:
+    return hmac.digest(viewer.secret.encode(), f"receipt:{told}".encode(), "sha256").hex()[:32]
+
+
+def go(path: str) -> RedirectResponse:
+    """Send the browser on with a GET."""
+    return RedirectResponse(path, 303, headers={"Cache-Control": "no-store"})
+
+
+def own_path(path: object, otherwise: str = "/") -> str:
+    """`path` when it leads to this forum, so that nobody is sent elsewhere by a link to us."""
+    text = str(path or "")
+    safe = re.fullmatch(r"/(?![/\\])[^\x00-\x20\\\x7f]*", text) and len(text) <= 500
+    return quote(text, safe="/?&=#%:@,;+~.-_!$'()*") if safe else otherwise
+
+
+HEADINGS = {
+    401: "Please sign in",
+    403: "This is not allowed",
+    404: "Not found",
+    405: "This address takes no such request",
+    409: "That is taken",
+    413: "That is too long",
+    422: "Something is missing",
+    429: "Too fast",
+    500: "Something broke here",
+    503: "Not possible right now",
+}
+HINTS = {
+    401: "You are signed out. Sign in, then try again.",
+    403: "If it should be, ask an administrator of this forum.",
+    404: "It may have been moved or mistyped. The boards are a good place to look.",
+    500: "It is not your fault, and it was written to the log. Try again in a moment.",
+    503: "Try again in a moment.",
+}
+#: What the framework says shortly.
+_DETAILS = {"not_found": "there is nothing at this address", "method_not_allowed": "this address is for something else"}
+
+
+async def error_page(request: Request, error: BoardError, draft: str = "") -> Response:
+    """What a browser sees when something cannot be done: what it was, and what to do. Signed out: to the sign-in page.
+
+    `draft` is a text that was being posted, shown so that it is not lost.
+    """
+    status = error.status
+    if status == 401 and not draft and request.method in ("GET", "HEAD"):
+        path = request.url.path + (f"?{request.url.query}" if request.url.query else "")
+        return go(f"/sign-in?next={quote(own_path(path), safe='')}")
+    try:
+        viewer = await access.viewer(request)
+    except BoardError:
+        viewer = Viewer(account=None, csrf="", secret="")
+    data = {"status_code": status, "heading": HEADINGS.get(status, "This did not work"), "draft": draft}
+    data |= {"detail": sentence(_DETAILS.get(error.code) or str(error)), "hint": sentence(hint_of(error))}
+    response = show(request, viewer, "error.html", data, status=status)
+    if error.retry_after_s is not None:
+        response.headers["Retry-After"] = str(max(1, math.ceil(error.retry_after_s)))
+    return response
+
+
+def hint_of(error: BoardError) -> str:
+    """What to do about an error, for people: hints that are for programs are replaced."""
+    if error.retry_after_s is not None and (error.retry_after_s <= 300 or not error.hint):
+        return f"wait {max(1, math.ceil(error.retry_after_s))} seconds, then try again"
+    if error.status == 401 and error.code != "wrong_password":
+        return HINTS[401]
+    return error.hint if error.hint and "/api/" not in error.hint else HINTS.get(error.status, "")
+
+
+def sentence(text: str) -> str:
+    """With a capital letter and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?…" else ".")
+
+
+def static_file(version: str, name: str) -> Response:
+    """A static file; kept for a year when asked for under its own hash. Raises `BoardError` 404."""
+    if name not in _STATIC:
+        raise BoardError(404, "no_such_file", "there is no such file")
+    kept = "public, max-age=31536000, immutable" if version == _HASHES[name] else "no-cache"
+    return Response(_STATIC[name], media_type=_MEDIA_TYPES[Path(name).suffix], headers={"Cache-Control": kept})

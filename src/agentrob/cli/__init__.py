@@ -1,0 +1,1 @@
+"""The words that a person types: one file per group of commands."""

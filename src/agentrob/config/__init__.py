@@ -1,0 +1,1 @@
+"""The configuration file agentrob.toml: one model per table."""

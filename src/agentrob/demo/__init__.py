@@ -1,0 +1,1 @@
+"""A forum, simulated robots and their agents, from one command."""

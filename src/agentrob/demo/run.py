@@ -1,0 +1,402 @@
+"""Everything on one machine: forum, simulated world, the robots' drivers and agents; they start and end together."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import json
+import os
+import shutil
+import signal
+import socket
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from agentrob.config import load as configuration
+from agentrob.config.board import BoardConfig
+from agentrob.config.load import Config, ForumConfig, MindConfig, RatesConfig
+from agentrob.errors import AgentRobError, ConfigError, RobotBusy
+from agentrob.model import AccountKind, Role
+from agentrob.process import host_lock
+from agentrob.process.child import Child, ChildError, end_all
+
+PORT = 8088
+#: Handle of each robot, and its kind.
+ROBOTS = {"quadruped": "go2", "humanoid": "g1"}
+VISITOR = "visitor"
+SENTENCES = (
+    "@quadruped walk forward 1 metre, turn left, wave and take a photo",
+    "@humanoid walk forward 1 metre, turn left, wave",
+    "@quadruped wave. @humanoid make a heart.",
+)
+#: Domains for worlds that nobody gave one; real robots are on 0.
+DOMAINS = range(40, 100)
+
+
+class DemoError(AgentRobError):
+    """The demo cannot start or go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class DemoSettings:
+    """`port` None means any free one; `data` is kept; `post` runs one post and ends.
+
+    `more` are kinds of robots beside the two; each is called by its kind. `mind` reads their posts: `rules`, or one of
+    the minds of `./agentrob.toml` or of the data folder's; None is the one of last time.
+    """
+
+    data: Path
+    port: int | None = PORT
+    post: str | None = None
+    as_json: bool = False
+    world: str = "room"
+    more: Sequence[str] = ()
+    mind: str | None = None
+
+    @property
+    def robots(self) -> dict[str, str]:
+        """Handle of each robot that takes part, and its kind."""
+        return ROBOTS | {kind: kind for kind in self.more if kind not in ROBOTS.values()}
+
+
+class OwnDomain:
+    """A DDS domain that nobody on this host uses, and that nobody else chooses until this is closed.
+
+    Raises `DemoError` when all are taken.
+    """
+
+    def __init__(self) -> None:
+        taken = set(host_lock.held())
+        for number in DOMAINS:
+            if not {f"world/lo/{number}", f"driver/lo/{number}"} & taken:
+                with contextlib.suppress(RobotBusy):
+                    self._lock = host_lock.HostLock(f"domain/lo/{number}", f"DDS domain {number}")
+                    self.number = number
+                    return
+        raise DemoError(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are taken on this host")
+
+    def close(self) -> None:
+        self._lock.close()
+
+
+def free_port() -> int:
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return int(s.getsockname()[1])
+
+
+def check_port(port: int) -> None:
+    with socket.socket() as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            s.bind(("127.0.0.1", port))
+        except OSError:
+            raise DemoError(f"port {port} is taken; choose another with --port (0 for any free one)") from None
+
+
+class Demo:
+    """A running demo; use it as a context manager. `url` and the children are there after `start`."""
+
+    def __init__(self, settings: DemoSettings) -> None:
+        self.settings = settings
+        self.data = settings.data
+        self.robots = settings.robots
+        self.children: list[Child] = []
+        self._domains: dict[str, OwnDomain] = {}
+        self._lock: IO[str] | None = None
+        self.url = ""
+        self.tokens: dict[str, str] = {}
+        self.runtime: Path | None = None
+        self.room_url = ""
+
+    def __enter__(self) -> Demo:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with _undisturbed():
+            end_all(self.children)
+            for domain in self._domains.values():
+                domain.close()
+            if self.runtime:
+                shutil.rmtree(self.runtime, ignore_errors=True)
+            if self._lock:
+                (self.data / "demo.json").unlink(missing_ok=True)
+                self._lock.close()
+
+    # ------------------------------------------------------------------ start
+    def start(self) -> None:
+        """Start all; returns when a post would be answered. `DemoError` or `ChildError` in one line otherwise."""
+        self._check_robots()
+        self._hold_data()
+        try:
+            self._start()
+        except OSError as e:
+            raise DemoError(f"cannot use the data folder {self.data}: {e}") from None
+
+    def _start(self) -> None:
+        # sockets of this demo's own: another demo, or a driver of the same name, is not in the way
+        self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-demo-"))
+        port = self.settings.port or free_port()
+        check_port(port)
+        self.url = f"http://127.0.0.1:{port}"
+        world = self._start_world()
+        config = self._write_config(port, room_url="")
+        self._bootstrap(config)
+        board = self._child("board", "board", "serve", "--config", str(config))
+        self.room_url = world.wait_ready()["http"]
+        config = self._write_config(port, self.room_url)
+        drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in self.robots]
+        board.wait_ready()
+        agents = [self._agent(name, config) for name in self.robots]
+        for child in (*drivers, *agents):
+            child.wait_ready()
+        facts = {"pid": os.getpid(), "url": self.url, "room": self.room_url, "runtime": str(self.runtime)}
+        (self.data / "demo.json").write_text(json.dumps(facts))
+
+    def _check_robots(self) -> None:
+        """`ConfigError` for a robot that is not installed, or that cannot be loaded."""
+        from agentrob.wiring import app
+
+        for kind in self.robots.values():
+            app.capabilities_of(kind)
+
+    def _start_world(self) -> Child:
+        """The world; each robot has a domain, one that is not in the world for its driver's lock."""
+        for name in self.robots:
+            self._domains[name] = OwnDomain()
+        args = ["sim", "--ledger", str(self.data / "world.jsonl"), "--world", self.settings.world]
+        for name, model in ROBOTS.items():
+            args += ["--domain", f"{model}={self._domains[name].number}"]
+        return self._child("world", *args)
+
+    def _agent(self, name: str, config: Path) -> Child:
+        env = {"AGENTROB_TOKEN": self.tokens[name]}
+        return self._child(f"agent-{name}", "agent", "run", name, "--config", str(config), env=env)
+
+    def _child(self, name: str, *args: str, env: dict[str, str] | None = None) -> Child:
+        own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}
+        child = Child(name, args, self.data / "log" / f"{name}.log", own)
+        self.children.append(child)
+        return child
+
+    def _hold_data(self) -> None:
+        try:
+            self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self._lock = (self.data / "demo.lock").open("w")
+        except OSError as e:
+            raise DemoError(f"cannot use the data folder {self.data}: {e.strerror}") from None
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            self._lock.close()
+            self._lock = None
+            where = (running(self.data) or {}).get("url", "")
+            raise DemoError(
+                f"a demo already runs{' at ' + where if where else ''} with the data folder {self.data}; "
+                "end it, or give another --data"
+            ) from None
+
+    def _write_config(self, port: int, room_url: str) -> Path:
+        from agentrob.wiring import app
+
+        minds, mind = self._minds()
+        # one visitor, who owns the robots and the forum, and may play as long as they like
+        own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0), "mind": mind}
+        room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
+        robots = {
+            name: app.simulated_robot(model, self._domains[name].number, self.settings.world).model_copy(
+                update=own | room if app.in_world(model) else own  # the room's camera sees who stands in the room
+            )
+            for name, model in self.robots.items()
+        }
+        config = Config(
+            data=str(self.data),
+            board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=self.url),
+            forum=ForumConfig(url=self.url),
+            robots=robots,
+            minds=minds,
+        )
+        path = self.data / "agentrob.toml"
+        config.write(path, "Written by `agentrob demo` at each start, which keeps only [minds]; edit a copy.")
+        return path
+
+    def _minds(self) -> tuple[dict[str, MindConfig], str]:
+        """The models that are known, and the mind that reads posts. `ConfigError` when the one that is asked for is
+        none of them."""
+        path = self.data / "agentrob.toml"
+        before = self._config_of_last_time(path)
+        minds = before.minds | configuration.load().minds
+        last = next((robot.mind for robot in before.robots.values()), "rules")
+        mind = self.settings.mind or (last if last in minds else "rules")
+        if mind != "rules" and mind not in minds:
+            known = ", ".join(sorted(minds)) or "none yet"
+            raise ConfigError(
+                f"no mind named {mind!r}; there are rules, and as [minds.NAME] in ./agentrob.toml or {path}: {known}"
+            )
+        return minds, mind
+
+    def _config_of_last_time(self, path: Path) -> Config:
+        """The demo's own file; one that somebody broke is set aside, since the demo starts whatever was changed."""
+        if not path.exists():
+            return Config()
+        try:
+            return configuration.load(path)
+        except ConfigError as e:
+            aside = path.with_suffix(".toml.broken")
+            path.replace(aside)
+            print(f"AgentRob demo: {e}; it is now {aside}", file=sys.stderr)
+            return Config()
+
+    def _bootstrap(self, config_path: Path) -> None:
+        from agentrob.wiring import app
+
+        config = app.load(config_path)
+        app.own_board_account(config, VISITOR, AccountKind.HUMAN, Role.ADMIN, "Visitor")
+        for name in self.robots:
+            app.own_board_account(config, name, AccountKind.ROBOT_AGENT, Role.MEMBER, name.capitalize())
+            app.own_board_robot(config, name, VISITOR)
+        for name in (*self.robots, VISITOR):
+            app.revoke_board_tokens(config, name, "demo")
+            self.tokens[name] = app.board_token(config, name, "demo")
+
+    # ------------------------------------------------------------------ while it runs
+    def link(self) -> str:
+        """A one-time link that signs the visitor in."""
+        from agentrob.wiring import app
+
+        return app.board_link(app.load(self.data / "agentrob.toml"), VISITOR)
+
+    def watch(self) -> None:
+        """Return only when a child has ended, as `ChildError`."""
+        while True:
+            self.check()
+            time.sleep(0.5)
+
+    def check(self) -> None:
+        """`ChildError` when a child has ended."""
+        for child in self.children:
+            if not child.alive:
+                raise ChildError(f"{child.name} has ended: {child.last_words()} (log: {child.log})")
+
+
+def running(data: Path) -> dict[str, Any] | None:
+    """What `demo.json` says of the demo that runs with this data folder."""
+    with contextlib.suppress(OSError, ValueError), (data / "demo.lock").open() as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:  # held, so the demo lives
+            facts: dict[str, Any] = json.loads((data / "demo.json").read_text())
+            return facts
+    return None
+
+
+def config_for(robot: str | None, path: Path | None) -> Config:
+    """The configuration that names this robot: the file's, or else that of the usual demo while it runs.
+
+    This process then finds the demo's drivers, whose sockets are in a folder of the demo's own.
+    """
+    config = configuration.load(path)
+    if path is not None or robot in config.robots or (robot is None and config.robots):
+        return config
+    data = default_data(once=False)
+    facts = running(data)
+    if facts is None:
+        return config
+    demo = configuration.load(data / "agentrob.toml")
+    if robot is not None and robot not in demo.robots:
+        return config
+    os.environ["AGENTROB_RUNTIME"] = facts["runtime"]
+    return demo
+
+
+def default_data(once: bool) -> Path:
+    """Where the demo keeps everything unless told otherwise; a demo of one post has a folder of its own."""
+    return configuration.default_data_dir() / ("demo-post" if once else "demo")
+
+
+@contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """No signal breaks off the ending, which is bounded in time anyway."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def sigterm_interrupts() -> Iterator[None]:
+    """SIGTERM and a closed terminal end us as Ctrl-C does."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def run(settings: DemoSettings) -> int:
+    """The command `agentrob demo`; returns the exit code."""
+    with sigterm_interrupts(), Demo(settings) as demo:
+        try:
+            if settings.post is None:
+                print("AgentRob demo: starting the forum, the room and the robots …", file=sys.stderr)
+            demo.start()
+            if settings.post is not None:
+                return _post_once(demo, settings)
+            print(welcome(demo), flush=True)
+            demo.watch()
+        except KeyboardInterrupt:
+            print("\nAgentRob demo: ending", file=sys.stderr)
+            return 0 if settings.post is None else 130
+    return 0
+
+
+def welcome(demo: Demo) -> str:
+    more = [f"@{name} walk forward 1 metre, turn left" for name in demo.robots if name not in ROBOTS]
+    return (
+        f"\n  Open   {demo.link()}\n"
+        f"         (signs you in once; `agentrob demo link` prints another)\n"
+        f"  Post   {SENTENCES[0]}\n"
+        + "".join(f"    or   {sentence}\n" for sentence in (*SENTENCES[1:], *more))
+        + f"  Data   {demo.data} (kept)\n"
+        f"  End    Ctrl-C\n"
+    )
+
+
+def print_link(data: Path) -> None:
+    """The command `agentrob demo link`."""
+    facts = running(data)
+    if facts is None:
+        raise DemoError(f"no demo runs with the data folder {data}; start one with: agentrob demo")
+    print(Demo(DemoSettings(data)).link())
+
+
+# ---------------------------------------------------------------------- one post, then end
+def _post_once(demo: Demo, settings: DemoSettings) -> int:
+    from agentrob.demo import visitor
+    from agentrob.wiring import app
+
+    assert settings.post is not None
+    config = app.load(demo.data / "agentrob.toml")
+    outcome = asyncio.run(visitor.ask(config, demo.tokens[VISITOR], settings.post, demo.check))
+    if settings.as_json:
+        print(json.dumps(outcome, ensure_ascii=False), flush=True)
+    else:
+        print(outcome["reply_markdown"] or outcome["error"])
+    return 0 if outcome["status"] == "done" else 1

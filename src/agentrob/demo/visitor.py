@@ -1,0 +1,125 @@
+"""One post as a visitor, and what the robots that it means answer: for `agentrob demo --post`."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import secrets
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from agentrob.config.load import Config
+from agentrob.errors import AgentRobError, ConfigError, ForumUnreachable
+from agentrob.model import Post
+from agentrob.wiring import app
+
+if TYPE_CHECKING:
+    from agentrob.forums.protocol import Forum
+
+#: How long one posted command may take, in seconds: the limit of a command, its report, and a slow machine.
+LIMIT_S = 180.0
+FINAL = frozenset(
+    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+)
+
+
+async def ask(config: Config, token: str, text: str, check: Callable[[], None]) -> dict[str, Any]:
+    """Post, wait for the final state of every robot that is meant, and collect what they say.
+
+    `check` raises when there is no use in waiting any longer. `status` is done when all are done; the rest is of all
+    robots together, and of each under `robots`.
+    """
+    forum = app.make_forum(config, token)
+    names, posts, error, pictures = _meant(text, config), dict[str, Post](), "", list[str]()
+    try:
+        watermark, _ = await forum.now()
+        board = config.robot(names[0]).boards[0]
+        written = await forum.create_topic(board, title(text), text, key=secrets.token_hex(8))
+        topic = await forum.topic(written.post.topic_id)
+        try:
+            async with asyncio.timeout(LIMIT_S):
+                await _finals(forum, watermark, topic.id, names, posts, check)
+                for post in posts.values():
+                    pictures += await _save_images(forum, post, config.data_dir / "pictures")
+        except TimeoutError:
+            error = f"no final answer within {LIMIT_S:.0f} s; see the logs in {config.data_dir / 'log'}"
+        except AgentRobError as e:
+            error = str(e)
+    finally:
+        await forum.close()
+    answers = {name: _answer(config, name, written.post.id, posts.get(name)) for name in names}
+    return {
+        "status": next((a["status"] for a in answers.values() if a["status"] != "done"), "done"),
+        "topic_url": topic.url,
+        "reply_markdown": "\n\n".join(a["reply_markdown"] for a in answers.values() if a["reply_markdown"]),
+        "steps": [{"robot": name, **step} for name, a in answers.items() for step in a["steps"]],
+        "timings_ms": answers[names[0]]["timings_ms"],
+        "robots": answers,
+        "images": pictures,
+        "data": str(config.data_dir),
+        "error": error,
+    }
+
+
+def _meant(text: str, config: Config) -> list[str]:
+    """The robots that a post mentions; the first one when it mentions none."""
+    from agentrob.language.visible_text import mentions, visible_text
+
+    named = mentions(visible_text(text))
+    return [name for name in config.robots if name in named] or list(config.robots)[:1]
+
+
+def _answer(config: Config, name: str, post_id: str, post: Post | None) -> dict[str, Any]:
+    """What one robot answered, and what its agent keeps of it."""
+    record = app.read_record(config.data_dir, name, post_id)
+    return {
+        "status": post.card.state if post and post.card else "failed",
+        "reply_markdown": post.raw if post else "",
+        "steps": record.get("steps", []),
+        "timings_ms": record.get("timings_ms", {}),
+    }
+
+
+async def _finals(
+    forum: Forum,
+    after: str,
+    topic_id: str,
+    names: Sequence[str],
+    posts: dict[str, Post],
+    check: Callable[[], None],
+) -> None:
+    """Put the answer of each robot in its final state into `posts`."""
+    while True:
+        with contextlib.suppress(ForumUnreachable):  # a pause of a busy machine: go on after the last event
+            async for event in forum.stream(after):
+                check()
+                after, post = event.id or after, event.post
+                if post is None or post.topic_id != topic_id or post.author.name not in names:
+                    continue
+                if post.card and post.card.state in FINAL:
+                    posts[post.author.name] = post
+                if len(posts) == len(names):
+                    return
+        check()
+        await asyncio.sleep(0.2)
+
+
+async def _save_images(forum: Forum, post: Post, folder: Path) -> list[str]:
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for n, url in enumerate(post.images):
+        data = await forum.download(url)
+        suffix = ".png" if data[:4] == b"\x89PNG" else ".jpg"
+        path = folder / f"post-{post.id}-{n + 1}{suffix}"
+        path.write_bytes(data)
+        paths.append(str(path))
+    return paths
+
+
+def title(text: str) -> str:
+    """A topic title made of the text: its first line, shortened."""
+    if not text.strip():
+        raise ConfigError('nothing to post; give a text, for example --post "@quadruped wave"')
+    line = text.strip().splitlines()[0]
+    return line if len(line) <= 80 else line[:79] + "…"

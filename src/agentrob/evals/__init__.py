@@ -1,0 +1,1 @@
+"""How well a mind understands and refuses, measured on files of sentences."""

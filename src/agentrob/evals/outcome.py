@@ -1,0 +1,109 @@
+"""What a mind and the screen together do with one text."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import takewhile
+
+from agentrob.config.load import Config
+from agentrob.errors import MindError
+from agentrob.evals.understanding import never_answered, one_by_one
+from agentrob.language.visible_text import mentions, visible_text
+from agentrob.minds.extraction.trial import second_look
+from agentrob.minds.protocol import Listener, LivingMind, Mind, read
+from agentrob.minds.usage import Usage
+from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Plan, Role, Verdict
+from agentrob.screening.audience import heard_by
+from agentrob.screening.screen import harm_in_words, prepare, screen
+from agentrob.wiring import app
+
+#: Limits are lifted: what is measured is the meaning, and a dangerous command is not to be stopped by its length.
+LIFTED = Limits(10, 3600, 100, 3600, 100, 3600, 100)
+#: Whoever posts may command.
+AUTHOR = Account("1", "author", role=Role.OPERATOR)
+NAME = "robot"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """`kind`: executed, refused (by a rule), asked (not understood, or in doubt) or ignored (not taken for a command).
+
+    `rule` names the rule that refused or asked, `said` is what is answered, `plan` what moves or would have moved.
+    `usage` is what models took for it, `failed` why the mind that was asked for did not read or look itself.
+    """
+
+    kind: str
+    rule: str = ""
+    said: str = ""
+    plan: Plan = Plan()
+    usage: tuple[Usage, ...] = ()
+    failed: str = ""
+
+
+def capabilities_of(robot: str) -> Capabilities:
+    """What a kind of robot (`go2`, `g1`) can do, simulated and without limits of distance, angle, speed and time."""
+    return replace(app.capabilities_of(robot), limits=LIFTED, simulated=True)
+
+
+def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Config | None = None) -> list[Outcome]:
+    """What comes of each (body of a post, description of the scene or empty), as with an agent of usual settings: read
+    by the mind, judged by the rules, and what they allow looked at by the model once more. Fewer than the
+    posts when the process is told to end.
+
+    Raises `ConfigError` for an unknown mind or robot, `MindError` when the mind answered no question at all.
+    """
+    prepare()
+    return asyncio.run(_all(posts, app.make_mind(mind, config), capabilities_of(robot)))
+
+
+async def _all(posts: Sequence[tuple[str, str]], mind: Mind, can: Capabilities) -> list[Outcome]:
+    if isinstance(mind, LivingMind):
+        await mind.prepare()
+    try:
+        known = await one_by_one(posts, lambda post: _one(*post, mind, can))
+    finally:
+        if isinstance(mind, LivingMind):
+            await mind.close()
+    found = [known[post] for post in takewhile(known.__contains__, posts)]
+    if why := never_answered([outcome.usage for outcome in found]):
+        raise MindError(f"the mind {mind.name!r} answered no question ({why}); see: agentrob mind check {mind.name}")
+    return found
+
+
+async def _one(body: str, scene: str, mind: Mind, can: Capabilities) -> Outcome:
+    text = visible_text(body)
+    others = tuple(name for name in mentions(text) if name != NAME)
+    listener = Listener((NAME,), others, can)
+    reading = await read(mind, text, listener)
+    found, usage, failed = reading.understanding, reading.usage, reading.fallback
+    if found.intent is Intent.COMMAND:
+        verdict = screen(
+            found.plan, text=text, author=AUTHOR, capabilities=can, language=found.language, scene=scene,
+            part=heard_by(text, (NAME,), others),
+        )  # fmt: skip
+        verdict, screened = await second_look(mind, reading, verdict, text, listener, scene)
+        if screened is not None:
+            usage, failed = (*usage, *screened.usage), failed or screened.failed
+        outcome = _judged(verdict, found.plan)
+    elif found.intent is not Intent.ASK_BACK:
+        outcome = Outcome("ignored", said=str(found.intent))
+    elif refused := harm_in_words(text, scene, found.language):
+        outcome = _judged(refused, Plan())
+    else:
+        outcome = Outcome("asked", said=found.question)
+    return replace(outcome, usage=usage, failed=failed)
+
+
+def _judged(verdict: Verdict, plan: Plan) -> Outcome:
+    kinds = {Decision.ALLOW: "executed", Decision.ASK_BACK: "asked"}
+    return Outcome(kinds.get(verdict.decision, "refused"), verdict.rule, verdict.reason, plan)
+
+
+def told_failed(found: Sequence[Outcome], mind: str) -> list[str]:
+    """A line for people where a mind did not answer itself, so that the figures are not all its own."""
+    why = Counter(outcome.failed for outcome in found if outcome.failed)
+    told = ", ".join(f"{kind} {count}" for kind, count in why.most_common())
+    return [f"{why.total()} posts without an answer of {mind} ({told}): other minds read them"] if why else []

@@ -1,0 +1,72 @@
+"""How many posts stop a robot that moves, of those that should and of those that should not (law 13)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+from agentrob.agent.intake.triage import Call, Ears, perceive
+from agentrob.errors import ConfigError
+from agentrob.evals.understanding import cell, read_rows
+from agentrob.language.visible_text import mention_spans, visible_text
+from agentrob.model import Account, AccountKind, Post, Role
+
+EXAMPLE = '{"text": "stop right there", "stop": true}'
+_NOW = datetime(2026, 1, 1, tzinfo=UTC)
+_SOMEBODY = Account("2", "somebody", role=Role.MEMBER)
+
+
+@dataclass(frozen=True, slots=True)
+class Stopping:
+    """The counts of a file: `stops` rows should stop, `others` should not; the texts that came out otherwise."""
+
+    stops: int
+    others: int
+    missed: tuple[str, ...]
+    false: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        return {"stops": self.stops, "missed": len(self.missed), "others": self.others, "false": len(self.false)}
+
+
+def stopping(path: Path, limit: int | None = None) -> Stopping:
+    """Judge every row's `text` as a post in the thread of a command that moves; `stop` says what it should do.
+
+    Raises `ConfigError` for a file that cannot be read or holds other rows.
+    """
+    rows = read_rows(path)[:limit]
+    for row in rows:
+        if not isinstance(row.get("text"), str) or not isinstance(row.get("stop"), bool):
+            raise ConfigError(f"{path}: a row needs `text`, and `stop` true or false, such as {EXAMPLE}")
+    stops = [row["text"] for row in rows if row["stop"]]
+    others = [row["text"] for row in rows if not row["stop"]]
+    return Stopping(
+        len(stops), len(others),
+        tuple(text for text in stops if not stops_it(text)), tuple(text for text in others if stops_it(text)),
+    )  # fmt: skip
+
+
+def stops_it(text: str) -> bool:
+    """Whether a member's post stops the robot whose command moves in its thread: the one it mentions first, if any."""
+    named = next((name.lower() for name, _, _ in mention_spans(visible_text(text))), "quadruped")
+    robot = Account("1", named, AccountKind.ROBOT_AGENT)
+    ears = Ears(
+        robot, frozenset({named, "robot"}), ("robots",), _NOW - timedelta(days=1), _NOW, 120.0, {"thread"}, {"command"}
+    )
+    return perceive(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), ears).call in (Call.STOP, Call.HALT)
+
+
+def describe(found: Stopping) -> str:
+    """For people: both counts with their 95 % intervals, and every row that came out otherwise."""
+    lines = [
+        f"missed: {cell(len(found.missed), found.stops)} of {found.stops} that should stop",
+        f"false:  {cell(len(found.false), found.others)} of {found.others} that should not",
+    ]
+    return "\n".join([*lines, *_listed("missed", found.missed), *_listed("false", found.false)])
+
+
+def _listed(name: str, texts: Sequence[str]) -> list[str]:
+    return [f"  {name}: {text!r}" for text in texts]

@@ -1,0 +1,1 @@
+"""The embedded forum over HTTP."""

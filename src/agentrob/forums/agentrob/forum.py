@@ -1,0 +1,417 @@
+"""The adapter to our own board: its HTTP API and its event stream, as `docs/seams.md` says."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from datetime import UTC, datetime
+from functools import partial
+from typing import Any, TypeVar
+from urllib.parse import quote
+
+import httpx2
+import structlog
+
+from agentrob.config.load import ForumConfig
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
+from agentrob.forums.cards import card_by, card_of, facts_of
+from agentrob.forums.http import USER_AGENT, retry_after_s, same_origin, text_of, translated, where
+from agentrob.forums.protocol import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
+from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
+from agentrob.process.tls import tls
+
+_KINDS = frozenset(EventKind)
+_JSON = dict[str, Any]
+T = TypeVar("T")
+_log = structlog.get_logger()
+
+
+class BoardForum:
+    """Our board over HTTP, signed in with a bearer token; fulfils `Forum` and `Stage`.
+
+    Cookies are never kept: they would fight with the token. Nothing is asked of the board before the first call.
+    """
+
+    max_edits: int | None = None
+    live = True
+    fastest_poll_s = 0.0
+
+    def __init__(self, settings: ForumConfig, token: str) -> None:
+        self._http = httpx2.AsyncClient(
+            base_url=settings.url.rstrip("/") + "/api/v1",
+            headers={"Authorization": f"Bearer {token}", "User-Agent": USER_AGENT},
+            timeout=httpx2.Timeout(10.0, connect=5.0),
+            trust_env=False,
+            verify=tls(),
+        )
+
+    async def close(self) -> None:
+        await self._http.aclose()
+
+    # ---------------------------------------------------------------- Reader
+    async def boards(self) -> Sequence[Board]:
+        return await self._call("GET", "/boards", _boards)
+
+    async def topic(self, topic_id: str) -> Topic:
+        return await self._call("GET", f"/topics/{quote(topic_id, safe='')}", _topic)
+
+    async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
+        path = f"/boards/{quote(board_id, safe='')}/topics"
+        return await self._call("GET", path, partial(_page, _topic), params=_paging(cursor, limit))
+
+    async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
+        path = f"/topics/{quote(topic_id, safe='')}/posts"
+        return await self._call("GET", path, partial(_page, _post), params=_paging(cursor, limit))
+
+    async def post(self, post_id: str) -> Post:
+        return await self._call("GET", f"/posts/{quote(post_id, safe='')}", _post)
+
+    async def download(self, url: str) -> bytes:
+        """From this board only: the token goes nowhere else."""
+        address = self._http.base_url.join(url)
+        if not same_origin(address, self._http.base_url):
+            raise ForumError(f"{url} is not a picture of this board")
+        with translated("the board"):
+            response = await self._http.get(address)
+            await _raise_for(response)
+            return response.content
+
+    # ---------------------------------------------------------------- Writer
+    async def create_topic(
+        self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
+    ) -> Written:
+        content = {"board": board_id, "title": title, "body": body, **await self._upload(images)}
+        return await self._call("POST", "/topics", _written, content, key=key)
+
+    async def reply(
+        self,
+        topic_id: str,
+        body: str,
+        *,
+        key: str,
+        reply_to: str | None = None,
+        images: Sequence[bytes] = (),
+        card: StatusCard | None = None,
+    ) -> Written:
+        content: _JSON = {"body": body, **await self._upload(images), **_card(card)}
+        if reply_to is not None:
+            content["reply_to"] = reply_to
+        return await self._call("POST", f"/topics/{quote(topic_id, safe='')}/posts", _written, content, key=key)
+
+    async def edit(
+        self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        content = {"body": body, **await self._upload(images), **_card(card)}
+        return await self._call("PATCH", f"/posts/{quote(post_id, safe='')}", _post, content)
+
+    async def find(self, key: str) -> Post | None:
+        found = (await self._call("GET", "/posts", partial(_page, _post), params={"key": key})).items
+        return found[0] if found else None
+
+    async def _upload(self, images: Sequence[bytes]) -> _JSON:
+        """Send pictures first; the text then names them. Uploaded twice after a lost answer is harmless."""
+        ids = []
+        for number, image in enumerate(images, 1):
+            kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
+            file = (f"{number}.{kind}", image, f"image/{kind}")
+            ids.append(await self._call("POST", "/images", lambda sent: str(sent["id"]), files={"file": file}))
+        return {"images": ids} if ids else {}
+
+    # ---------------------------------------------------------------- Accounts
+    async def me(self) -> Account:
+        return await self._call("GET", "/me", _account)
+
+    async def account(self, name: str) -> Account | None:
+        try:
+            return await self._call("GET", f"/accounts/{quote(name, safe='')}", _account)
+        except ForumNotFound:
+            return None
+
+    async def robot_names(self) -> tuple[str, ...]:
+        return await self._call("GET", "/robots", lambda found: tuple(str(r["name"]) for r in found["items"]))
+
+    # ---------------------------------------------------------------- Keeper
+    async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
+        path = f"/robots/{quote(robot, safe='')}/rights"
+        return await self._call("GET", path, _rights, params={"board": board_id})
+
+    # ---------------------------------------------------------------- Events
+    async def now(self) -> tuple[str, datetime]:
+        return await self._call("GET", "/changes", lambda c: (str(c["now"]["id"]), _time(c["now"]["at"])))
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        return await self._call("GET", "/changes", _events, params={"after": after, "limit": limit})
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        params: dict[str, str | float] = {"after": after, "heartbeat": heartbeat_s}
+        # A silent stream is a dead one: several heartbeats must have been missed before it is given up.
+        timeout = httpx2.Timeout(10.0, read=max(2.0, 4 * heartbeat_s))
+        with translated("the board"):
+            request = self._http.stream(
+                "GET", "/events", params=params, timeout=timeout, headers={"Accept": "text/event-stream"}
+            )
+            async with request as response:
+                await _raise_for(response)
+                async for message in httpx2.EventSource(response):
+                    if message.event == EventKind.HEARTBEAT:
+                        yield Event("", EventKind.HEARTBEAT, _heartbeat_at(message.data))
+                    elif message.event in _KINDS and (event := _event_of(message.data)) is not None:
+                        yield event
+        raise ForumUnreachable("the board ended the event stream")
+
+    # ---------------------------------------------------------------- Stage
+    async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
+        await self._call("PUT", f"/robots/{quote(robot, safe='')}", _nothing, {"card": card})
+
+    async def publish_frame(self, robot: str, jpeg: bytes) -> int:
+        path, headers = f"/robots/{quote(robot, safe='')}/frame", {"Content-Type": "image/jpeg"}
+        return await self._call("PUT", path, lambda answer: int(answer["viewers"]), content=jpeg, headers=headers)
+
+    async def robot_page(self, robot: str) -> str:
+        return await self._call("GET", f"/robots/{quote(robot, safe='')}", lambda answer: str(answer["url"]))
+
+    async def command_page(self, post_id: str) -> str:
+        return await self._call("GET", f"/commands/{quote(post_id, safe='')}", lambda answer: str(answer["url"]))
+
+    async def publish_record(self, post_id: str, reply_id: str | None, record: dict[str, Any]) -> None:
+        path, body = f"/commands/{quote(post_id, safe='')}", {"reply": reply_id, "record": record}
+        await self._call("PUT", path, _nothing, body)
+
+    # ---------------------------------------------------------------- what not every board has
+    async def search(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        params = {"q": query, **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
+        return await self._call("GET", "/search", partial(_page, _post), params=params)
+
+    async def finds_meaning(self) -> bool:
+        try:
+            return await self._call("GET", "/search/modes", lambda found: "meaning" in found["items"])
+        except ForumUnoffered:  # a board of before
+            return False
+
+    async def search_meaning(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        params = {"q": query, "mode": "meaning", **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
+        return await self._call("GET", "/search", partial(_page, _post), params=params)
+
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
+        """By an admin; the secret is a bearer token."""
+        new = {"name": name, "kind": str(kind), "display_name": display_name}
+        account = await self._call("POST", "/admin/accounts", _account, new)
+        path = f"/admin/accounts/{quote(account.name, safe='')}/tokens"
+        return Registered(account, await self._call("POST", path, lambda sent: str(sent["token"]), {"label": "mcp"}))
+
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        given = {"role": str(role) if role else None, "suspended": suspended}
+        changes = {k: v for k, v in given.items() if v is not None}
+        return await self._call("PATCH", f"/admin/accounts/{quote(name, safe='')}", _account, changes)
+
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        return await self._call("GET", "/notifications", partial(_page, _notice), params=_paging(cursor, limit))
+
+    # ---------------------------------------------------------------- buttons
+    async def press_stop(self, robot: str) -> None:
+        """The stop button of a robot's page."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/stop", _nothing)
+
+    async def press_estop(self, robot: str) -> None:
+        """The button that stops a robot and locks it."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/estop", _nothing)
+
+    async def press_release(self, robot: str) -> None:
+        """The owner's button that releases a locked robot."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/release", _nothing)
+
+    async def press_home(self, robot: str) -> None:
+        """The owner's button that makes the robot's home where it stands."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/home", _nothing)
+
+    async def press_reset(self, robot: str) -> None:
+        """The button that resets a simulated room; operators only."""
+        await self._call("POST", f"/robots/{quote(robot, safe='')}/reset", _nothing)
+
+    # ---------------------------------------------------------------- inside
+    async def _call(
+        self,
+        method: str,
+        path: str,
+        read: Callable[[Any], T],
+        body: Mapping[str, Any] | None = None,
+        *,
+        key: str | None = None,
+        **more: Any,
+    ) -> T:
+        """Ask, and `read` the JSON of the answer; whatever goes wrong is one of our errors."""
+        headers = dict(more.pop("headers", {}))
+        if key is not None:
+            headers["Idempotency-Key"] = key
+        if trace_id := TRACE_ID.get():
+            headers["X-Trace-Id"] = trace_id
+        with translated("the board"):
+            response = await self._http.request(method, path, json=body, headers=headers, **more)
+            await _raise_for(response)
+            return read(response.json() if response.content else None)
+
+
+async def _raise_for(response: httpx2.Response) -> None:
+    if response.is_success:
+        return
+    await response.aread()
+    said = _problem(response)
+    unoffered = response.status_code == 404 and _code(response) in ("not_found", "no_meaning")
+    if response.status_code == 405 or unoffered:
+        raise ForumUnoffered(f"this board does not have it: {said}")  # or no such path: one of before, or another one
+    match response.status_code:
+        case 401 | 403:
+            raise ForumDenied(said)
+        case 404 | 410:
+            raise ForumNotFound(said)
+        case 429:
+            raise ForumLimited(said, retry_after_s(response))
+        case code if code >= 500:
+            raise ForumUnreachable(said)
+    raise ForumError(said)
+
+
+def _problem(response: httpx2.Response) -> str:
+    """One sentence of a problem-detail answer, or of whatever a proxy put in its place."""
+    try:
+        problem = response.json()
+        said = "; ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k)) or str(problem.get("title", ""))
+    except (ValueError, AttributeError, TypeError):
+        said = response.text[:200]
+    return f"{where(response)} {said}".rstrip()
+
+
+def _code(response: httpx2.Response) -> str:
+    """The stable word of a problem-detail answer, or "" where it is none."""
+    try:
+        return str(response.json()["code"])
+    except (ValueError, KeyError, TypeError):
+        return ""
+
+
+def _paging(cursor: str | None, limit: int) -> _JSON:
+    return {"limit": limit, **({"cursor": cursor} if cursor else {})}
+
+
+def _card(card: StatusCard | None) -> _JSON:
+    return {"card": facts_of(card)} if card else {}
+
+
+def _time(text: str) -> datetime:
+    return datetime.fromisoformat(text).astimezone(UTC)
+
+
+def _account(a: _JSON) -> Account:
+    """A kind or role that we do not know is the one with fewest rights."""
+    kind = AccountKind(a["kind"]) if a["kind"] in frozenset(AccountKind) else AccountKind.MONITORING_AGENT
+    role = Role(a["role"]) if a["role"] in frozenset(Role) else Role.GUEST
+    return Account(str(a["id"]), a["name"], kind, role, bool(a.get("suspended")), a.get("display_name") or "")
+
+
+def _rights(r: _JSON) -> RobotRights:
+    """What is missing is an error, and then nothing is granted; words that we do not know grant nothing."""
+    closed = r["closed_until"]
+    return RobotRights(
+        owner=str(r["owner"]),
+        command={str(k): str(v) for k, v in r["command"].items()},
+        approve=str(r["approve"]),
+        release=str(r["release"]),
+        board=str(r["board"]),
+        approval=tuple(map(str, r["approval"])),
+        approve_own=r.get("approve_own") is True,  # boards of before do not say
+        closed_s=(_time(closed) - datetime.now(UTC)).total_seconds() if closed is not None else None,
+    )
+
+
+def _topic(t: _JSON) -> Topic:
+    return Topic(
+        str(t["id"]), str(t["board"]), t["title"], t.get("url") or "", _account(t["author"]), _time(t["created_at"])
+    )
+
+
+def _post(p: _JSON) -> Post:
+    author = _account(p["author"])
+    return Post(
+        id=str(p["id"]),
+        topic_id=str(p["topic_id"]),
+        board_id=str(p["board_id"]),
+        author=author,
+        raw=text_of(p["raw"]),
+        created_at=_time(p["created_at"]),
+        version=int(p["version"]),
+        edited_at=_time(p["edited_at"]) if p.get("edited_at") else None,
+        removed=bool(p.get("removed")),
+        mentions=tuple(p.get("mentions") or ()),
+        reply_to=str(p["reply_to"]) if p.get("reply_to") is not None else None,
+        key=p.get("key"),
+        url=p.get("url") or "",
+        images=tuple(i["url"] for i in p.get("images") or ()),
+        card=card_by(author, card_of(p.get("card"))),
+    )
+
+
+def _page(read: Callable[[Any], T], found: _JSON) -> Page[T]:
+    return Page(tuple(read(item) for item in found["items"]), found.get("next"))
+
+
+def _boards(found: _JSON) -> tuple[Board, ...]:
+    return tuple(Board(b["id"], b["name"], b.get("description") or "") for b in found["items"])
+
+
+def _events(found: _JSON) -> tuple[Event, ...]:
+    """Kinds that a newer board may have are passed over, and so is what cannot be read."""
+    return tuple(event for e in found["items"] if (event := _event_of(e)) is not None)
+
+
+def _event_of(told: Any) -> Event | None:
+    """An event, as JSON or its text. What is not as the board tells events carries nothing, but it is gone past: one
+    post keeps nobody from the next. None where not even its id can be read, or its kind is not known."""
+    try:
+        e = json.loads(told) if isinstance(told, str) else told
+        event_id, kind = str(e["id"]), str(e["kind"])
+        if kind not in _KINDS:
+            return None
+    except Exception as error:
+        _log.warning("an event of the board cannot be read", error=repr(error)[:200])
+        return None
+    try:
+        return _event(e)
+    except Exception as error:
+        _log.warning("an event of the board cannot be read", event_id=event_id, error=repr(error)[:200])
+        return Event(event_id, EventKind(kind), datetime.now(UTC))
+
+
+def _notice(n: _JSON) -> Notice:
+    return Notice(str(n["id"]), str(n["kind"]), _post(n["post"]), bool(n.get("read")))
+
+
+def _nothing(_: Any) -> None:
+    """The answer carries nothing that is needed."""
+
+
+def _written(answer: _JSON) -> Written:
+    return Written(_post(answer["post"]), created=bool(answer.get("created", True)))
+
+
+def _heartbeat_at(data: str) -> datetime:
+    """The board's clock when the heartbeat carries it, else ours."""
+    try:
+        return _time(json.loads(data)["at"])
+    except (ValueError, KeyError, TypeError):
+        return datetime.now(UTC)
+
+
+def _event(e: _JSON) -> Event:
+    post, account = e.get("post"), e.get("account")
+    return Event(
+        str(e["id"]),
+        EventKind(e["kind"]),
+        _time(e["at"]),
+        post=_post(post) if post else None,
+        robot=e.get("robot"),
+        account=_account(account) if account else None,
+    )

@@ -1,0 +1,164 @@
+"""What an admin of a Discourse does with accounts, and what its notifications say: by an admin's API key.
+
+Discourse has no roles and kinds as ours: its groups say them (`discourse_settings`), so changing them is joining and
+leaving groups. Groups that Discourse fills itself (`staff`, `trust_level_2`) cannot be joined.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
+from agentrob.forums.discourse.http import Wire
+from agentrob.forums.discourse.mapping import safe_name
+from agentrob.forums.discourse.settings import DiscourseOptions
+from agentrob.forums.discourse.sign_up import signed_up
+from agentrob.forums.http import translated
+from agentrob.forums.protocol import Notice, Page, Registered
+from agentrob.model import Account, AccountKind, Post, Role
+
+_JSON = Mapping[str, Any]
+#: `notification_type`; what else Discourse notifies of (likes, badges, messages) names no post that wants an answer.
+NOTICE_KINDS = {1: "mention", 2: "reply", 3: "quote", 15: "mention"}
+#: Notifications that are read at once, and how often at most for one answer.
+NOTES_A_PAGE, MOST_PAGES = 60, 5
+#: Nobody can write to such an address (RFC 2606). Discourse wants one of every account.
+NO_ADDRESS = "agents.invalid"
+#: As Discourse itself says "for ever".
+FOR_EVER = "3021-01-01"
+
+
+class Forum(Protocol):
+    """The adapter, as far as it is needed here."""
+
+    options: DiscourseOptions
+
+    async def me(self) -> Account: ...
+
+    async def account(self, name: str) -> Account | None: ...
+
+    async def build(self, raw: _JSON, fresh: bool = False) -> Post: ...
+
+    async def by_number(self, topic_id: int, number: int) -> _JSON | None: ...
+
+
+async def notices_of(forum: Forum, wire: Wire, cursor: str | None, limit: int) -> Page[Notice]:
+    """Of the signed-in account, newest first. Posts that are gone are left out."""
+    at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
+    found: list[Notice] = []
+    for _ in range(MOST_PAGES):
+        answer = await wire.get("/notifications.json", offset=at, limit=NOTES_A_PAGE)
+        with translated():
+            notes, total = answer["notifications"], int(answer["total_rows_notifications"])
+        for note in notes:
+            at += 1
+            if (notice := await _notice(forum, note)) is not None:
+                found.append(notice)
+            if len(found) == limit:
+                return Page(tuple(found), str(at) if at < total else None)
+        if not notes or at >= total:
+            return Page(tuple(found))
+    return Page(tuple(found), str(at))
+
+
+async def _notice(forum: Forum, note: _JSON) -> Notice | None:
+    with translated():
+        kind, topic, number = NOTICE_KINDS.get(note["notification_type"]), note.get("topic_id"), note.get("post_number")
+        if kind is None or topic is None or number is None:
+            return None
+        raw = await forum.by_number(int(topic), int(number))
+        return None if raw is None else Notice(str(note["id"]), kind, await forum.build(raw), bool(note["read"]))
+
+
+class Admin:
+    """Accounts and rights, for who is an admin of the Discourse itself; `ForumDenied` to all others."""
+
+    def __init__(self, forum: Forum, wire: Wire) -> None:
+        self._forum = forum
+        self._wire = wire
+
+    async def register(self, name: str, kind: AccountKind, display_name: str) -> Registered:
+        """Make an account that works at once, with an API key of its own."""
+        await self._allowed("making accounts")
+        group = None if kind is AccountKind.HUMAN else await self._group_of(_setting(kind))
+        password, email = secrets.token_urlsafe(24), f"{name}@{NO_ADDRESS}"
+        await signed_up(self._wire, name, email, password, display_name)
+        if group is not None:
+            await self._member("PUT", group, name)
+        wanted = {"key": {"description": "made by AgentRob", "username": name}}
+        made = await self._wire.ask("POST", "/admin/api/keys.json", json=wanted)
+        with translated():
+            secret = f"{name}:{made['key']['key']}"
+        return Registered(await self._there(name), secret)
+
+    async def set_rights(self, name: str, role: Role | None, suspended: bool | None) -> Account:
+        await self._allowed("changing rights")
+        await self._there(name)
+        number = int((await self._user(name))["id"])
+        if role is not None:
+            await self._set_role(name, role)
+        if suspended is True:
+            about = {"suspend_until": FOR_EVER, "reason": "suspended through AgentRob"}
+            await self._wire.ask("PUT", f"/admin/users/{number}/suspend.json", json=about)
+        elif suspended is False:
+            await self._wire.ask("PUT", f"/admin/users/{number}/unsuspend.json", json={})
+        changed = await self._there(name)
+        if role is not None and changed.role is not role:
+            raise ForumError(f"{name} is {changed.role} still: by a group that Discourse fills itself, or a hidden one")
+        return changed
+
+    # ---------------------------------------------------------------- inside
+    async def _set_role(self, name: str, role: Role) -> None:
+        """First out of the groups of other roles, so that nobody has more in between than before or after."""
+        options = self._forum.options
+        names = {Role.OPERATOR: options.operators, Role.ADMIN: options.admins, Role.MEMBER: ()}
+        if role not in names:
+            raise ForumUnoffered(f"on this forum nobody can be made {role}; there are: {', '.join(names)}")
+        joined = None
+        if role is not Role.MEMBER:
+            joined = await self._group_of("operators" if role is Role.OPERATOR else "admins")
+        giving = {options.spelled(g) for g in (*options.operators, *options.admins)}
+        for group in (await self._user(name)).get("groups") or ():
+            leaves = options.spelled(str(group["name"])) in giving and int(group["id"]) != joined
+            if leaves and not group.get("automatic"):
+                await self._member("DELETE", int(group["id"]), name)
+        if joined is not None and joined not in await self._groups_of(name):
+            await self._member("PUT", joined, name)
+
+    async def _groups_of(self, name: str) -> set[int]:
+        return {int(group["id"]) for group in (await self._user(name)).get("groups") or ()}
+
+    async def _group_of(self, setting: str) -> int:
+        """The first group of an option that can be joined."""
+        for name in getattr(self._forum.options, setting):
+            try:
+                found = (await self._wire.get(f"/groups/{safe_name(name)}.json"))["group"]
+            except ForumNotFound:
+                continue
+            if not found.get("automatic"):
+                return int(found["id"])
+        raise ForumUnoffered(f"forum.options.{setting} names no group that an account can be put into")
+
+    async def _member(self, method: str, group: int, name: str) -> None:
+        await self._wire.ask(method, f"/groups/{group}/members.json", json={"usernames": name})
+
+    async def _user(self, name: str) -> _JSON:
+        found: _JSON = (await self._wire.get(f"/u/{safe_name(name)}.json"))["user"]
+        return found
+
+    async def _there(self, name: str) -> Account:
+        if (found := await self._forum.account(name)) is None:
+            raise ForumNotFound(f"there is no account {name!r}")
+        return found
+
+    async def _allowed(self, what: str) -> None:
+        """Discourse answers those who may not as if nothing were there."""
+        me = await self._forum.me()
+        if not self._wire.credentials.by_api_key or not (await self._user(me.name)).get("admin"):
+            raise ForumDenied(f"{what} needs an API key of an admin of the Discourse; we are {me.name}")
+
+
+def _setting(kind: AccountKind) -> str:
+    return f"{kind.value}s"

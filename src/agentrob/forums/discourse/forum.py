@@ -1,0 +1,383 @@
+"""The adapter to Discourse: its JSON API by key or session, its message bus for what happens.
+
+What Discourse lacks is put together here: one post per key (marks in the posts, `discourse_marks`), a list of changes
+(`discourse_events`), accounts' kinds and roles (by groups, `discourse_settings`). `docs/discourse.md` says what an
+admin does for it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import AsyncIterator, Mapping, Sequence
+from contextlib import suppress
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from agentrob.config.load import ForumConfig
+from agentrob.errors import ForumDenied, ForumError, ForumMalformed, ForumNotFound, ForumUnreachable
+from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
+from agentrob.forums.cards import card_by
+from agentrob.forums.discourse import settings as settings_of
+from agentrob.forums.discourse.admin import Admin, notices_of
+from agentrob.forums.discourse.events import Watch, removed
+from agentrob.forums.discourse.http import Wire
+from agentrob.forums.discourse.mapping import Versions, boards_of, number_of, safe_name, stranger_of, time_of
+from agentrob.forums.discourse.markers import seen_in, unmark
+from agentrob.forums.discourse.message_bus import listen
+from agentrob.forums.discourse.search import find_posts
+from agentrob.forums.discourse.settings import Credentials, DiscourseOptions
+from agentrob.forums.discourse.sign_up import signed_up
+from agentrob.forums.discourse.writer import Desk
+from agentrob.forums.http import text_of, translated
+from agentrob.forums.protocol import Board, Event, Notice, Page, Registered, Topic, Written
+from agentrob.language.rendered_text import rendering_differs
+from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+
+#: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.
+REMEMBERED_S = 60.0
+#: Topics of a page of `/c/{slug}/{id}.json`.
+TOPICS_A_PAGE = 30
+_KEPT = 2_000
+_JSON = Mapping[str, Any]
+
+
+class DiscourseForum:
+    """A Discourse, signed in as one account; fulfils `Forum`. Nothing is asked of it before the first call.
+
+    `live` says whether posts come by push, which the number of requests that the key may make decides;
+    otherwise `changes` may be asked every `fastest_poll_s`.
+    """
+
+    max_edits: int | None = None
+
+    def __init__(self, settings: ForumConfig, token: str) -> None:
+        self.options = DiscourseOptions.of(settings.options)
+        self._wire = Wire(settings.url, Credentials.of(token))
+        self._set_pace()
+        self._remembered = BoundedDict[str, tuple[float, Account]](MOST_KNOWN)
+        self._numbers = BoundedDict[tuple[int, int], str](_KEPT)
+        self._places = BoundedDict[str, int](_KEPT)
+        self._versions = Versions()
+        self._boards: dict[int, Board] = {}
+        self._topic_boards = BoundedDict[int, int](_KEPT)
+        self._me: Account | None = None
+        self._watch = Watch(self)
+        self._desk = Desk(self, self._wire, self.options)
+
+    def _set_pace(self) -> None:
+        user_key = "User-Api-Key" in self._wire.credentials.headers
+        usual = settings_of.USER_KEY_REQUESTS_PER_MINUTE if user_key else settings_of.DEFAULT_REQUESTS_PER_MINUTE
+        may = self.options.requests_per_minute or usual
+        self.live = self.options.push and may >= settings_of.LIVE_REQUESTS_PER_MINUTE
+        # Half of what may be asked is for listening, the other half for reading and writing.
+        self.fastest_poll_s = 120.0 / may
+
+    async def close(self) -> None:
+        await self._wire.close()
+
+    # ---------------------------------------------------------------- Reader
+    async def boards(self) -> Sequence[Board]:
+        found = await self._wire.get("/categories.json", include_subcategories="true")
+        with translated():
+            self._boards = dict(boards_of(found["category_list"]["categories"]))
+            return tuple(self._boards.values())
+
+    async def topic(self, topic_id: str) -> Topic:
+        t = await self._wire.get(f"/t/{number_of(topic_id, 'topic')}.json")
+        with translated():
+            author = await self._known(t["details"]["created_by"]["username"])
+            return self._as_topic(t, await self._board_id(int(t["category_id"])), author)
+
+    async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
+        """Latest activity first. Authors have the rights that are remembered of them, or none."""
+        number, path = await self.category(board_id)
+        start = int(cursor) if cursor and cursor.isdigit() else 0
+        page, skip = divmod(start, TOPICS_A_PAGE)
+        found = await self._wire.get(f"/c/{path}/{number}.json", page=page)
+        with translated():
+            users = {u["id"]: u["username"] for u in found.get("users") or ()}
+            topics = [t for t in found["topic_list"]["topics"] if int(t["category_id"]) == number]
+            shown = topics[skip : skip + limit]
+            more = len(topics) > skip + limit or len(found["topic_list"]["topics"]) >= TOPICS_A_PAGE
+            items = tuple(self._as_topic(t, board_id, self._poster(t, users)) for t in shown)
+            return Page(items, str(start + len(shown)) if more and shown else None)
+
+    async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
+        number = number_of(topic_id, "topic")
+        stream = [int(n) for n in (await self.topic_json(number))["post_stream"]["stream"]]
+        after = int(cursor) if cursor and cursor.isdigit() else 0
+        wanted = [n for n in stream if n > after]
+        raws = await self.raw_posts(number, wanted[:limit])
+        items = []
+        for n in wanted[:limit]:
+            with suppress(ForumMalformed):  # one that cannot be read hides no other
+                items += [await self.build(raws[n])] if n in raws else []
+        return Page(tuple(items), str(wanted[limit - 1]) if len(wanted) > limit else None)
+
+    async def post(self, post_id: str) -> Post:
+        number = number_of(post_id, "post")
+        raw = await self.one(number)
+        if raw is not None:
+            return await self.build(raw, fresh=True)
+        if (known := self._watch.last_known(number)) is None:
+            raise ForumNotFound(f"there is no post {post_id}")
+        author = await self.account(known.author.name) or known.author
+        return Post(known.id, known.topic_id, known.board_id, author, "", known.created_at, known.version, removed=True)
+
+    async def search(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        """Posts that have all words of the query, newest first."""
+        return await find_posts(self, self._wire, query, board_id, cursor, limit)
+
+    async def download(self, url: str) -> bytes:
+        return await self._wire.bytes(url)
+
+    # ---------------------------------------------------------------- Writer
+    async def create_topic(
+        self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
+    ) -> Written:
+        return await self._desk.create_topic(board_id, title, body, key, images)
+
+    async def reply(
+        self,
+        topic_id: str,
+        body: str,
+        *,
+        key: str,
+        reply_to: str | None = None,
+        images: Sequence[bytes] = (),
+        card: StatusCard | None = None,
+    ) -> Written:
+        return await self._desk.reply(number_of(topic_id, "topic"), body, key, reply_to, images, card)
+
+    async def edit(
+        self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        return await self._desk.edit(number_of(post_id, "post"), body, images, card)
+
+    async def find(self, key: str) -> Post | None:
+        return await self._desk.find(key)
+
+    # ---------------------------------------------------------------- Accounts
+    async def me(self) -> Account:
+        name = self._wire.credentials.name
+        if not name:
+            name = (await self._wire.get("/session/current.json"))["current_user"]["username"]
+        me = await self.account(name)
+        if me is None:
+            raise ForumDenied(f"the forum has no account {name}")
+        self._me = me
+        return me
+
+    async def account(self, name: str) -> Account | None:
+        try:
+            found = await self._wire.get(f"/u/{safe_name(name)}.json")
+        except ForumNotFound:
+            return None
+        with translated():
+            account = settings_of.account(found["user"], self.options)
+        self._remembered[account.name] = (time.monotonic(), account)
+        return account
+
+    async def switch(self, name: str) -> Account:
+        """From now on act as this account; needs an API key for all users. `ForumDenied`: it is as before."""
+        before = self._wire.credentials
+        if "Api-Key" not in before.headers:
+            raise ForumDenied("only an API key for all users can act as another account")
+        self._wire.credentials = before.named(name)
+        try:
+            me = await self.me()
+        except ForumError:
+            self._wire.credentials = before
+            raise
+        self._desk = Desk(self, self._wire, self.options)
+        self._watch = Watch(self)
+        return me
+
+    async def create_account(self, name: str, email: str, password: str, display_name: str = "") -> Account | None:
+        """Make an account: with an admin's API key at once, otherwise as visitors do; None when it must first be
+        confirmed by e-mail or approved."""
+        if not await signed_up(self._wire, name, email, password, display_name):
+            return None
+        return await self.account(name)
+
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
+        return await Admin(self, self._wire).register(name, kind, display_name)
+
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        return await Admin(self, self._wire).set_rights(name, role, suspended)
+
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        return await notices_of(self, self._wire, cursor, limit)
+
+    # ---------------------------------------------------------------- Events
+    async def now(self) -> tuple[str, datetime]:
+        return await self._watch.now()
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        return await self._watch.changes(after, limit)
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        if not self.live:
+            raise ForumUnreachable("this key may not ask often enough for push; poll changes()")
+        async for event in listen(self._watch, self._wire, after, heartbeat_s):
+            yield event
+
+    async def mentions(self, limit: int = 30) -> tuple[Post, ...]:
+        """Posts that mention this account, newest first, by its notifications."""
+        return tuple(n.post for n in (await self.notices(limit=limit)).items if n.kind == "mention")
+
+    # ---------------------------------------------------------------- what the other parts need
+    async def newest(self, before: int | None) -> Sequence[_JSON]:
+        found = await self._wire.get("/posts.json", **({"before": before} if before else {}))
+        with translated():
+            posts: list[_JSON] = found["latest_posts"]
+            return sorted(posts, key=lambda p: -int(p["id"]))
+
+    async def one(self, post_id: int) -> _JSON | None:
+        try:
+            raw: _JSON = await self._wire.get(f"/posts/{post_id}.json")
+        except ForumNotFound:
+            return None
+        except ForumDenied:
+            await self.me()  # is it the post, or are we nobody any more?
+            return None
+        return raw
+
+    def clock(self) -> datetime:
+        if self._wire.told_at is None:
+            return datetime.now(UTC)
+        said, then_s = self._wire.told_at
+        return said + timedelta(seconds=time.monotonic() - then_s)
+
+    async def myself(self) -> Account:
+        return self._me or await self.me()
+
+    async def topic_json(self, topic_id: int, **query: Any) -> _JSON:
+        found: _JSON = await self._wire.get(f"/t/{topic_id}.json", **query)
+        with translated():
+            self._topic_boards[topic_id] = int(found["category_id"])
+        return found
+
+    async def number_of(self, post_id: str) -> int | None:
+        """A post's place in its topic."""
+        if post_id not in self._places:
+            raw = await self.one(number_of(post_id, "post"))
+            if raw is None:
+                return None
+            self._remember(int(raw["topic_id"]), int(raw["post_number"]), post_id)
+        return self._places[post_id]
+
+    async def by_number(self, topic_id: int, number: int) -> _JSON | None:
+        try:
+            raw: _JSON = await self._wire.get(f"/posts/by_number/{topic_id}/{number}.json")
+        except (ForumNotFound, ForumDenied):
+            return None
+        return raw
+
+    async def raw_posts(self, topic_id: int, post_ids: Sequence[int]) -> dict[int, _JSON]:
+        """Posts of a topic with their raw text, fifty a request."""
+        found: dict[int, _JSON] = {}
+        for start in range(0, len(post_ids), 50):
+            query = {"post_ids[]": list(post_ids[start : start + 50]), "include_raw": "true"}
+            answer = await self._wire.get(f"/t/{topic_id}/posts.json", **query)
+            with translated():
+                found |= {int(p["id"]): p for p in answer["post_stream"]["posts"]}
+        for post_id in [n for n, raw in found.items() if "raw" not in raw]:  # an old Discourse
+            if (raw := await self.one(post_id)) is not None:
+                found[post_id] = raw
+        return found
+
+    async def category(self, board_id: str) -> tuple[int, str]:
+        """A category's number and path of slugs."""
+        for attempt in (1, 2):
+            for number, board in self._boards.items():
+                if board.id == board_id:
+                    return number, board_id
+            if attempt == 1:
+                await self.boards()
+        raise ForumNotFound(
+            f"there is no board {board_id!r}; there are: {', '.join(b.id for b in self._boards.values())}"
+        )
+
+    async def build(self, raw: _JSON, fresh: bool = False) -> Post:
+        """A post of ours from one of theirs; `fresh`: with its author's rights of this moment."""
+        with translated():
+            name, number, post_id = str(raw["username"]), int(raw["topic_id"]), int(raw["id"])
+            author = (await self.account(name) if fresh else await self._known(name)) or stranger_of(raw)
+            self._remember(number, int(raw["post_number"]), str(post_id))
+            created_at, version, gone = time_of(raw["created_at"]), self._versions.of(raw), removed(raw)
+            me = await self.myself()
+            cooked, robots = str(raw["cooked"]), author.kind is AccountKind.ROBOT_AGENT
+            ours = author.id == me.id or robots
+            marked, (mentioned, pictures) = unmark(text_of(raw["raw"]), ours), seen_in(cooked)
+            return Post(
+                id=str(post_id),
+                topic_id=str(number),
+                board_id=await self._board_of(raw, fresh),
+                author=author,
+                raw="" if gone else marked.text,
+                created_at=created_at,
+                version=version,
+                edited_at=time_of(raw["updated_at"]) if version > 1 else None,
+                removed=gone,
+                mentions=() if gone else mentioned,
+                reply_to=await self._answered(number, raw.get("reply_to_post_number")),
+                key=self._desk.own_key(marked.key) if author.id == me.id else None,
+                url=str(self._wire.base.join(f"/t/{raw.get('topic_slug') or '-'}/{number}/{raw['post_number']}")),
+                images=() if gone else tuple(str(self._wire.base.join(p)) for p in pictures),
+                card=None if gone else card_by(author, marked.card),
+                rendering_differs=not gone and not robots and rendering_differs(marked.text, cooked),
+            )
+
+    # ---------------------------------------------------------------- inside
+    async def _known(self, name: str) -> Account:
+        """An account, remembered for a while; an account that is gone has no rights."""
+        at_s, account = self._remembered.get(name.lower(), (-REMEMBERED_S, None))
+        if account is None or time.monotonic() - at_s > REMEMBERED_S:
+            account = await self.account(name)
+        return account or Account("0", name.lower(), AccountKind.MONITORING_AGENT)
+
+    def _poster(self, t: _JSON, users: Mapping[Any, str]) -> Account:
+        """The first poster of a list is who began the topic."""
+        number = next((p["user_id"] for p in t.get("posters") or ()), 0)
+        name = users.get(number, "").lower()
+        remembered = self._remembered.get(name)
+        return remembered[1] if remembered else Account(str(number), name)
+
+    async def _board_of(self, raw: _JSON, fresh: bool = False) -> str:
+        """Where its topic is; `fresh`: now, since a moderator may have moved it."""
+        number = int(raw["topic_id"])
+        if fresh:
+            self._topic_boards.pop(number, None)
+        if "category_id" in raw:
+            self._topic_boards[number] = int(raw["category_id"])
+        if number not in self._topic_boards:
+            await self.topic_json(number)
+        return await self._board_id(self._topic_boards[number])
+
+    async def _board_id(self, category: int) -> str:
+        if category not in self._boards:
+            await self.boards()
+        board = self._boards.get(category)
+        return board.id if board else str(category)
+
+    def _remember(self, topic_id: int, number: int, post_id: str) -> None:
+        self._numbers[topic_id, number] = post_id
+        self._places[post_id] = number
+
+    async def _answered(self, topic_id: int, number: int | None) -> str | None:
+        """The post that a reply answers: Discourse says its place in the topic."""
+        if number is None:
+            return None
+        if (topic_id, int(number)) not in self._numbers:
+            raw = await self.by_number(topic_id, int(number))
+            if raw is None:
+                return None
+            self._remember(topic_id, int(number), str(raw["id"]))
+        return self._numbers[topic_id, int(number)]
+
+    def _as_topic(self, t: _JSON, board_id: str, author: Account) -> Topic:
+        url = str(self._wire.base.join(f"/t/{t['slug']}/{t['id']}"))
+        return Topic(str(t["id"]), board_id, t["title"], url, author, time_of(t["created_at"]))

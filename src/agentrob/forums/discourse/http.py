@@ -1,0 +1,200 @@
+"""HTTP to a Discourse: keys or a session with its CSRF token, every answer either JSON or one of our errors."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager, suppress
+from datetime import UTC, datetime
+from http.cookiejar import DefaultCookiePolicy
+from typing import Any
+
+import httpx2
+
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.forums.discourse.settings import Credentials
+from agentrob.forums.http import USER_AGENT, asked_wait_s, bounded_s, same_origin, told_time, translated, where
+from agentrob.process.tls import tls
+
+#: A limit that lasts longer (edits of a day, posts of a first day) is not waited for.
+LONGEST_WAIT_S = 600.0
+Json = Any
+
+
+class Refused(ForumError):
+    """Discourse understood and refused what was written (422): too short, too similar, closed."""
+
+
+class Wire:
+    """One signed-in client. After a 429 it holds back what would only be refused again, reading apart from writing."""
+
+    def __init__(self, url: str, credentials: Credentials) -> None:
+        self.credentials = credentials
+        #: The forum's clock, as it said last, and our own then.
+        self.told_at: tuple[datetime, float] | None = None
+        self._held: dict[str, float] = {}
+        self._csrf = ""
+        self._signing_in = asyncio.Lock()
+        self._http = httpx2.AsyncClient(
+            base_url=url.rstrip("/"),
+            headers={"User-Agent": USER_AGENT, "Accept": "application/json"},
+            timeout=httpx2.Timeout(15.0, connect=5.0),
+            trust_env=False,
+            verify=tls(),
+        )
+        if not credentials.by_session:
+            # A cookie that came with a key would sign us in a second time, as somebody else after a switch.
+            self._http.cookies.jar.set_policy(DefaultCookiePolicy(allowed_domains=[]))
+
+    @property
+    def base(self) -> httpx2.URL:
+        return self._http.base_url
+
+    async def close(self) -> None:
+        await self._http.aclose()
+
+    async def get(self, path: str, **query: Any) -> Json:
+        return await self.ask("GET", path, params=query)
+
+    async def ask(self, method: str, path: str, **more: Any) -> Json:
+        """The JSON of the answer, None of an empty one."""
+        with translated():
+            response = await self.send(method, path, **more)
+            return response.json() if response.content.strip() else None
+
+    async def location(self, path: str) -> str:
+        """Where an address leads to (a redirect is the answer)."""
+        with translated():
+            return str((await self.send("GET", path)).headers.get("location", ""))
+
+    async def bytes(self, url: str) -> bytes:
+        """A file of this forum: the key goes nowhere else."""
+        with translated():
+            address = self.base.join(url)
+            if not same_origin(address, self.base):
+                raise ForumError(f"{url} is not a picture of this forum")
+            response = await self.send("GET", str(address))
+            if response.has_redirect_location:  # to where it keeps its files; there without the key
+                async with httpx2.AsyncClient(trust_env=False, timeout=15.0, verify=tls()) as elsewhere:
+                    response = await elsewhere.get(address.join(response.headers["location"]))
+                await _raise_for(response)
+            return response.content
+
+    @asynccontextmanager
+    async def stream(self, path: str, body: Mapping[str, Any]) -> AsyncIterator[AsyncIterator[str]]:
+        """An answer that comes in pieces, while it comes."""
+        timeout = httpx2.Timeout(10.0, read=40.0)
+        with translated():
+            headers = {**self.credentials.headers, "Accept": "*/*"}
+            async with self._http.stream("POST", path, json=body, headers=headers, timeout=timeout) as response:
+                await _raise_for(response)
+                yield response.aiter_text()
+
+    # ---------------------------------------------------------------- inside
+    async def send(self, method: str, path: str, **more: Any) -> httpx2.Response:
+        """One request; a session that ended is begun anew, once, without anybody noticing."""
+        kind = _kind(method, path)
+        self._hold_back(kind)
+        for attempt in (1, 2):
+            stale = self._csrf
+            headers = dict(self.credentials.headers)
+            if self.credentials.by_session:
+                headers |= {"X-CSRF-Token": await self._signed_in(), "X-Requested-With": "XMLHttpRequest"}
+                stale = self._csrf
+            response = await self._http.request(method, path, headers=headers, **more)
+            self._note_clock(response)
+            if attempt == 1 and response.status_code == 403 and self.credentials.by_session:
+                self._csrf = "" if self._csrf == stale else self._csrf
+                continue
+            try:
+                await _raise_for(response)
+            except ForumLimited as e:
+                self._note_limit(kind, response, e.retry_after_s)
+                raise
+            return response
+        raise AssertionError("unreachable")
+
+    async def _signed_in(self) -> str:
+        """The CSRF token of a session that is signed in; the session is begun when there is none."""
+        async with self._signing_in:
+            if self._csrf:
+                return self._csrf
+            self._http.cookies.clear()
+            csrf = await self._fresh_csrf()
+            response = await self._http.post(
+                "/session.json",
+                json={"login": self.credentials.name, "password": self.credentials.password},
+                headers={"X-CSRF-Token": csrf, "X-Requested-With": "XMLHttpRequest"},
+            )
+            await _raise_for(response)
+            if error := response.json().get("error"):  # a wrong password is answered with 200
+                raise ForumDenied(f"{self.credentials.name} is not signed in: {error}")
+            self._csrf = await self._fresh_csrf()
+            return self._csrf
+
+    async def _fresh_csrf(self) -> str:
+        response = await self._http.get("/session/csrf.json", headers={"X-Requested-With": "XMLHttpRequest"})
+        await _raise_for(response)
+        return str(response.json()["csrf"])
+
+    def _hold_back(self, kind: str) -> None:
+        for held in ("all", kind):
+            if (left_s := self._held.get(held, 0.0) - time.monotonic()) > 0:
+                raise ForumLimited(f"the forum wants no more for {left_s:.1f} s", left_s)
+
+    def _note_limit(self, kind: str, response: httpx2.Response, wait_s: float) -> None:
+        """What holds for reading, or is told in plain text, is the limit of the address or key: it bounds everything.
+        A post that came too early makes nobody deaf."""
+        plain = "json" not in response.headers.get("content-type", "")
+        whole = kind == "read" or (plain and kind != "bus")
+        if wait_s <= LONGEST_WAIT_S:
+            self._held["all" if whole else kind] = time.monotonic() + wait_s
+
+    def _note_clock(self, response: httpx2.Response) -> None:
+        self.told_at = (told_time(response) or datetime.now(UTC), time.monotonic())
+
+
+def _kind(method: str, path: str) -> str:
+    if path.startswith("/message-bus/"):
+        return "bus"
+    return {"GET": "read", "POST": "post"}.get(method, "change")
+
+
+async def _raise_for(response: httpx2.Response) -> None:
+    if response.status_code < 400:
+        return
+    await response.aread()
+    said = _told(response)
+    match response.status_code:
+        case 401 | 403:
+            raise ForumDenied(said)
+        case 404 | 410:
+            raise ForumNotFound(said)
+        case 422 | 409:
+            raise Refused(said)
+        case 429:
+            wait_s = _wait_s(response)
+            if wait_s > LONGEST_WAIT_S and response.request.method == "PUT":
+                raise ForumDenied(f"{said} (no more edits for {wait_s:.0f} s)")
+            raise ForumLimited(said, wait_s)
+        case code if code >= 500:
+            raise ForumUnreachable(said)
+    raise ForumError(said)
+
+
+def _told(response: httpx2.Response) -> str:
+    """One sentence of Discourse's `errors`, or of the plain text that its limits answer with."""
+    try:
+        said = " ".join(map(str, response.json()["errors"]))
+    except (ValueError, KeyError, TypeError):
+        said = " ".join(response.text[:200].split())
+    return f"{where(response)} {said}".rstrip()
+
+
+def _wait_s(response: httpx2.Response) -> float:
+    """`Retry-After`, or `extras.wait_seconds` of the body, whichever is longer; never nothing."""
+    waits = [asked_wait_s(response) or 0.0]
+    with suppress(ValueError, KeyError, TypeError, OverflowError):
+        waits.append(bounded_s(float(response.json()["extras"]["wait_seconds"])))
+    return max(waits) or 1.0

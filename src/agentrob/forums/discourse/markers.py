@@ -1,0 +1,91 @@
+"""What we write into a Discourse post besides its text, and how it is taken out again: key, card, pictures (pure).
+
+Discourse has no idempotency keys and no cards, so both travel at the end of the raw text, in an empty element that
+readers never see. It is no HTML comment: Discourse does not count those towards the least length of a post
+(`StrippedLengthValidator`), and a robot says short things. It also makes each text unlike every other, so that
+Discourse neither refuses it as too similar nor answers with an older post of the same words. A mark proves nothing:
+whoever reads it asks whose post it is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+from html.parser import HTMLParser
+from urllib.parse import unquote
+
+from agentrob.forums.markers import CODE, Marked, coded, taken_apart
+
+__all__ = ["Marked", "external_id", "mark", "picture", "seen_in", "unmark"]
+
+_MARK = re.compile(rf'<div data-agentrob="{CODE}"></div>\s*\Z')
+_PICTURE = re.compile(r"(!\[[^\[\]\n]*\]\(upload://[A-Za-z0-9_.-]+\))")
+
+
+def mark(marked: Marked) -> str:
+    """The raw text that `unmark` takes apart; pictures are Markdown lines, as `picture` makes them."""
+    return "\n\n".join((marked.text.rstrip(), *marked.pictures, f'<div data-agentrob="{coded(marked)}"></div>'))
+
+
+def unmark(raw: str, ours: bool = True) -> Marked:
+    """Of a text without a mark, or with one that is not ours, everything is text. `ours`: the post is by this account
+    or by a robot; else the mark is cut off unread."""
+    return taken_apart(raw, _MARK, _PICTURE, ours)
+
+
+def picture(short_url: str, number: int) -> str:
+    """The line that shows an uploaded picture."""
+    return f"![{number}]({short_url})"
+
+
+def external_id(account_id: str, key: str) -> str:
+    """A topic's `external_id`, at most 50 of `[A-Za-z0-9_-]`: one for each account and key."""
+    return "agentrob-" + hashlib.sha256(f"{account_id}\0{key}".encode()).hexdigest()[:40]
+
+
+# ---------------------------------------------------------------- what the forum made of the text
+class _Cooked(HTMLParser):
+    """Collects mentions that the forum resolved, and pictures that were uploaded."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.mentions: list[str] = []
+        self.pictures: list[str] = []
+        self._quoted = 0
+        self._boxed = False
+
+    def handle_starttag(self, tag: str, attrs: Sequence[tuple[str, str | None]]) -> None:
+        has = {k: v or "" for k, v in attrs}
+        classes = has.get("class", "").split()
+        if tag == "aside" and (self._quoted or "quote" in classes):
+            self._quoted += 1
+        if self._quoted:
+            return
+        if tag == "a":
+            self._boxed = "lightbox" in classes
+            if "mention" in classes:
+                self.mentions.append(unquote(has.get("href", "").rstrip("/").rpartition("/")[2]).lower())
+            elif self._boxed:
+                self._add(has.get("href", ""))
+        elif tag == "img" and not self._boxed and not {"emoji", "avatar"} & set(classes):
+            self._add(has.get("src", ""))
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == "aside" and self._quoted:
+            self._quoted -= 1
+        elif tag == "a":
+            self._boxed = False
+
+    def _add(self, url: str) -> None:
+        if "/uploads/" in url:
+            self.pictures.append(url)
+
+
+def seen_in(cooked: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names that are mentioned (lower case) and addresses of pictures, of a post's HTML; quotes are passed over."""
+    reader = _Cooked()
+    with suppress(Exception):  # the parser fails on some malformed declarations; what it found before counts
+        reader.feed(cooked)
+    return tuple(dict.fromkeys(n for n in reader.mentions if n)), tuple(reader.pictures)

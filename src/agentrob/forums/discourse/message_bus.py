@@ -1,0 +1,140 @@
+"""Discourse's message bus: a held request that brings messages within milliseconds, and short ones that prove it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Iterable
+from typing import Any
+from uuid import uuid4
+
+from agentrob.forums.discourse.events import Watch
+from agentrob.forums.discourse.http import Wire
+from agentrob.forums.protocol import Event
+
+_LATEST = "/latest"
+_BETWEEN = "\r\n|\r\n"
+_AT_ONCE = 100
+
+
+class Bus:
+    """Where we are in each channel, and whether something came. What came is only a reason to look."""
+
+    def __init__(self, wire: Wire) -> None:
+        self.rang = asyncio.Event()
+        self._wire = wire
+        self._client = uuid4().hex
+        self._places: dict[str, int] = {_LATEST: -1}
+        self._hints: set[int] = set()
+        self._number = 0
+
+    def listen_to(self, topics: Iterable[str]) -> bool:
+        """Hear these threads too (edits and deletions are told there only); whether any is new."""
+        new = {f"/topic/{t}": -1 for t in topics if f"/topic/{t}" not in self._places}
+        self._places |= new
+        for channel in [c for c in self._places if c != _LATEST][: max(0, len(self._places) - 101)]:
+            del self._places[channel]
+        return bool(new)
+
+    def hints(self) -> set[int]:
+        """Posts of which something was said since they were asked for last."""
+        hints, self._hints = self._hints, set()
+        return hints
+
+    async def probe(self) -> None:
+        """Ask for what is there, without waiting (`dlp=t`); the answer proves that the channel is alive."""
+        self._take(await self._wire.ask("POST", f"{self._path}?dlp=t", json=self._asked()))
+
+    async def hold(self) -> None:
+        """Hold a request open and take what comes, for ever; where requests are not held, wait."""
+        while True:
+            loop = asyncio.get_running_loop()
+            began = loop.time()
+            async with self._wire.stream(self._path, self._asked()) as pieces:
+                rest = ""
+                async for piece in pieces:
+                    *whole, rest = (rest + piece).split(_BETWEEN)
+                    for chunk in whole:
+                        self._take(json.loads(chunk.replace("\r\n||\r\n", _BETWEEN)))
+                if rest.strip():  # one that is not in pieces
+                    self._take(json.loads(rest))
+            if loop.time() - began < 1.0:
+                await asyncio.sleep(1.0)
+
+    @property
+    def _path(self) -> str:
+        return f"/message-bus/{self._client}/poll"
+
+    def _asked(self) -> dict[str, int]:
+        self._number += 1
+        return {**self._places, "__seq": self._number}
+
+    def _take(self, messages: list[dict[str, Any]]) -> None:
+        for message in messages:
+            channel, data = message["channel"], message["data"]
+            if channel == "/__status":
+                known = {c: int(n) for c, n in data.items() if c in self._places}
+                # Moved on past messages that are not for us: perhaps since our key is refused, which is not said here.
+                if any(0 <= self._places[c] < n for c, n in known.items()):
+                    self.rang.set()
+                self._places |= known
+                continue
+            if channel not in self._places or int(message["message_id"]) <= self._places[channel]:
+                continue
+            self._places[channel] = int(message["message_id"])
+            if channel != _LATEST and isinstance(data, dict) and isinstance(data.get("id"), int):
+                self._hints.add(data["id"])
+            self.rang.set()
+
+
+async def listen(watch: Watch, wire: Wire, after: str, beat_s: float) -> AsyncIterator[Event]:
+    """Events as they happen, and a heartbeat whenever the channel was proven alive and nothing came."""
+    bus = Bus(wire)
+    await watch.changes(after, 1)
+    bus.listen_to(watch.topics())
+    await bus.probe()
+    held = asyncio.create_task(bus.hold())
+    try:
+        while True:
+            bus.rang.clear()
+            events = await watch.changes(after, _AT_ONCE, bus.hints())
+            for event in events:
+                after = event.id
+                yield event
+            if bus.listen_to(watch.topics()):  # what happened there before it was heard is looked for once more
+                await bus.probe()
+                held = await _anew(held, bus)
+                continue
+            if not events:
+                yield watch.heartbeat()
+            while len(events) < _AT_ONCE and not await _within(bus.rang, beat_s):
+                if held.done():
+                    held.result()
+                await bus.probe()
+                if not bus.rang.is_set():
+                    yield watch.heartbeat()
+    finally:
+        await _end(held)
+
+
+async def _anew(held: asyncio.Task[None], bus: Bus) -> asyncio.Task[None]:
+    if held.done():
+        held.result()
+    await _end(held)
+    return asyncio.create_task(bus.hold())
+
+
+async def _end(task: asyncio.Task[None]) -> None:
+    task.cancel()
+    await asyncio.wait({task})
+    if not task.cancelled():
+        task.exception()
+
+
+async def _within(event: asyncio.Event, seconds: float) -> bool:
+    try:
+        async with asyncio.timeout(seconds):
+            await event.wait()
+    except TimeoutError:
+        return False
+    return True

@@ -1,0 +1,288 @@
+"""Writing to Discourse: one post per key, whatever was lost, queued, limited or sent twice.
+
+Before a reply is written, the account's own posts in that topic are read for its key; after it was written, when
+somebody else wrote in between, they are read again, and of two posts of one key the older one stays.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
+from agentrob.forums.bounded import BoundedDict
+from agentrob.forums.discourse import markers as marks
+from agentrob.forums.discourse.http import Refused, Wire
+from agentrob.forums.discourse.settings import DiscourseOptions
+from agentrob.forums.http import text_of, translated
+from agentrob.forums.protocol import Written
+from agentrob.model import Account, Post, StatusCard
+
+#: Own posts of a topic that are searched for a key, newest first; and own topics when no topic is known.
+SEARCHED_POSTS, SEARCHED_TOPICS = 300, 20
+#: How often to ask whether a moderator has approved a post.
+APPROVAL_S = 30.0
+_JSON = Mapping[str, Any]
+_KEPT, _KEPT_TURNS = 2_000, 500
+_KINDS = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}
+
+
+class Library(Protocol):
+    """The reading side, as far as writing needs it."""
+
+    async def myself(self) -> Account: ...
+
+    async def post(self, post_id: str) -> Post: ...
+
+    async def one(self, post_id: int) -> _JSON | None: ...
+
+    async def number_of(self, post_id: str) -> int | None:
+        """A post's place in its topic."""
+        ...
+
+    async def topic_json(self, topic_id: int, **query: Any) -> _JSON: ...
+
+    async def raw_posts(self, topic_id: int, post_ids: Sequence[int]) -> dict[int, _JSON]: ...
+
+    async def category(self, board_id: str) -> tuple[int, str]: ...
+
+    async def build(self, raw: _JSON, fresh: bool = False) -> Post: ...
+
+
+class ReadPosts(BoundedDict[int, str | None]):
+    """Posts that were read already, each with its key when it is our own; of a key's posts `first` is the oldest.
+
+    What is dropped counts as not read, so that its key is found on the forum again.
+    """
+
+    def __init__(self, most: int) -> None:
+        super().__init__(most)
+        self._first: dict[str, int] = {}
+
+    def first(self, key: str) -> int | None:
+        return self._first.get(key)
+
+    def __setitem__(self, post_id: int, key: str | None) -> None:
+        self.dropped(post_id, self.get(post_id))
+        if key is not None:
+            self._first[key] = min(post_id, self._first.get(key, post_id))
+        super().__setitem__(post_id, key)
+
+    def dropped(self, key: int, value: str | None) -> None:
+        if value is not None and self._first.get(value) == key:
+            del self._first[value]
+
+
+class Desk:
+    """Where one account writes. Writes of the same key take turns."""
+
+    def __init__(self, library: Library, wire: Wire, options: DiscourseOptions) -> None:
+        self._library = library
+        self._wire = wire
+        self._prefix = options.key_prefix
+        self._turns: OrderedDict[str, asyncio.Lock] = OrderedDict()
+        self._read = ReadPosts(_KEPT)
+        #: Keys of posts that wait for a moderator; None: not asked for yet.
+        self._waiting: set[str] | None = None
+
+    def own_key(self, key: str | None) -> str | None:
+        """The key that a mark of ours carries, as its writer called it."""
+        return key.removeprefix(self._prefix) if key and key.startswith(self._prefix) else None
+
+    # ---------------------------------------------------------------- topics
+    async def create_topic(self, board_id: str, title: str, body: str, key: str, images: Sequence[bytes]) -> Written:
+        async with self._turn(key):
+            await self._not_waiting(key)
+            if (old := await self._topic_of(key) or await self._by_search(key)) is not None:
+                return Written(old, created=False)
+            self._not_rejected(key)
+            number, _ = await self._library.category(board_id)
+            raw = marks.mark(marks.Marked(body, self._prefix + key, None, await self._upload(images)))
+            content = {"title": title, "raw": raw, "category": number}
+            if self._wire.credentials.by_api_key:
+                content["external_id"] = await self._external_id(key)
+            try:
+                sent = await self._create(key, content)
+            except Refused:  # perhaps it was there already, since an answer was lost
+                if (old := await self._topic_of(key) or await self._by_search(key)) is not None:
+                    return Written(old, created=False)
+                raise
+            return Written(await self._noted(key, {**sent, "raw": raw, "category_id": number}))
+
+    async def _topic_of(self, key: str) -> Post | None:
+        """The first post of the topic with this key's `external_id`, which only API keys may give."""
+        if not self._wire.credentials.by_api_key:
+            return None
+        try:
+            led = await self._wire.location(f"/t/external_id/{await self._external_id(key)}.json")
+        except (ForumNotFound, ForumDenied):
+            return None
+        with translated():
+            number = next(int(p) for p in led.partition("?")[0].removesuffix(".json").split("/")[::-1] if p.isdigit())
+            first = (await self._library.topic_json(number))["post_stream"]["stream"][0]
+            self._read[int(first)] = key
+        return await self._library.post(str(first))
+
+    async def _external_id(self, key: str) -> str:
+        return marks.external_id((await self._library.myself()).id, self._prefix + key)
+
+    # ---------------------------------------------------------------- replies
+    async def reply(
+        self,
+        topic_id: int,
+        body: str,
+        key: str,
+        reply_to: str | None,
+        images: Sequence[bytes],
+        card: StatusCard | None,
+    ) -> Written:
+        async with self._turn(key):
+            await self._not_waiting(key)
+            highest = await self._search(topic_id)
+            if (old := await self._old(key)) is not None:
+                return Written(old, created=False)
+            self._not_rejected(key)
+            raw = marks.mark(marks.Marked(body, self._prefix + key, card, await self._upload(images)))
+            content: dict[str, Any] = {"raw": raw, "topic_id": topic_id}
+            if reply_to is not None and (number := await self._library.number_of(reply_to)) is not None:
+                content["reply_to_post_number"] = number
+            try:
+                sent = await self._create(key, content)
+            except Refused as e:  # too similar to itself: an answer was lost
+                await self._search(topic_id)
+                if (old := await self._old(key)) is not None:
+                    return Written(old, created=False)
+                await self._explain(topic_id, e)
+                raise
+            if int(sent["post_number"]) > highest + 1:
+                await self._search(topic_id)
+                if (first := self._read.first(key)) not in (None, int(sent["id"])):
+                    await self._wire.ask("DELETE", f"/posts/{sent['id']}.json")
+                    return Written(await self._library.post(str(first)), created=False)
+            return Written(await self._noted(key, {**sent, "raw": raw}))
+
+    async def _search(self, topic_id: int) -> int:
+        """Note the keys of the account's own posts in a topic; returns the highest number of a post."""
+        me = await self._library.myself()
+        topic = await self._library.topic_json(topic_id, username_filters=me.name)
+        with translated():
+            newest = [int(n) for n in topic["post_stream"]["stream"][-SEARCHED_POSTS:]]
+            unread = [number for number in newest if number not in self._read]
+            for post_id, raw in (await self._library.raw_posts(topic_id, unread)).items():
+                own = str(raw["user_id"]) == me.id
+                self._read[post_id] = self.own_key(marks.unmark(text_of(raw["raw"])).key) if own else None
+            return int(topic["highest_post_number"] or 0)
+
+    async def _explain(self, topic_id: int, refused: Refused) -> None:
+        """A thread in slow mode refuses without saying for how long."""
+        slow_s = int((await self._library.topic_json(topic_id)).get("slow_mode_seconds") or 0)
+        if slow_s > 0:
+            raise ForumLimited(f"{refused} (this topic is in slow mode)", float(slow_s)) from None
+
+    # ---------------------------------------------------------------- edits
+    async def edit(self, post_id: int, body: str, images: Sequence[bytes], card: StatusCard | None) -> Post:
+        before = await self._library.one(post_id)
+        if before is None:
+            raise ForumNotFound(f"there is no post {post_id}")
+        me = await self._library.myself()
+        if str(before["user_id"]) != me.id:
+            raise ForumDenied(f"post {post_id} belongs to {before['username']}")
+        await self._library.build(before)  # so that a change is told from what was there
+        was = marks.unmark(before["raw"])
+        pictures = (*was.pictures, *await self._upload(images, len(was.pictures) + 1))
+        raw = marks.mark(marks.Marked(body, was.key, card or was.card, pictures))
+        answer = await self._wire.ask("PUT", f"/posts/{post_id}.json", json={"post": {"raw": raw}})
+        with translated():
+            edited = {**before, **answer["post"]}
+        return await self._library.build(edited)
+
+    # ---------------------------------------------------------------- keys
+    async def find(self, key: str) -> Post | None:
+        """The own post of that key, among the newest of this account."""
+        return await self._old(key) or await self._topic_of(key) or await self._by_search(key)
+
+    async def _by_search(self, key: str) -> Post | None:
+        """Look through the topics that this account wrote in last."""
+        if (old := await self._old(key)) is not None:
+            return old
+        me = await self._library.myself()
+        found = await self._wire.get("/user_actions.json", offset=0, username=me.name, filter="4,5")
+        topics = list(dict.fromkeys(int(a["topic_id"]) for a in found["user_actions"]))[:SEARCHED_TOPICS]
+        for topic_id in topics:
+            try:
+                await self._search(topic_id)
+            except (ForumNotFound, ForumDenied):
+                continue
+            if (old := await self._old(key)) is not None:
+                return old
+        return None
+
+    async def _old(self, key: str) -> Post | None:
+        post_id = self._read.first(key)
+        if post_id is None:
+            return None
+        if self._waiting is not None:  # a moderator let it pass
+            self._waiting.discard(key)
+        return await self._library.post(str(post_id))
+
+    async def _noted(self, key: str, sent: _JSON) -> Post:
+        self._read[int(sent["id"])] = key
+        return await self._library.build(sent)
+
+    # ---------------------------------------------------------------- inside
+    def _turn(self, key: str) -> asyncio.Lock:
+        """Whose turn it is with a key; what has not been asked for lately is forgotten."""
+        lock = self._turns.setdefault(key, asyncio.Lock())
+        self._turns.move_to_end(key)
+        for old in list(self._turns)[:-_KEPT_TURNS]:
+            if not self._turns[old].locked():
+                del self._turns[old]
+        return lock
+
+    async def _create(self, key: str, content: Mapping[str, Any]) -> _JSON:
+        sent: _JSON = await self._wire.ask("POST", "/posts.json", json=content)
+        if sent.get("action") == "enqueued":
+            self._waiting = (self._waiting or set()) | {key}
+            raise ForumLimited("the post waits for a moderator's approval", APPROVAL_S)
+        return sent
+
+    async def _not_waiting(self, key: str) -> None:
+        """A post that waits for a moderator is not written again."""
+        if self._waiting is not None and key not in self._waiting:
+            return
+        pending = await self._pending()
+        if key in pending:
+            self._waiting = pending
+            raise ForumLimited("the post waits for a moderator's approval", APPROVAL_S)
+        self._waiting = self._waiting if self._waiting is not None else pending
+
+    def _not_rejected(self, key: str) -> None:
+        """What waited, waits no more and is not there was rejected."""
+        if self._waiting and key in self._waiting:
+            raise ForumDenied("a moderator did not approve the post")
+
+    async def _pending(self) -> set[str]:
+        """Keys of own posts that wait for approval."""
+        me = await self._library.myself()
+        try:
+            found = await self._wire.get(f"/posts/{me.name}/pending.json")
+        except (ForumNotFound, ForumDenied):  # not every version and key has it
+            return set()
+        with translated():
+            keys = (self.own_key(marks.unmark(p["raw_text"]).key) for p in found["pending_posts"])
+            return {key for key in keys if key is not None}
+
+    async def _upload(self, images: Sequence[bytes], first: int = 1) -> tuple[str, ...]:
+        """Send pictures first; the text then shows them. Uploaded twice after a lost answer is harmless."""
+        lines = []
+        for number, image in enumerate(images, first):
+            kind = _KINDS.get(image[:2], "jpeg")
+            file = {"file": (f"{number}.{kind}", image, f"image/{kind}")}
+            about = {"upload_type": "composer", "synchronous": "true"}
+            sent = await self._wire.ask("POST", "/uploads.json", data=about, files=file)
+            if not str(sent.get("short_url", "")).startswith("upload://"):
+                raise ForumError(f"the forum did not take picture {number}")
+            lines.append(marks.picture(sent["short_url"], number))
+        return tuple(lines)

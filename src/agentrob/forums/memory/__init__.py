@@ -1,0 +1,1 @@
+"""A forum in memory, for tests and notebooks."""

@@ -1,0 +1,315 @@
+"""The adapter to NodeBB: its write API and JSON pages as a `Forum`, with keys, cards and push; see `docs/nodebb.md`."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import secrets
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
+from contextlib import AsyncExitStack
+from datetime import datetime
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+from agentrob.config.load import ForumConfig
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
+from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
+from agentrob.forums.http import translated
+from agentrob.forums.nodebb.accounts import Registry
+from agentrob.forums.nodebb.events import Ledger, Source
+from agentrob.forums.nodebb.http import Guest, NodeBBWire
+from agentrob.forums.nodebb.markers import Marked, mark, unmark
+from agentrob.forums.nodebb.notices import notices_of
+from agentrob.forums.nodebb.posts import Shelf, own_place
+from agentrob.forums.nodebb.settings import Credentials, NodeBBOptions
+from agentrob.forums.nodebb.socket import Push
+from agentrob.forums.protocol import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
+from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+
+P = ParamSpec("P")
+T = TypeVar("T")
+_JSON = dict[str, Any]
+#: A post that waits for a moderator is looked for again after so long.
+QUEUE_S = 30.0
+#: So many pages of own posts, or of a topic, are searched for a key.
+KEY_PAGES = 5
+#: So often a stream makes sure that its session is not over.
+CHECK_S = 5.0
+
+
+def _in_our_errors(call: Callable[P, Awaitable[T]]) -> Callable[P, Coroutine[Any, Any, T]]:
+    """Whatever the forum answers that is not as we know it becomes a `ForumError`."""
+
+    @wraps(call)
+    async def made(*args: P.args, **more: P.kwargs) -> T:
+        with translated():
+            return await call(*args, **more)
+
+    return made
+
+
+class NodeBBForum:
+    """A NodeBB, signed in as one account; fulfils `Forum`. Nothing is asked of it before the first call.
+
+    A key stands in a mark at the end of a post (`nodebb_marks`), so it is known to whoever signs in as this account.
+    """
+
+    max_edits: int | None = None
+    live = True
+    fastest_poll_s = 0.0
+
+    def __init__(self, settings: ForumConfig, token: str) -> None:
+        self._options = NodeBBOptions.of(settings.options)
+        self._settings = settings
+        self._wire = NodeBBWire(settings.url, Credentials.of(token))
+        self._begin()
+
+    def _begin(self) -> None:
+        self._registry = Registry(self._wire, self._options)
+        self._shelf = Shelf(self._wire, self._registry)
+        source = Source(self._shelf.recent, self._shelf.post, self._shelf.stored, self._wire.clock.now)
+        self._ledger = Ledger(source)
+        self._writing = asyncio.Lock()
+        #: Posts by their keys, pictures by their digests: what was dropped is looked for on the forum, or sent again.
+        self._own = BoundedDict[str, str](MOST_KNOWN)
+        self._uploaded = BoundedDict[str, str](MOST_KNOWN)
+        self._checked_s = -CHECK_S
+
+    async def close(self) -> None:
+        await self._wire.close()
+
+    # ---------------------------------------------------------------- identity
+    @_in_our_errors
+    async def switch(self, token: str) -> Account:
+        """Be another account from now on; what was noted as the one of before is forgotten."""
+        async with self._writing:
+            self._wire.become(Credentials.of(token))
+            self._begin()
+        return await self.me()
+
+    async def sign_in(self, name: str, password: str) -> Account:
+        """Be this account, by its password."""
+        return await self.switch(f"login:{name}:{password}")
+
+    @_in_our_errors
+    async def add_account(
+        self, name: str, *, kind: AccountKind = AccountKind.HUMAN, email: str = "", display_name: str = ""
+    ) -> tuple[Account, str]:
+        """Make an account, as an admin of the forum; the account and the secret that signs it in."""
+        password = secrets.token_urlsafe(24)
+        slug = await self._registry.add(name, password, kind, email, display_name)
+        return await self._registry.by_slug(slug), f"login:{name}:{password}"
+
+    async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
+        return Registered(*await self.add_account(name, kind=kind, display_name=display_name))
+
+    @_in_our_errors
+    async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
+        return await self._registry.set_rights(name, role, suspended)
+
+    @classmethod
+    async def sign_up(cls, settings: ForumConfig, name: str, password: str, email: str) -> NodeBBForum:
+        """Make an account by the forum's public form and sign in as it. `ForumDenied` when the forum refuses."""
+        guest = Guest(settings.url)
+        try:
+            await guest.sign_up(name, password, email)
+        finally:
+            await guest.close()
+        return cls(settings, f"login:{name}:{password}")
+
+    # ---------------------------------------------------------------- Reader
+    @_in_our_errors
+    async def boards(self) -> Sequence[Board]:
+        return await self._shelf.boards()
+
+    @_in_our_errors
+    async def topic(self, topic_id: str) -> Topic:
+        return await self._shelf.topic(topic_id)
+
+    @_in_our_errors
+    async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
+        return await self._shelf.topics(board_id, cursor, limit)
+
+    @_in_our_errors
+    async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
+        return await self._shelf.posts(topic_id, cursor, limit)
+
+    @_in_our_errors
+    async def post(self, post_id: str) -> Post:
+        return await self._shelf.post(post_id)
+
+    @_in_our_errors
+    async def download(self, url: str) -> bytes:
+        return await self._wire.fetch(url)
+
+    @_in_our_errors
+    async def search(
+        self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
+    ) -> Page[Post]:
+        """Posts that have the words, newest first; by the forum's search plugin."""
+        return await self._shelf.search(query, board_id, cursor, limit)
+
+    @_in_our_errors
+    async def mentions(self) -> tuple[Post, ...]:
+        """Posts whose mention of us the forum still shows as a notification, newest first."""
+        found = await self._wire.get("/api/notifications", filter="mention")
+        pids = [str(n["pid"]) for n in found["notifications"] if n.get("pid")]
+        return tuple([await self.post(pid) for pid in dict.fromkeys(pids)])
+
+    @_in_our_errors
+    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+        me = await self._registry.me()
+        return await notices_of(self._wire, self._shelf.post, me.name, cursor, limit)
+
+    # ---------------------------------------------------------------- Writer
+    @_in_our_errors
+    async def create_topic(
+        self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
+    ) -> Written:
+        cid = await self._shelf.cid(board_id)
+        async with self._writing:
+            if old := await self._with_key(key):
+                return Written(old, created=False)
+            raw = mark(Marked(body, key, None, await self._upload(images)))
+            answer = await self._wire.send("POST", "/topics", {"cid": cid, "title": title, "content": raw})
+            return await self._written(answer, key, "mainPid")
+
+    @_in_our_errors
+    async def reply(
+        self,
+        topic_id: str,
+        body: str,
+        *,
+        key: str,
+        reply_to: str | None = None,
+        images: Sequence[bytes] = (),
+        card: StatusCard | None = None,
+    ) -> Written:
+        async with self._writing:
+            if old := await self._with_key(key, topic_id, reply_to):
+                return Written(old, created=False)
+            content: _JSON = {"content": mark(Marked(body, key, card, await self._upload(images)))}
+            if reply_to is not None:
+                content["toPid"] = int(reply_to) if reply_to.isdigit() else reply_to
+            answer = await self._wire.send("POST", f"/topics/{own_place(topic_id)}", content)
+            written = await self._written(answer, key, "pid")
+            return await self._only_one(written, key, topic_id, reply_to)
+
+    @_in_our_errors
+    async def edit(
+        self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        async with self._writing:
+            stored = await self._shelf.stored(post_id)
+            if str(stored.get("uid")) != (await self._registry.me()).id:
+                raise ForumDenied(f"post {post_id} is not ours to edit")
+            old = unmark(str(stored["content"]))
+            pictures = (*old.pictures, *await self._upload(images))
+            raw = mark(Marked(body, old.key, card or old.card, pictures))
+            await self._wire.send("PUT", f"/posts/{own_place(post_id)}", {"content": raw})
+            return await self.post(post_id)
+
+    @_in_our_errors
+    async def find(self, key: str) -> Post | None:
+        return await self._with_key(key)
+
+    async def _written(self, answer: _JSON, key: str, field: str) -> Written:
+        if answer.get("queued"):
+            raise _queued(str(answer.get("id", "")))
+        self._own[key] = str(answer[field])
+        return Written(await self.post(self._own[key]))
+
+    async def _with_key(self, key: str, topic_id: str | None = None, reply_to: str | None = None) -> Post | None:
+        """Our post of that key, if there is one; `ForumLimited` while it waits for a moderator."""
+        if key not in self._own and (pid := await self._search(key, topic_id, reply_to)) is not None:
+            self._own[key] = pid
+        if key in self._own:
+            return await self.post(self._own[key])
+        me = await self._registry.me()
+        if (waiting := await self._shelf.waiting(me.id, key)) is not None:
+            raise _queued(waiting)
+        return None
+
+    async def _search(self, key: str, topic_id: str | None, reply_to: str | None) -> str | None:
+        me = await self._registry.me()
+        if topic_id is None:
+            return await self._shelf.own_with_key(me, key, KEY_PAGES)
+        since_ms = int((await self._shelf.stored(reply_to))["timestamp"]) if reply_to else 0
+        return await self._shelf.own_in_topic(me, key, topic_id, since_ms, KEY_PAGES)
+
+    async def _only_one(self, written: Written, key: str, topic_id: str, reply_to: str | None) -> Written:
+        """If somebody signed in as us wrote under this key at the same moment, the earlier post stands."""
+        first = await self._search(key, topic_id, reply_to)
+        if first is None or int(first) >= int(written.post.id):
+            return written
+        await self._wire.send("DELETE", f"/posts/{own_place(written.post.id)}/state")
+        self._own[key] = first
+        return Written(await self.post(first), created=False)
+
+    async def _upload(self, images: Sequence[bytes]) -> tuple[str, ...]:
+        """Send pictures first; the text then names them. What was sent before is not sent again."""
+        if images and not self._wire.credentials.by_session:
+            raise ForumError("this forum takes pictures only from who signed in by password: login:name:password")
+        places = []
+        for number, image in enumerate(images, 1):
+            digest = hashlib.sha256(image).hexdigest()
+            if (place := self._uploaded.get(digest)) is None:
+                kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
+                files = {"files[]": (f"{number}.{kind}", image, f"image/{kind}")}
+                answer = await self._wire.ask("POST", "/api/post/upload", files=files)
+                place = self._uploaded[digest] = str(answer.json()["response"]["images"][0]["url"])
+            places.append(place)
+        return tuple(places)
+
+    # ---------------------------------------------------------------- Accounts
+    @_in_our_errors
+    async def me(self) -> Account:
+        return await self._registry.me(fresh=True)
+
+    @_in_our_errors
+    async def account(self, name: str) -> Account | None:
+        try:
+            return await self._registry.by_slug(name)
+        except ForumNotFound:
+            return None
+
+    # ---------------------------------------------------------------- Events
+    @_in_our_errors
+    async def now(self) -> tuple[str, datetime]:
+        newest = await self._ledger.newest()
+        await self._wire.set_clock()
+        return newest, self._wire.clock.now()
+
+    @_in_our_errors
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        return await self._ledger.after(after, limit)
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        """By the socket where it can be had, and by asking each `heartbeat_s` besides: a heartbeat says that the latest
+        posts were read just now, which no quiet socket proves."""
+        async with AsyncExitStack() as stack:
+            await self._still_ourselves()
+            events, push = await self.changes(after), None
+            if self._options.push and self._wire.credentials.by_session:
+                push = await stack.enter_async_context(Push(self._wire))
+            while True:
+                for event in events:
+                    after = event.id
+                    yield event
+                if not events:
+                    yield Event("", EventKind.HEARTBEAT, self._wire.clock.now())
+                    await (push.wait(heartbeat_s) if push else asyncio.sleep(heartbeat_s))
+                await self._still_ourselves()
+                events = await self.changes(after)
+
+    async def _still_ourselves(self) -> None:
+        """A session that is over reads on as a guest and says nothing; ask now and then."""
+        if time.monotonic() - self._checked_s > CHECK_S:
+            await self._wire.check()
+            self._checked_s = time.monotonic()
+
+
+def _queued(name: str) -> ForumLimited:
+    what = f"the forum keeps our post {name} until a moderator accepts it"
+    return ForumLimited(f"{what}; put the robot's group into the groups exempt from the post queue", QUEUE_S)

@@ -1,0 +1,277 @@
+"""The wire to a NodeBB: one identity over HTTP, by session (with CSRF, signed in again when it lapses) or by token."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from datetime import UTC, datetime
+from http.cookiejar import CookieJar, DefaultCookiePolicy
+from http.cookies import SimpleCookie
+from typing import Any
+
+import httpx2
+
+from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
+from agentrob.forums.http import USER_AGENT, bounded_s, retry_after_s, same_origin, told_time, translated, where
+from agentrob.forums.nodebb.clock import HeaderClock
+from agentrob.forums.nodebb.settings import Credentials
+from agentrob.process.tls import tls
+
+#: A refused sign-in is not tried again for so long: NodeBB locks accounts after a few.
+DENIED_S = 60.0
+#: The forum's clock is known this well, if that takes no longer than a second.
+CLOCK_S, CLOCK_TRIES = 0.15, 16
+_WAIT = re.compile(r"(?:only post once every|wait) (\d+) (second|minute)")
+#: What it does not translate: `[[error:invalid-login-credentials]]`.
+_KEYWORDS = re.compile(r"\[\[\w+:([^\]]+)\]\]")
+_MUTED = re.compile(r"You have been muted")
+_GONE = ("Category does not exist", "Topic does not exist", "Post does not exist", "User does not exist")
+
+
+class NodeBBWire:
+    """Requests of one identity. Nothing is asked before the first call; cookies are kept by hand, or not at all:
+    a bearer's answers bring a session cookie, and whoever sends that back fails for want of a CSRF token."""
+
+    def __init__(self, url: str, credentials: Credentials) -> None:
+        self.credentials = credentials
+        self._http = httpx2.AsyncClient(
+            base_url=url.rstrip("/"),
+            headers={"User-Agent": USER_AGENT, "Accept": "application/json"},
+            timeout=httpx2.Timeout(10.0, connect=5.0),
+            cookies=CookieJar(policy=DefaultCookiePolicy(allowed_domains=[])),
+            trust_env=False,
+            verify=tls(),
+        )
+        self._signing = asyncio.Lock()
+        self.clock = HeaderClock()
+        self._forget()
+
+    def _forget(self) -> None:
+        self.cookie = self.csrf = ""
+        self._signed = 0
+        self._denied: ForumDenied | None = None
+        self._denied_s = 0.0
+
+    @property
+    def url(self) -> str:
+        return str(self._http.base_url).rstrip("/")
+
+    async def close(self) -> None:
+        await self._http.aclose()
+
+    def become(self, credentials: Credentials) -> None:
+        """Be somebody else from the next request on."""
+        self.credentials = credentials
+        self._forget()
+
+    # ---------------------------------------------------------------- requests
+    async def get(self, path: str, **params: Any) -> Any:
+        return (await self.ask("GET", path, params=params)).json()
+
+    async def get_v3(self, path: str, **params: Any) -> dict[str, Any]:
+        found: dict[str, Any] = (await self.get("/api/v3" + path, **params))["response"]
+        return found
+
+    async def send(self, method: str, path: str, body: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """A call of the write API; what it answers."""
+        answer = await self.ask(method, "/api/v3" + path, json=dict(body or {}))
+        found: dict[str, Any] = answer.json()["response"] if answer.content else {}
+        return found
+
+    async def ask(self, method: str, path: str, **more: Any) -> httpx2.Response:
+        """Ask as ourselves. A lapsed session is begun anew, and what it refused is sent again: it was not done."""
+        for attempt in range(2):
+            signed = await self._ready()
+            response = await self._request(method, path, **more)
+            if attempt == 0 and self.credentials.by_session and _says_session_is_over(response):
+                await self._sign_in(signed)
+                continue
+            break
+        raise_for(response)
+        return response
+
+    async def check(self) -> None:
+        """Sign in again if the session is over, or `ForumDenied` if the token is void: else reading goes on silently,
+        as a guest, with less to see."""
+        await self.ask("GET", "/api/self")
+
+    async def _request(self, method: str, path: str, **more: Any) -> httpx2.Response:
+        headers = dict(more.pop("headers", {}))
+        # Refusals are told in words; ask for English ones, by which we know them.
+        params = {"lang": "en-GB", **more.pop("params", {})}
+        if self.credentials.by_session:
+            headers |= {"Cookie": self.cookie, "x-csrf-token": self.csrf}
+        else:
+            headers["Authorization"] = f"Bearer {self.credentials.token}"
+            if self.credentials.uid:
+                params["_uid"] = self.credentials.uid
+        asked = datetime.now(UTC)
+        with translated():
+            response = await self._http.request(method, path, headers=headers, params=params, **more)
+        if (date := told_time(response)) is not None:
+            self.clock.heard(date, asked, datetime.now(UTC))
+        return response
+
+    async def set_clock(self) -> None:
+        """Know the forum's time better than its header tells it: ask until a second ends."""
+        for _ in range(CLOCK_TRIES):
+            if self.clock.unsure_s < CLOCK_S:
+                return
+            await self.get("/api/v3/ping")
+            await asyncio.sleep(CLOCK_S / 2)
+
+    async def fetch(self, url: str) -> bytes:
+        """A file of this forum, and of no other: what signs us in goes nowhere else."""
+        try:
+            address = httpx2.URL(self.url + "/").join(url)
+        except httpx2.InvalidURL:
+            raise ForumError(f"{url} is not an address") from None
+        if not same_origin(address, self._http.base_url):
+            raise ForumError(f"{url} is not a picture of this forum")
+        return (await self.ask("GET", str(address))).content
+
+    # ---------------------------------------------------------------- signing in
+    async def _ready(self) -> int:
+        if self.credentials.by_session and not self.cookie:
+            await self._sign_in(self._signed)
+        return self._signed
+
+    async def _sign_in(self, signed: int) -> None:
+        """Once, however many ask for it: `signed` is the sign-in that did not work any more."""
+        async with self._signing:
+            if self._signed != signed and self.cookie:
+                return
+            if self._denied is not None and time.monotonic() - self._denied_s < DENIED_S:
+                raise ForumDenied(str(self._denied))
+            try:  # with the cookie of before: what needs a password entered lately asks for this very session
+                await self._log_in()
+            except ForumDenied as e:
+                self._denied, self._denied_s = e, time.monotonic()
+                raise
+            self._signed, self._denied = self._signed + 1, None
+
+    async def _log_in(self) -> None:
+        await self._new_csrf()
+        said = {"username": self.credentials.name, "password": self.credentials.password}
+        response = await self._request("POST", "/login", json=said)
+        if response.status_code != 200:
+            raise_for(response, "signing in was refused: ")
+        self._keep_cookie(response)
+        if not (await self._new_csrf()).get("loggedIn", True):
+            raise ForumError(f"{self.url} did not keep the session")
+
+    async def _new_csrf(self) -> dict[str, Any]:
+        response = await self._request("GET", "/api/config")
+        raise_for(response)
+        with translated():
+            config: dict[str, Any] = response.json()
+            if not config["csrf_token"]:
+                raise ForumError(f"{self.url} takes {USER_AGENT} for a spider and gives it no CSRF token")
+            self.csrf = str(config["csrf_token"])
+        self._keep_cookie(response)
+        return config
+
+    def _keep_cookie(self, response: httpx2.Response) -> None:
+        kept = SimpleCookie(self.cookie)
+        for line in response.headers.get_list("set-cookie"):
+            kept.load(line)
+        self.cookie = "; ".join(f"{name}={morsel.value}" for name, morsel in kept.items())
+
+
+class Guest(NodeBBWire):
+    """Nobody yet: asks with a cookie of its own and a CSRF token, which signing up needs."""
+
+    def __init__(self, url: str) -> None:
+        super().__init__(url, Credentials(name="guest", password="none"))
+
+    async def _log_in(self) -> None:
+        await self._new_csrf()
+
+    async def sign_up(self, name: str, password: str, email: str) -> None:
+        """Make an account by the public form. `ForumDenied` when the forum does not let anybody, or not this one."""
+        form = {"username": name, "password": password, "password-confirm": password, "email": email}
+        answer = (await self._posted("/register", {**form, "gdpr_consent": "true", "userLang": "en-GB"})).json()
+        if str(answer.get("next", "")).endswith("/register/complete"):
+            consent = {"email": email, "gdpr_agree_data": "on", "gdpr_agree_email": "on"}
+            await self._posted("/register/complete", consent)
+        elif answer.get("message"):
+            raise ForumDenied(f"the account {name} must be approved first: {answer['message']}")
+        with translated():
+            await self._is_called(name, password)
+
+    async def _is_called(self, name: str, password: str) -> None:
+        """Where a name is taken, NodeBB makes an account of another name and says nothing: that one is left again."""
+        await self._new_csrf()
+        me = await self.get("/api/self")
+        if me.get("username") != name:
+            with suppress(ForumError):
+                await self.send("DELETE", f"/users/{me['uid']}/account", {"password": password})
+            raise ForumDenied(f"signing up was refused: the name {name} is taken")
+
+    async def _posted(self, path: str, form: Mapping[str, str]) -> httpx2.Response:
+        await self._ready()
+        response = await self._request("POST", path, data=dict(form))
+        if response.status_code >= 400:
+            raise_for(response, "signing up was refused: ")
+        self._keep_cookie(response)
+        return response
+
+
+# ---------------------------------------------------------------- what answers mean
+def _says_session_is_over(response: httpx2.Response) -> bool:
+    """No session: 401, or a plain `Forbidden` for want of a matching CSRF token. Refused rights are told in JSON."""
+    plain = not response.headers.get("content-type", "").startswith("application/json")
+    return response.status_code == 401 or (response.status_code == 403 and plain)
+
+
+def raise_for(response: httpx2.Response, before: str = "") -> None:
+    """One of our errors for an answer that is none. Too fast is 400 with a sentence here, and seldom 429."""
+    status = response.status_code
+    if status < 400:
+        return
+    said = f"{before}{where(response)} {sentence(response)}".rstrip()
+    if status == 429 or (wait := _wait_s(sentence(response))) is not None:
+        raise ForumLimited(said, retry_after_s(response) if status == 429 else wait or 1.0)
+    if _MUTED.search(said) or status in (401, 403):
+        raise ForumDenied(said)
+    if status in (404, 410) or any(gone in said for gone in _GONE):
+        raise ForumNotFound(said)
+    if "master token" in said or "master-token" in said:
+        raise ForumDenied(f"{said}; write a master token as TOKEN@UID")
+    if status >= 500 and "corrupt" not in said:
+        raise ForumUnreachable(said)
+    raise ForumError(said)
+
+
+def sentence(response: httpx2.Response) -> str:
+    """What went wrong, in one sentence, of JSON in any of its shapes or of a text."""
+    return _KEYWORDS.sub(lambda m: m[1].replace("-", " "), _told(response))[:300].strip()
+
+
+def _told(response: httpx2.Response) -> str:
+    try:
+        told = response.json()
+    except ValueError:
+        return response.text[:200]
+    if isinstance(told, Mapping):
+        status = told.get("status")
+        told = (status or {}).get("message") if isinstance(status, Mapping) else told
+    if isinstance(told, Mapping):
+        if "banned_until" in told:
+            return f"the account is banned: {told.get('reason') or 'no reason given'}"
+        told = told.get("message") or told.get("error") or told.get("title") or ""
+    return str(told)
+
+
+def _wait_s(said: str) -> float | None:
+    """The wait that a refusal asks for, in seconds."""
+    if "already posting" in said:
+        return 0.3
+    if "too many files" in said:
+        return 60.0
+    if (found := _WAIT.search(said)) is None:
+        return None
+    return bounded_s(float(found[1]) * (60.0 if found[2] == "minute" else 1.0))

@@ -1,0 +1,52 @@
+"""What a NodeBB notifies its accounts of, as far as a post asks for an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from agentrob.errors import ForumNotFound
+from agentrob.forums.nodebb.http import NodeBBWire
+from agentrob.forums.protocol import Notice, Page
+from agentrob.model import Post
+
+#: By `type`; what else NodeBB notifies of (votes, followers, chats) names no post that wants an answer.
+KINDS = {"mention": "mention", "new-reply": "reply"}
+#: NodeBB's own; and so many pages are read at most for one answer.
+NOTES_A_PAGE, MOST_PAGES = 20, 5
+
+
+async def notices_of(
+    wire: NodeBBWire, read: Callable[[str], Awaitable[Post]], mine: str, cursor: str | None, limit: int
+) -> Page[Notice]:
+    """Newest first, of the account `mine`. NodeBB makes them half a second after the post, and shows of several replies
+    in one topic the latest only. A reply that mentions us is told once, as a mention; posts that are gone, or may not
+    be read any more, are left out."""
+    at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
+    found: list[Notice] = []
+    for _ in range(MOST_PAGES):
+        page, skip = divmod(at, NOTES_A_PAGE)
+        notes = (await wire.get("/api/notifications", page=page + 1))["notifications"]
+        for note in notes[skip:]:
+            at += 1
+            if (notice := await _notice(read, note, mine)) is not None:
+                found.append(notice)
+            if len(found) == limit:
+                more = page * NOTES_A_PAGE + len(notes) > at or len(notes) == NOTES_A_PAGE
+                return Page(tuple(found), str(at) if more else None)
+        if len(notes) < NOTES_A_PAGE:
+            return Page(tuple(found))
+    return Page(tuple(found), str(at))
+
+
+async def _notice(read: Callable[[str], Awaitable[Post]], note: Mapping[str, Any], mine: str) -> Notice | None:
+    kind, pid = KINDS.get(str(note.get("type"))), note.get("pid")
+    if kind is None or not pid:
+        return None
+    try:
+        post = await read(str(pid))
+    except ForumNotFound:  # NodeBB says so too of what may not be read
+        return None
+    if post.removed or (kind == "reply" and mine in post.mentions):
+        return None
+    return Notice(str(note["nid"]), kind, post, bool(note.get("read")))

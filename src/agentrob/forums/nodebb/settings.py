@@ -1,0 +1,91 @@
+"""What a NodeBB needs besides its address: how we sign in, and what its groups may do with robots."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from agentrob.errors import ConfigError
+from agentrob.forums.groups import GroupOptions, Groups
+from agentrob.model import Account
+
+#: Whoever signs up, or comes, is in these.
+EVERYBODY = frozenset({"registered-users", "verified-users", "unverified-users", "guests", "spiders", "fediverse"})
+
+
+class NodeBBOptions(GroupOptions):
+    """`[forum.options]` of a forum of the kind `nodebb`: what a member of a group may do, by the groups' names.
+
+    Whoever is in none of `operators`, `moderators` (who approve, too) and `admins` looks and stops only. Groups
+    that anybody may join, and groups that are hidden from our account, give nothing (law 2: signing up makes nobody an
+    operator). `push`: whether the forum's socket is used; without it posts are heard when they are next asked for, half
+    a second later.
+    """
+
+    everybody = EVERYBODY
+
+    admins: Groups = ("administrators",)
+    push: bool = True
+
+    @staticmethod
+    def spelled(name: str) -> str:
+        """Its slug."""
+        return name.lower().replace(" ", "-")
+
+    @property
+    def _giving(self) -> Groups:
+        return (*self.operators, *self.moderators, *self.admins, *self.commanding_agents)
+
+    def rights_of(self, groups: Iterable[Mapping[str, Any]]) -> list[str]:
+        """Those of the groups, not the forum's own, that give a right."""
+        slugs = {str(g.get("slug", "")).lower() for g in groups if not g.get("system")}
+        giving = {self.spelled(name) for name in self._giving}
+        return sorted(slugs & giving)
+
+
+# ---------------------------------------------------------------- who
+def account(user: Mapping[str, Any], groups: Iterable[Mapping[str, Any]], options: NodeBBOptions) -> Account:
+    """An account as it is now, of what the forum says of a user and of the groups it is in."""
+    closed = {str(g.get("slug", "")).lower() for g in groups if g.get("private") and not g.get("hidden")}
+    said = {str(g.get("slug", "")).lower() for g in groups}
+    return Account(
+        str(user["uid"]),
+        str(user["userslug"]).lower(),
+        options.kind(said, closed),
+        options.role(closed),
+        suspended=bool(user.get("banned") or user.get("muted")),
+        display_name=html.unescape(str(user.get("displayname") or user.get("username") or "")),
+    )
+
+
+# ---------------------------------------------------------------- how we sign in
+@dataclass(frozen=True, slots=True)
+class Credentials:
+    """What the token's variable holds, taken apart; never printed.
+
+    `login:name:password`: a session, the only one that uploads pictures and has push. `TOKEN`: an account's own bearer
+    token. `TOKEN@UID`: a master token, as the account with that number.
+    """
+
+    name: str = field(default="", repr=False)
+    password: str = field(default="", repr=False)
+    token: str = field(default="", repr=False)
+    uid: str = ""
+
+    @classmethod
+    def of(cls, secret: str) -> Credentials:
+        if secret.startswith("login:"):
+            name, _, password = secret.removeprefix("login:").partition(":")
+            if not name or not password:
+                raise ConfigError("the forum's token is not login:name:password")
+            return cls(name=name, password=password)
+        token, _, uid = secret.partition("@")
+        if uid and not uid.isdigit():
+            raise ConfigError("after the @ of a master token stands the number of an account (its uid)")
+        return cls(token=token, uid=uid)
+
+    @property
+    def by_session(self) -> bool:
+        return bool(self.password)

@@ -1,0 +1,197 @@
+"""Puts together what belongs together: numbers with their units, "take" with "a picture". Tokens in, tokens out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from agentrob.language.parser.lexicon import Kind, Soft, Token
+from agentrob.model import Op
+
+_AMOUNT_OF = {
+    Kind.LENGTH_UNIT: Kind.LENGTH,
+    Kind.ANGLE_UNIT: Kind.ANGLE,
+    Kind.SPEED_UNIT: Kind.SPEED,
+    Kind.STEP_UNIT: Kind.STEPS,
+    Kind.TIME_UNIT: Kind.DURATION,
+    Kind.TIMES_UNIT: Kind.TIMES,
+    Kind.MORE_TIMES_UNIT: Kind.MORE_TIMES,
+}
+
+
+_LONGEST_PICTURE = 6
+_INCH_M = 0.0254
+
+
+def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
+    """Replace number and unit by one amount wherever they stand together; lone numbers and units stay."""
+    found: list[Token] = []
+    at, unit_m = 0, 0.0  # how long one unit of the last length is
+    while at < len(tokens):
+        amount, used = _amount(tokens, at, text)
+        if amount is None:
+            # "Second, turn left" is no time.
+            found.append(tokens[at] if tokens[at].kind is not Kind.TIME_UNIT else replace(tokens[at], kind=Kind.SOFT))
+            at += 1
+            continue
+        _append(found, amount, unit_m)
+        at += used
+        unit = tokens[at - 1]
+        unit_m = _float(unit) if unit.kind is Kind.LENGTH_UNIT else 0.0
+    return found
+
+
+def with_pictures(tokens: Sequence[Token]) -> list[Token]:
+    """Replace "take … picture" by one operation, and "take three pictures" by that and how often."""
+    found: list[Token] = []
+    at = 0
+    while at < len(tokens):
+        end = at + 1
+        count: Token | None = None
+        while tokens[at].kind is Kind.SHOW and end < len(tokens) and end - at <= _LONGEST_PICTURE:
+            token = tokens[end]
+            if token.kind is Kind.NUMBER and count is None:
+                count = token
+            elif token.kind not in (Kind.SHOW, Kind.SOFT):
+                break
+            end += 1
+        if tokens[at].kind is Kind.SHOW and end < len(tokens) and tokens[end].kind is Kind.PICTURE:
+            start, stop = tokens[at].start, tokens[end].end
+            found.append(Token(Kind.OP, Op.GET_FRONT_IMAGE.value, start, stop))
+            if count is not None:
+                found.append(Token(Kind.TIMES, count.value, start, stop))
+            at = end + 1
+        else:
+            found.append(_settled(tokens, at))
+            if tokens[at].kind is Kind.SHOW and _are_steps(tokens, _skip_soft(tokens, at + 1)):
+                found[-1] = replace(tokens[at], kind=Kind.MOVE)
+            at += 1
+    return found
+
+
+def _are_steps(tokens: Sequence[Token], at: int) -> bool:
+    """ "Take two steps", "take a few steps"."""
+    kinds = [t.kind for t in tokens[at : at + 2]]
+    return kinds[:1] == [Kind.STEPS] or kinds == [Kind.VAGUE, Kind.STEP_UNIT]
+
+
+def _settled(tokens: Sequence[Token], at: int) -> Token:
+    """What depends on the next word: "go ahead" is a direction before a length, otherwise encouragement."""
+    token = tokens[at]
+    if token.kind is Kind.SHOW and token.value == "talk":  # "I want to see", and no picture
+        return replace(token, kind=Kind.TALK)
+    following = tokens[_skip_soft(tokens, at + 1) :][:1]
+    if token.kind is Kind.CONDITION and token.value == "wait" and following and following[0].kind is Kind.DURATION:
+        return replace(token, kind=Kind.BEYOND)  # 等五秒再挥手
+    if token.kind is not Kind.GO_AHEAD:
+        return token
+    goes = bool(following) and following[0].kind is Kind.LENGTH
+    return Token(Kind.DIR if goes else Kind.SOFT, "forward" if goes else None, token.start, token.end)
+
+
+def _append(found: list[Token], amount: Token, unit_m: float) -> None:
+    before = found[-1] if found else None
+    if before and before.kind is Kind.PER_SECOND and amount.kind is Kind.LENGTH:  # 每秒0.3米
+        found[-1] = Token(Kind.SPEED, amount.value, before.start, amount.end)
+    elif before and before.kind is Kind.LENGTH is amount.kind and _float(amount) < unit_m:  # 5 ft 6 in
+        found[-1] = Token(Kind.LENGTH, _float(before) + _float(amount), before.start, amount.end)
+    elif before and before.kind is Kind.ANGLE is amount.kind and len(found) > 1 and found[-2].start == before.start:
+        found[-1] = amount  # "turn around 90 degrees": the explicit angle counts
+    else:
+        found.append(amount)
+
+
+def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, int]:
+    """The amount that begins at this place and how many tokens it takes, or (None, 0)."""
+    value, here = _quantity(tokens, at, text)
+    if value is None:
+        return None, 0
+    unit_at = here if _are_inches(tokens, here) else _skip_soft(tokens, here)
+    unit = tokens[unit_at] if unit_at < len(tokens) else None
+    if unit is None or (unit.kind not in _AMOUNT_OF and not _are_inches(tokens, unit_at)):
+        return None, 0
+    if unit.kind is Kind.SOFT:
+        unit = replace(unit, kind=Kind.LENGTH_UNIT, value=_INCH_M)
+    end = unit_at + 1
+    if end < len(tokens) and tokens[end].kind is Kind.AND_PART:  # "a metre and a half"
+        value += _float(tokens[end])
+        end += 1
+    elif unit.kind is Kind.LENGTH_UNIT and (fraction := _spoken_fraction(tokens, end, text)) is not None:
+        value += fraction
+        end += 1
+    elif unit.kind is Kind.ANGLE_UNIT and end < len(tokens) and _half_follows(tokens, end):
+        value += 0.5
+        end += 1
+    scaled = value * (float(unit.value) if isinstance(unit.value, float) else 1.0)
+    return Token(_AMOUNT_OF[unit.kind], scaled, tokens[at].start, tokens[end - 1].end), end - at
+
+
+def _are_inches(tokens: Sequence[Token], at: int) -> bool:
+    """ "2 ft 6 in", where the clause ends or a direction follows; not "in the room"."""
+    if at >= len(tokens) or tokens[at].value != Soft.IN:
+        return False
+    following = tokens[at + 1].kind if at + 1 < len(tokens) else Kind.END
+    return following in (Kind.END, Kind.COMMA, Kind.AND, Kind.DIR)
+
+
+def _half_follows(tokens: Sequence[Token], at: int) -> bool:
+    """转两圈半: two and a half, where nothing is halved after it."""
+    touches = tokens[at].kind is Kind.HALF and tokens[at].start == tokens[at - 1].end
+    return touches and not (at + 1 < len(tokens) and tokens[at + 1].kind in _AMOUNT_OF)
+
+
+def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None, int]:
+    """A number as people say it, before its unit: 2 · two and a half · half a · 1/2 · 1 1/2 · a · 两个半."""
+    first = tokens[at]
+    if first.kind is Kind.HALF:
+        return 0.5, at + 1
+    if first.kind is Kind.SOFT and first.value == 1:
+        following = tokens[at + 1].kind if at + 1 < len(tokens) else None
+        return (1.0, at + 1) if following in (Kind.LENGTH_UNIT, Kind.STEP_UNIT, Kind.TIME_UNIT) else (None, at)
+    if first.kind is not Kind.NUMBER:
+        return None, at
+    value, here = _float(first), at + 1
+    if here < len(tokens) and tokens[here].kind is Kind.AND_PART:
+        return value + _float(tokens[here]), here + 1
+    if here < len(tokens) and tokens[here].kind is Kind.HALF and value == int(value):  # 一个半米, one half metre
+        return (value + 0.5 if here + 1 < len(tokens) else None), here + 1
+    if here < len(tokens) and tokens[here].kind is Kind.NUMBER and _is_fraction(tokens[here], text) and value >= 1:
+        return value + _float(tokens[here]), here + 1
+    return value, here
+
+
+def _is_fraction(token: Token, text: str) -> bool:
+    return (
+        0 < _float(token) < 1
+        and not text[token.start : token.end].isdigit()
+        and "." not in text[token.start : token.end]
+    )
+
+
+def _skip_soft(tokens: Sequence[Token], at: int) -> int:
+    """Past at most two words without weight: "two more feet", "five uh feet"."""
+    for _ in range(2):
+        if at < len(tokens) and tokens[at].kind is Kind.SOFT:
+            at += 1
+    return at
+
+
+def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | None:
+    """The part after a unit: 一米五 is 1.5 m, 一米零五 1.05 m, 1米20 1.2 m, 一米半 1.5 m.
+
+    A digit with a unit of its own is not meant.
+    """
+    if at >= len(tokens) or tokens[at].start != tokens[at - 1].end or text[tokens[at].start - 1].isascii():
+        return None
+    if at + 1 < len(tokens) and tokens[at + 1].kind in (*_AMOUNT_OF, Kind.NUMBER, Kind.HALF, Kind.WORD):
+        return None
+    if tokens[at].kind is Kind.HALF:
+        return 0.5
+    said = text[tokens[at].start : tokens[at].end]
+    if tokens[at].kind is not Kind.NUMBER or len(said) > 2 or (len(said) == 2 and said[0] not in "0零〇123456789"):
+        return None
+    return _float(tokens[at]) / (10.0 if len(said) == 1 else 100.0)
+
+
+def _float(token: Token) -> float:
+    return token.value if isinstance(token.value, float) else 0.0

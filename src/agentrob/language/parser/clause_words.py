@@ -1,0 +1,254 @@
+"""Words that work on a whole clause: and, not, if, no wait, never mind, after each.
+
+What stands around them is read in `clauses`; the two share the state of one sentence, `Marks`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import Enum, auto
+
+from agentrob.language.parser.drafts import Besides, Draft, Remark, Sentence
+from agentrob.language.parser.lexicon import Kind, Soft, Token, Value
+from agentrob.model import Op
+
+AMOUNTS = (Kind.LENGTH, Kind.ANGLE, Kind.STEPS, Kind.DURATION, Kind.NUMBER)
+_VERBS = ([Kind.MOVE], [Kind.TURN])
+#: What talk is, by how it begins.
+_KINDS: dict[Value, Besides] = {"question": Besides.QUESTION, "ask": Besides.WISH, "tell": Besides.WISH}
+#: What may be wanted even though it stands within talk.
+_DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BACK)
+#: What may begin a further clause of talk.
+_TELLING = (Kind.TALK, Kind.TALK_START, Kind.IS, Kind.ASKED, Kind.THANKS, Kind.REPORT)
+#: What can stand after a "no" that corrects.
+_CORRECTING = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.DIR, Kind.AGREE, Kind.BACK, Kind.FIX, Kind.NO, *AMOUNTS)
+
+
+class Mode(Enum):
+    WANTED = auto()
+    TALK = auto()
+    DENIED = auto()
+    SUBJECT = auto()  # what a picture is to be of
+
+
+class Marks:
+    """The state of reading one sentence, and what each mark does to it."""
+
+    def __init__(self) -> None:
+        self.sentence = Sentence()
+        self.mode = Mode.WANTED
+        self.cur: Draft | None = None
+        self.boundary = True  # whether a clause may begin here
+        self.begins = True  # the same within talk, also after words such as "and you should …"
+        self.joined_by_and = False
+        self.talk_has_motion = False
+        self.talk_doubts = False  # a question, or something is denied in it
+        self.denied: Token | None = None
+        self.denial_used = False
+        self.pending = Draft(0, 0)  # manners said before their verb
+        self.fixing: Token | None = None
+        self.way_back = False
+        self.each: Token | None = None
+        self.faster: Token | None = None
+        self.agreed: Token | None = None
+        self.named: Token | None = None
+        self.remark: Remark | None = None  # the stretch of talk or of a denial that was begun last
+        self.tokens: list[Token] = []
+        #: By place in `tokens`: what carries nothing before and after.
+        self.soft_before: dict[int, list[Token]] = {}
+        self.soft_after: dict[int, list[Token]] = {}
+        self.at = 0
+
+    def _next(self, steps: int = 1) -> Kind:
+        """The kind of the token so many places on."""
+        return self.tokens[self.at + steps].kind if self.at + steps < len(self.tokens) else Kind.END
+
+    def _separate(self, token: Token) -> None:
+        if self.mode is Mode.DENIED and token.kind is Kind.COMMA:
+            self._end_denial()
+        if self.mode in (Mode.SUBJECT,):
+            self.mode = Mode.WANTED
+        if self.cur:
+            self.cur.closed = True
+            again = self.cur.verb is Kind.AGAIN and self.cur.counted and not self.cur.back
+            self.cur.ahead |= again and token.value == "colon" and len(self.sentence.drafts) == 1
+        after_and = self.joined_by_and and self.at > 0 and self.tokens[self.at - 1].kind is Kind.AND  # "then finally"
+        self.joined_by_and = token.kind is Kind.AND or after_and
+
+    def _request(self, token: Token) -> None:
+        if self.mode is Mode.TALK and token.value == "stated" and self.talk_doubts:
+            return  # "I do not think I want you to …", "do you think we should …"
+        if self.mode is Mode.TALK and self._asks_how():
+            return  # "how far can you walk"
+        self.sentence.requested = True
+        if self.mode is not Mode.DENIED:
+            self.mode = Mode.WANTED
+
+    def _asks_how(self) -> bool:
+        """Whether a question word stands right before, or with a manner between: "how", "how far"."""
+        before = self.tokens[max(0, self.at - 2) : self.at]
+        if len(before) > 1 and before[1].kind in (Kind.VAGUE, Kind.SLOW, Kind.FASTER):
+            before = before[:1]
+        return before[-1:] != [] and before[-1].kind is Kind.TALK and before[-1].value == "question"
+
+    def _wish(self, token: Token) -> None:
+        if self.mode is Mode.SUBJECT:
+            self.mode = Mode.WANTED
+
+    def _asked(self, token: Token) -> None:
+        if self.mode is not Mode.SUBJECT:
+            self.sentence.asked = True
+
+    def _report(self, token: Token) -> None:
+        if self.mode is not Mode.SUBJECT:
+            self.sentence.report = True
+            at = self.sentence.reported_at
+            self.sentence.reported_at = token.start if at is None else at
+
+    def _condition(self, token: Token) -> None:
+        before = self.sentence.condition
+        if token.value == "later":  # 等五秒后, 五秒后: with what is said of the time
+            number = self.tokens[self.at - 1] if self.at else token
+            start = before if before and before.value == "wait" else number if number.kind is Kind.NUMBER else token
+            token, before = replace(token, start=start.start), None if start is before else before
+        if self.mode is Mode.WANTED or self.sentence.drafts:
+            self.sentence.condition = before or token
+
+    def _not(self, token: Token) -> None:
+        if self.mode is Mode.TALK:
+            self.talk_doubts = True
+            return
+        if token.value == "no" and self._next() is Kind.COMMA and self.sentence.drafts:  # 前进两米，不，三米
+            self._fix(token)
+            return
+        self._end_denial()
+        self.mode, self.denied, self.denial_used = Mode.DENIED, token, False
+        self._besides(Besides.DENIED, token)
+        self.sentence.denied = True
+        if self.cur:
+            self.cur.closed = True
+
+    def _fix(self, token: Token) -> None:
+        """What follows corrects what was said; if nothing was said before, it is only a manner of beginning."""
+        if self.mode is Mode.DENIED:
+            self._end_denial()
+        if self.mode is not Mode.TALK:
+            self.mode = Mode.WANTED
+            self.fixing = token
+        if self.cur:
+            self.cur.closed = True
+
+    def _no(self, token: Token) -> None:
+        following = self._next()
+        if following in (Kind.COMMA, Kind.END) or (self.sentence.drafts and following in _CORRECTING):
+            self._fix(token)
+        elif self.mode is not Mode.TALK:  # "no turn left": nobody can tell
+            self.sentence.denial_unclear = self.sentence.denial_unclear or token
+
+    def _cancel(self, token: Token) -> None:
+        if self.mode is Mode.WANTED and self.sentence.drafts:  # "turn left, never mind"
+            self.fixing = token
+            self.sentence.fix_unclear = token
+        elif self.mode is not Mode.TALK:
+            self.sentence.cancelled = self.sentence.cancelled or token
+
+    def _is(self, token: Token) -> None:
+        if self.mode is Mode.WANTED and self.sentence.drafts and self._next() in _CORRECTING:
+            self._fix(token)
+        elif self.mode is Mode.WANTED:
+            self._begin_talk(token)
+
+    def _each(self, token: Token) -> None:
+        """ "… and take a photo after each", "after each turn, take a photo"."""
+        last = self.sentence.drafts[-1] if self.sentence.drafts else None
+        after = Kind(str(token.value)) if token.value else Kind.END
+        if self.mode is Mode.DENIED:
+            self.denial_used = True
+        elif last is not None and last.op is Op.GET_FRONT_IMAGE and last is self.cur:
+            last.each, last.closed, self.mode = after, True, Mode.WANTED
+        elif self.mode is not Mode.TALK:
+            self.mode, self.pending.each, self.each = Mode.WANTED, after, token
+            if self.cur:
+                self.cur.closed = True
+
+    def _thanks(self, token: Token) -> None:
+        """ "Thank you, Henry" at an end: a name."""
+        at = 2 if self._next() is Kind.COMMA else 1
+        wishes = at > 1 and self.soft_before.get(self.at + at)  # "thanks, show me your teeth" names nobody
+        if not wishes and self._next(at) is Kind.WORD and self._next(at + 1) in (Kind.END, Kind.COMMA):
+            self.named = self.tokens[self.at + at]
+
+    def _agree(self, token: Token) -> None:
+        """ "Right, take a photo", "right, walk forward 2 m": no direction where a command of its own follows."""
+        if self.at or self.mode is not Mode.WANTED:
+            return
+        rest = [t.kind for t in self.tokens[self.at + 2 :]]
+        clause = rest[1 : rest.index(Kind.AND) if Kind.AND in rest else None] if rest[:1] == [Kind.COMMA] else []
+        if rest[:1] == [Kind.OP] or clause[:1] == [Kind.OP] or (clause[:1] in _VERBS and Kind.DIR in clause):
+            self.agreed = self.tokens[self.at + 1]
+
+    def _begin_talk(self, token: Token) -> None:
+        if self.cur:
+            self.cur.closed = True
+        self.mode = Mode.TALK
+        self._besides(self._kind(token, Besides.REMARK), token)
+        self.sentence.talked = True
+        self.sentence.question |= token.value in ("question", "ask")
+        self.sentence.somebody = token if token.value == "somebody" else self.sentence.somebody
+        self.talk_has_motion = False
+        self.talk_doubts = token.value in ("question", "ask")
+        self.joined_by_and = False
+
+    def _kind(self, token: Token, otherwise: Besides) -> Besides:
+        """What talk is that begins with this token."""
+        soft = self.soft_before.get(self.at, [])
+        before = self.tokens[self.at - 1].kind if self.at else Kind.END
+        helped = before is Kind.REQUEST and token.kind is Kind.TALK and token.value is None  # 帮他挥手
+        for_somebody = helped or any(s.value in (Soft.OBJECT, Soft.TOWARDS, Soft.FOR) for s in soft)  # 给他挥手
+        return Besides.WISH if for_somebody else _KINDS.get(token.value, otherwise)
+
+    def _besides(self, kind: Besides, token: Token) -> None:
+        """A stretch that is no deed begins here."""
+        self.remark = Remark(kind, token.start, token.end)
+        self.sentence.remarks.append(self.remark)
+
+    def _goes_on(self, token: Token) -> None:
+        """The stretch of talk or of a denial that was begun reaches to here."""
+        if self.remark is None:
+            return
+        self.remark.end = token.end
+        self.remark.beyond |= token.kind is Kind.MORE_STOP  # 有人就停，走两米
+        if self.mode is Mode.TALK and (self.begins or self.remark.kind is Besides.WISH):
+            goes = token.kind is Kind.DIR and self._next() in (*_DEEDS, *AMOUNTS)  # 往前走
+            self.remark.deeds |= token.kind in _DEEDS or goes
+            self.remark.beyond |= token.kind not in _TELLING
+            if token.kind in (Kind.HELP, Kind.STATUS):
+                self.remark.kind = Besides.WISH
+            elif token.kind is Kind.TALK and self.remark.kind is not Besides.WISH:
+                self.remark.kind = self._kind(token, self.remark.kind)
+
+    def _end_denial(self) -> None:
+        if self.mode is Mode.DENIED:
+            if not self.denial_used:
+                self.sentence.denial_unclear = self.denied
+            self.mode = Mode.WANTED
+            self.cur = None
+
+
+MARKS = {
+    Kind.AND: Marks._separate,
+    Kind.COMMA: Marks._separate,
+    Kind.REQUEST: Marks._request,
+    Kind.WISH: Marks._wish,
+    Kind.ASKED: Marks._asked,
+    Kind.REPORT: Marks._report,
+    Kind.CONDITION: Marks._condition,
+    Kind.NOT: Marks._not,
+    Kind.NO: Marks._no,
+    Kind.FIX: Marks._fix,
+    Kind.CANCEL: Marks._cancel,
+    Kind.IS: Marks._is,
+    Kind.EACH: Marks._each,
+    Kind.AGREE: Marks._agree,
+    Kind.THANKS: Marks._thanks,
+}

@@ -1,0 +1,147 @@
+"""What was said of one deed, and what else stands in its sentence: collected, not yet judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from agentrob.language.parser.lexicon import Kind, Token
+from agentrob.model import Direction, Op
+
+
+@dataclass
+class Draft:
+    """What was said of one deed.
+
+    `verb` is MOVE, TURN, OP, AGAIN, BEYOND, or None when only a direction or an amount was said.
+    """
+
+    start: int
+    end: int
+    verb: Kind | None = None
+    op: Op | None = None
+    or_else: tuple[Op, ...] = ()  # what a robot that lacks this gesture does instead
+    direction: Direction | None = None
+    amount: Token | None = None
+    speed_mps: float | None = None
+    sideways: bool = False  # "strafe": left or right must be said
+    slow: bool = False
+    slower: bool = False
+    faster: bool = False
+    vague: bool = False
+    times: int = 1
+    counted: bool = False
+    more: bool = False  # so many times besides the first
+    only: Op | None = None  # 再转一次: what is done again was nothing but this
+    ahead: bool = False  # "three times: …"
+    each: Kind | None = None  # a picture after each MOVE, TURN or (END) anything
+    bare_picture: bool = False
+    watched: bool = False  # 让我看看: a picture, or somebody wants to watch what is said with it
+    back: bool = False  # the way back
+    beyond: str = ""  # eyes, hands, path, wait: what it would take
+    place: bool = False  # to where, in words that are not known
+    spun: bool = False  # "spin around": once is half a turn, three times are three turns
+    after_and: bool = False  # "and" or "then" stands before it
+    hesitant: bool = False  # after an "uh"
+    fixes: Token | None = None  # said in place of the draft before
+    unknown: list[tuple[int, int]] = field(default_factory=list)
+    odd_number: bool = False
+    stop_word: bool = False
+    waits: bool = False  # a stop word that only an end can have
+    joined: bool = False  # nothing separated it from the draft before
+    closed: bool = False
+
+    @property
+    def is_motion(self) -> bool:
+        return self.verb in (Kind.MOVE, Kind.TURN) or (
+            self.verb is None and (self.direction is not None or self.amount is not None)
+        )
+
+    @property
+    def takes_manner(self) -> bool:
+        """Whether a speed or an amount may be said of it."""
+        return self.is_motion or self.verb is Kind.AGAIN
+
+    @property
+    def vaguely_begun(self) -> bool:
+        """Whether so far it has no deed, only words or a direction: what follows may tell what they belong to."""
+        return self.verb is None and self.amount is None and not (self.bare_picture or self.stop_word)
+
+    @property
+    def is_deed(self) -> bool:
+        """Whether it names something to do, and not only words, a place or an amount."""
+        return bool(self.verb or self.bare_picture or (self.direction and self.amount))
+
+    @property
+    def empty(self) -> bool:
+        return not (self.verb or self.direction or self.amount or self.unknown or self.bare_picture or self.stop_word)
+
+    @property
+    def bare(self) -> bool:
+        """Whether it is only a verb."""
+        return not (self.direction or self.amount or self.unknown or self.slow or self.vague or self.counted)
+
+
+class Besides(StrEnum):
+    """What a stretch of a sentence is that is no deed."""
+
+    REMARK = "remark"  # "I am bored"
+    QUESTION = "question"  # "what do you see"
+    WISH = "wish"  # "tell me the temperature", "report", 给他…
+    HELP = "help"
+    DENIED = "denied"  # "do not wave"
+
+
+@dataclass
+class Remark:
+    """A stretch of a sentence that is no deed.
+
+    `deeds`: a clause of it begins with one all the same, which may be wanted ("so that I can see and turn left");
+    `beyond`: with words that may be half of one, or what no robot here can do ("… and sing", "… and buff it").
+    """
+
+    kind: Besides
+    start: int
+    end: int
+    deeds: bool = False
+    beyond: bool = False
+
+
+@dataclass
+class Sentence:
+    """Everything between two ends of sentences. Each of its clauses is in `drafts`, in `remarks`, or a mark below."""
+
+    start: int = 0
+    end: int = 0
+    drafts: list[Draft] = field(default_factory=list)
+    remarks: list[Remark] = field(default_factory=list)
+    reported_at: int | None = None  # where the first word of a report stands
+    asked: bool = False
+    requested: bool = False
+    report: bool = False
+    condition: Token | None = None
+    denial_unclear: Token | None = None  # a "not" whose reach cannot be told
+    denial_joined: bool = False  # … because an "and" stands within it
+    fix_unclear: Token | None = None  # "no wait", and nothing after it
+    times_unclear: Token | None = None  # "walk and turn, twice": which of them
+    talked: bool = False
+    somebody: Token | None = None  # 走在你前面: who is near the robot, not said by name
+    somebody_does: bool = False  # … and a deed after it, perhaps a command
+    question: bool = False
+    cancelled: Token | None = None  # "never mind"
+    denied: bool = False
+    help: bool = False
+    status: bool = False
+    status_asked: bool = False  # a word of the robot's state, which counts in a question
+    greeted: bool = False
+    sent: Token | None = None  # "post it": a picture, when one is taken
+
+    @property
+    def wants_status(self) -> bool:
+        return self.status or (self.status_asked and (self.asked or self.question))
+
+    @property
+    def says_nothing(self) -> bool:
+        """Whether it is only manners."""
+        said = self.drafts or self.talked or self.report or self.condition or self.denied or self.cancelled
+        return not (said or self.help or self.wants_status)

@@ -1,0 +1,141 @@
+"""From the visible text of a post to what one robot is asked to do, in English or Chinese, without any model.
+
+    text ── addressing ──► words for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
+         ── clauses ──► one draft per deed ── steps ──► steps, or the sentence to ask back with
+
+To teach it a word, add it to the table of its language (`tongues/en.py`, `tongues/zh.py`). To teach it a language,
+put such a file beside them: `docs/languages.md`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from agentrob.language.addressing import part_for
+from agentrob.language.messages.catalog import quote, say
+from agentrob.language.messages.help import examples as help_examples
+from agentrob.language.messages.help import within
+from agentrob.language.messages.plan_text import outline, sentence
+from agentrob.language.parser.amounts import with_amounts, with_pictures
+from agentrob.language.parser.clauses import sentences_of
+from agentrob.language.parser.drafts import Besides, Sentence
+from agentrob.language.parser.lexicon import Kind, Lexicon, tokens_of
+from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.robot_order import ordering_words
+from agentrob.language.parser.small_talk import Talk, talk_in
+from agentrob.language.parser.statements import without_statements
+from agentrob.language.parser.steps import Reading, read
+from agentrob.language.registry import language_of, tongue
+from agentrob.language.stop.at_rest import stop_intent
+from agentrob.language.visible_text import without_mentions
+from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
+
+#: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
+MAX_CHARS = 2_000
+_WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
+_NOTHING_KNOWN = Background()
+
+
+def parse(
+    visible: str,
+    names: Sequence[str],
+    others: Sequence[str],
+    ops: frozenset[Op],
+    background: Background = _NOTHING_KNOWN,
+) -> Understanding:
+    """Read the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
+
+    Only `Intent.COMMAND` carries a plan. `ops` are those of the robot: examples in questions are taken from them, but
+    a wish for another operation is understood too, so that the screen can say that the robot cannot do it.
+    `background` is what is known besides: what was done before in the thread, how fast and with what steps it walks.
+    """
+    part = part_for(visible, names, others)
+    language = language_of(part)
+    if stop := stop_intent(part):
+        return Understanding(stop, language)
+    if part and (words := ordering_words(visible, names, others)):
+        return _ask(Reading([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
+    if len(part) > MAX_CHARS:
+        return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
+    sentences, mistyped = _sentences(part, names, language)
+    reading = read(sentences, part, language, ops, background)
+    if reading.problem:
+        return _without_command(sentences, language) or _ask(reading, ops, language, background.can)
+    if reading.steps:
+        spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
+        return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
+    return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def commands_nothing(words: str, language: Language) -> bool:
+    """Whether words are only manners or a remark, which may be left out beside a command (law 18). Unknown words may be
+    wanted, and so may questions and things to be told."""
+    if not words.strip():
+        return True
+    sentences, _ = _sentences(words, (), language)
+    marked = (s.wants_status or s.help or s.cancelled or s.condition or s.denied or s.fix_unclear for s in sentences)
+    remarks = [r for s in sentences for r in s.remarks]
+    plain = all(r.kind is Besides.REMARK and not (r.deeds or r.beyond) for r in remarks)
+    return plain and not any(marked) and not any(s.drafts or s.asked for s in sentences)
+
+
+def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk | None:
+    """What a post is that `parse` finds to want nothing, if anything plain: a cancel, a question, a report."""
+    part = part_for(visible, names, others)
+    if len(part) > MAX_CHARS or stop_intent(part):
+        return None
+    if _WORDLESS.fullmatch(part):  # "@robot" alone; beside words for others it is only mentioned
+        return Talk.GREETING if _WORDLESS.fullmatch(without_mentions(visible)) else None
+    return talk_in(_sentences(part, names, language_of(part))[0])
+
+
+def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
+    words = tongue(language).words
+    called = _without_names(without_statements(part, tongue(language).stated), names, words)
+    tokens, mistyped = tokens_of(called, words)
+    return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
+
+
+def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
+    """The robot's own name as people call it by without an @ ("Rex, sit"), blanked; a name that is a word stays one."""
+    for name in names:
+        if (name.lower(),) not in words.phrases:
+            part = re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", " " * len(name), part, flags=re.IGNORECASE)
+    return part
+
+
+def _without_command(sentences: Sequence[Sentence], language: Language) -> Understanding | None:
+    """Help or status, when the post asks for it and wants no motion besides."""
+    drafts = [d for s in sentences for d in s.drafts]
+    if any(d.is_motion or d.op or d.verb is Kind.BEYOND for d in drafts):
+        return None
+    if any(s.help for s in sentences):
+        return Understanding(Intent.HELP, language)
+    if any(s.wants_status for s in sentences):
+        return Understanding(Intent.STATUS, language)
+    return None
+
+
+def _ask(reading: Reading, ops: frozenset[Op], language: Language, can: Capabilities | None = None) -> Understanding:
+    understood = say("ask.understood", language, steps=outline(reading.steps, language)) if reading.steps else ""
+    limits = can or Capabilities("", ops)
+    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hints))
+    question = say("ask.frame", language, problem=reading.problem, understood=understood, examples=examples)
+    return Understanding(Intent.ASK_BACK, language, question=question)
+
+
+def _examples(can: Capabilities, hints: Sequence[Sequence[Primitive]]) -> list[list[Primitive]]:
+    """Two commands that would work with this robot; the first are like the one that was not understood."""
+    steps = help_examples(can)
+    firsts = {step.op: step for step in reversed(steps)}
+    chain = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]
+    pictured = [firsts[op] for op in (Op.TURN, Op.GET_FRONT_IMAGE) if op in firsts]
+    found = [[within(step, can) for step in steps] for steps in hints if all(_goes(step, can) for step in steps)]
+    found += [c for c in (chain, pictured) if len(c) > 1]
+    found += [chain] + [[step] for step in steps if step.op not in (Op.MOVE, Op.TURN)]
+    return [c for at, c in enumerate(found) if c and c not in found[:at]][:2]
+
+
+def _goes(step: Primitive, can: Capabilities) -> bool:
+    return step.op in can.ops and (step.op is not Op.MOVE or step.direction in can.move_directions)

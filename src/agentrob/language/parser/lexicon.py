@@ -1,0 +1,352 @@
+"""Words and what they mean to the grammar: the parts of speech, and cutting a text into them.
+
+A language is one file of the folder `tongues` with a table from meanings to the phrases people use. A meaning is one
+or more symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" says verb and direction at once ("back
+up").
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from agentrob.language.parser.spelling import misspellings
+from agentrob.model import Language
+
+
+class Kind(StrEnum):
+    """Parts of speech of the robot's small world."""
+
+    MOVE = "move"  # a verb of going, in any direction; values "sideways", "to" (to a place)
+    TURN = "turn"  # a verb of turning on the spot
+    DIR = "dir"  # forward, backward, left, right
+    ALONG = "along"  # down, up: ahead, where a walk has no other direction
+    OP = "op"  # a whole gesture or picture: "wave"; value "shake/hello": this, or for who lacks it that
+    BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
+    AGAIN = "again"  # what was done before, once more; values: "back", the way back; "more"; "move", "turn": one
+    BACK = "back"  # stands before a walk backward that, without a distance, is the way back
+    NUMBER = "number"
+    LENGTH_UNIT = "length_unit"  # value: metres
+    ANGLE_UNIT = "angle_unit"  # value: degrees
+    SPEED_UNIT = "speed_unit"  # value: metres per second
+    STEP_UNIT = "step_unit"  # a step has no length, unless the robot has one
+    TIME_UNIT = "time_unit"  # value: seconds
+    PER_SECOND = "per_second"  # 每秒 before the length
+    LENGTH = "length"  # a number with its unit, in metres
+    ANGLE = "angle"  # in degrees
+    SPEED = "speed"  # in metres per second
+    STEPS = "steps"
+    DURATION = "duration"  # in seconds
+    HALF = "half"
+    AND_PART = "and_part"  # "and a half"; value: the part
+    TIMES_UNIT = "times_unit"
+    TIMES = "times"
+    MORE_TIMES_UNIT = "more_times_unit"  # "three more times": besides the first
+    MORE_TIMES = "more_times"
+    SHOW = "show"  # take, send, 拍: with a picture after it
+    PICTURE = "picture"
+    OF = "of"  # what follows a picture or a greeting is its subject and commands nothing; values "look", "watch": 看看
+    EACH = "each"  # "after each movement"; value: after which operation only
+    VAGUE = "vague"  # "a bit"
+    SLOW = "slow"  # value "er": slower than before
+    FASTER = "faster"
+    SOFT = "soft"  # politeness, hesitation, articles: carries nothing; its values: see `Soft`
+    THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
+    AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
+    AND = "and"  # joins clauses: and, then
+    COMMA = "comma"  # separates clauses and ends a negation; values "colon", and "word": one that may also be an adverb
+    END = "end"  # ends a sentence
+    ASKED = "asked"  # a question mark, 吗
+    REQUEST = "request"  # can you, please: what follows is wanted
+    WISH = "wish"  # we should, you can: what follows is wanted unless within talk
+    TALK = "talk"  # opens what commands nothing: a statement; values: "question"; "ask" and "tell": wants an answer
+    TALK_START = "talk_start"  # the same, but only where a clause begins
+    IS = "is"  # 是: talk, or a correction when a motion was said before it
+    REPORT = "report"  # the past: the whole sentence commands nothing
+    CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time
+    NOT = "not"
+    NO = "no"  # "no" before a comma or after a motion: what follows corrects it
+    FIX = "fix"  # "no wait", 不对: what follows corrects what was said
+    CANCEL = "cancel"  # "never mind": what was posted before is not wanted any more
+    HELP = "help"
+    STATUS = "status"  # value "battery": also within a question; "asked": only there
+    MORE_STOP = "stop"  # "and stop" at the end; value "wait": only there
+    GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
+    WORD = "word"  # not known; value "number": one that cannot be told, "place": where
+
+
+class Soft(StrEnum):
+    """What a word that carries nothing may still do to its neighbours; a number is "a": one, before a unit."""
+
+    HELLO = "hello"
+    UH = "uh"  # hesitates: what was begun may begin anew
+    IN = "in"  # inches, after a number at the end of a clause
+    TO = "to"  # an unknown word after it is a place, where one goes
+    THE = "the"  # the same
+    TOWARDS = "towards"  # an unknown word after it is a place
+    OBJECT = "object"  # 把: belongs to the thing after it
+    SEND = "send"  # "post it": a picture, which must have been taken
+    FOR = "for"  # 给, 对: for whom something is to be done
+
+
+Value = float | str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A phrase with its meaning; `start` and `end` are its place in the text."""
+
+    kind: Kind
+    value: Value = None
+    start: int = 0
+    end: int = 0
+
+
+class Piece(NamedTuple):
+    """A word, a number in digits, one Chinese character or a mark, lower case."""
+
+    text: str
+    start: int
+    end: int
+
+
+#: Reads a number from the pieces at a position: (value, how many pieces), or None.
+NumberReader = Callable[[Sequence[Piece], int], tuple[float, int] | None]
+
+
+Meaning = tuple[tuple[Kind, Value], ...]
+_SIDE_WORDS = {Kind.DIR, Kind.AGREE, Kind.BACK}
+
+
+@dataclass(frozen=True)
+class Lexicon:
+    """One language. `phrases` maps pieces to meanings, `number` reads its numerals, which are written with `numerals`.
+
+    `misspelt` maps what people mistype to what they mean; `twins` maps a character to the one that it stands for.
+    """
+
+    language: Language
+    phrases: Mapping[tuple[str, ...], Meaning]
+    number: NumberReader
+    numerals: frozenset[str] = frozenset()
+    misspelt: Mapping[str, str] = field(default_factory=dict)
+    twins: Mapping[int, int] = field(default_factory=dict)
+    vocabulary: frozenset[str] = field(init=False)
+    #: Words that people begin, break off and say again: "turn ri right", "thir thirty degrees".
+    broken_off: frozenset[str] = field(init=False)
+    _tree: dict[str, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        tree: dict[str, Any] = {}
+        for phrase, meaning in self.phrases.items():
+            at = tree
+            for word in phrase:
+                at = at.setdefault(word, {})
+            at[""] = meaning
+        said = frozenset(word for phrase in self.phrases for word in phrase) | self.numerals
+        sides = {phrase[0] for phrase, meaning in self.phrases.items() if {k for k, _ in meaning} <= _SIDE_WORDS}
+        starts = frozenset(w[:n] for w in self.numerals | sides if w.isascii() for n in range(1, min(len(w), 4)))
+        object.__setattr__(self, "_tree", tree)
+        object.__setattr__(self, "vocabulary", said)
+        object.__setattr__(self, "broken_off", starts)
+
+    def longest(self, pieces: Sequence[Piece], at: int) -> tuple[int, Meaning | None]:
+        """The longest phrase at this place: (how many pieces, its meaning), or (0, None)."""
+        node, best, meaning = self._tree, 0, None
+        for here in range(at, len(pieces)):
+            if pieces[here].text not in node:
+                break
+            node = node[pieces[here].text]
+            if "" in node:
+                best, meaning = here + 1 - at, node[""]
+        return best, meaning
+
+
+def lexicon(
+    language: Language,
+    table: Mapping[str, str],
+    number: NumberReader,
+    *,
+    numerals: frozenset[str] = frozenset(),
+    twins: Mapping[int, int] | None = None,
+    extends: Lexicon | None = None,
+) -> Lexicon:
+    """Build a language from its table; phrases are separated by | and written as people write them."""
+    phrases: dict[tuple[str, ...], Meaning] = {}
+    for meaning, words in (*MARKS.items(), *table.items()):
+        symbols = tuple(_symbol(s) for s in meaning.split())
+        for phrase in words.replace("\n", " ").split("|"):
+            if key := _phrase(phrase):
+                phrases[key] = symbols
+    wanted = {key[0] for key, symbols in phrases.items() if len(key) == 1 and symbols[0][0] in _SPELT}
+    mistakes = [(wrong, right) for right in sorted(wanted) for wrong in misspellings(right)]
+    if extends:
+        phrases, mistakes = {**extends.phrases, **phrases}, [*extends.misspelt.items(), *mistakes]
+    known = {word for phrase in phrases for word in phrase} | numerals
+    misspelt = {wrong: right for wrong, right in mistakes if wrong not in known}
+    return Lexicon(language, phrases, number, numerals, misspelt, twins or {})
+
+
+_PLAIN_WORDS, _PLAIN_HAN = re.compile("[a-z ]*"), re.compile(" *([\u3400-\u9fff]*) *")
+
+
+def _phrase(written: str) -> tuple[str, ...]:
+    """The pieces of a phrase of a table; most are plain words, which are quick to cut."""
+    if _PLAIN_WORDS.fullmatch(written):
+        return tuple(written.split())
+    if han := _PLAIN_HAN.fullmatch(written):
+        return tuple(han[1])
+    return tuple(piece.text for piece in pieces_of(written))
+
+
+#: Marks mean the same in every language.
+MARKS = {
+    "comma": ",|/|;|(|)|[|]|—|，|、|；|（|）|【|】",
+    "comma=colon": ":|：",
+    "end": ".|!|…|。|！|．",
+    "asked end": "?|？",
+    "and": "&|+",
+}
+_SPELT = (Kind.MOVE, Kind.TURN, Kind.DIR, Kind.AGREE, Kind.OP, Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.PICTURE)
+
+
+_LONGEST_NUMBER = 15
+
+
+def digits(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
+    """A number in digits: "2", "0.5", "1/2"; none of more digits than anybody means."""
+    first = pieces[at].text
+    if len(first) > _LONGEST_NUMBER or first[-1] not in "0123456789" or first[0] not in "0123456789.":
+        return None
+    above, _, below = first.replace("⁄", "/").partition("/")
+    return float(above) / float(below or 1), 1
+
+
+def _symbol(text: str) -> tuple[Kind, Value]:
+    name, _, value = text.partition("=")
+    try:
+        return Kind(name), float(value) if value else None
+    except ValueError:
+        return Kind(name), value
+
+
+_PIECE = re.compile(
+    # 1,500 · -2 · 2-3 · 2x3: not to be guessed
+    r"(?P<bad>[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?|(?<![^\W\u3400-\u9fff])[-−]\.?[0-9]+|[0-9]+[-–~][0-9]+|[0-9]+[x×*^][0-9]+)"
+    r"|(?P<feet>[0-9]+)['′]\s?(?P<inches>[0-9]+)(?:[\"”″]|''|′′)?(?!\w)"  # 6'2"
+    r"|[0-9]+[/⁄][1-9][0-9]*|[0-9]+(?:\.[0-9]+)?(?![.]?[0-9])|\.[0-9]+"
+    r"|[^\W\d_\u3400-\u9fff]+(?:'[^\W\d_\u3400-\u9fff]+)*"
+    r"|[\u3400-\u9fff]"
+    r"|[^\s\w]|\w",
+)
+_IGNORED_MARKS = frozenset("*_\"'“”‘’「」『』«»`-~#¡¿")
+_DASHES = frozenset("–—―")
+
+
+def pieces_of(text: str) -> list[Piece]:
+    """Cut a text into pieces. A hyphen joins words ("forty-five"), a dash with spaces around it separates them."""
+    lowered = _same_length_lower(text).replace("’", "'").replace("‘", "'")
+    found: list[Piece] = []
+    for match in _PIECE.finditer(lowered):
+        piece, start, end = match[0], match.start(), match.end()
+        if match["bad"]:
+            found.append(Piece("\0" + piece, start, end))
+        elif match["feet"]:
+            (feet, inches), last = (match.span(part) for part in ("feet", "inches")), match.end("inches")
+            found += [Piece(match["feet"], *feet), Piece("′", *feet), Piece(match["inches"], *inches)]
+            found.append(Piece("″", last, max(last, end)))
+        elif (piece in "-" and _stands_alone(lowered, start)) or piece in _DASHES:
+            found.append(Piece("—", start, end))
+        elif piece not in _IGNORED_MARKS:
+            found.append(Piece(piece, start, end))
+    return found
+
+
+def _stands_alone(text: str, at: int) -> bool:
+    return text[at - 1 : at].isspace() and text[at + 1 : at + 2].isspace()
+
+
+def _same_length_lower(text: str) -> str:
+    """Lower case that keeps every character's place (İ would become two)."""
+    lowered = text.lower()
+    return lowered if len(lowered) == len(text) else "".join(c.lower() if len(c.lower()) == 1 else c for c in text)
+
+
+def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, str]]]:
+    """Cut a text into tokens, the longest known phrase first; line ends separate like commas.
+
+    Besides, the words that were taken for mistyped ones, each as (written, meant).
+    """
+    found: list[Token] = []
+    pieces, mistyped = _spelt(pieces_of(text.translate(words.twins) if words.twins else text), words)
+    at = line = 0  # `line` is where the next line begins
+    while at < len(pieces):
+        if at and "\n" in text[pieces[at - 1].end : pieces[at].start]:
+            found.append(Token(Kind.COMMA, None, pieces[at].start, pieces[at].start))
+        while line < len(pieces) and (line <= at or "\n" not in text[pieces[line - 1].end : pieces[line].start]):
+            line += 1
+        length, meaning = words.longest(pieces[:line], at)  # "90 degrees⏎turn around" is no "degrees turn"
+        number = words.number(pieces, at)
+        if number and (meaning is None or number[1] > length):
+            length, meaning = number[1], ((Kind.NUMBER, number[0]),)
+        if meaning is None:
+            length = _hesitation(pieces, at, words)
+            run = 0 if length else _odd_numerals(pieces, at, words)
+            odd = ((Kind.WORD, "number" if run else None),)
+            length, meaning = (length, ((Kind.SOFT, None),)) if length else (run or 1, odd)
+        start, end = pieces[at].start, pieces[at + length - 1].end
+        found += (Token(kind, value, start, end) for kind, value in meaning)
+        at += length
+    return found, mistyped
+
+
+def _odd_numerals(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
+    """How many pieces here are some number that nobody reads: "1,500", "2-3", 两三 of 两三米; 0 when it is none."""
+    end = at
+    while end < len(pieces) and (pieces[end].text[0] in "\0.0123456789" or pieces[end].text in words.numerals):
+        end += 1
+    return end - at
+
+
+def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple[str, str]]]:
+    """With what was mistyped put right."""
+    wrong = {p.text: words.misspelt[p.text] for p in pieces if p.text in words.misspelt}
+    if not wrong:
+        return pieces, []
+    return [Piece(wrong.get(p.text, p.text), p.start, p.end) for p in pieces], list(wrong.items())
+
+
+def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
+    """How many pieces here are no words but pictographs, or words begun and said again at once; 0 for none.
+
+    "t turn", "yo to your", "ff four"; before a number or direction also what began as another one: "fif ninety
+    degrees", "to the r left", "nin degree ninety degrees".
+    """
+    piece = pieces[at].text
+    if len(piece) == 1 and ("\u2600" <= piece <= "\u27bf" or "\U0001f300" <= piece <= "\U0001faff"):
+        return 1
+    if not (piece.isascii() and piece.isalpha() and len(piece) <= 12):
+        return 0
+    begun = re.sub(r"^(.)\1+", r"\1", piece)
+    if len(begun) > 3:
+        return 0
+    if begun in words.broken_off and _is_unit(pieces, at + 1, words) and _replaces(pieces, at + 2, words):
+        return 2
+    again = any(following.text.startswith(begun) for following in pieces[at + 1 : at + 3])
+    return 1 if again or (begun in words.broken_off and _replaces(pieces, at + 1, words)) else 0
+
+
+def _is_unit(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
+    meaning = words.longest(pieces, at)[1]
+    return meaning is not None and meaning[0][0] in (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT)
+
+
+def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
+    """Whether a number or direction stands here."""
+    if at >= len(pieces):
+        return False
+    meaning = words.longest(pieces, at)[1]
+    return words.number(pieces, at) is not None or (meaning is not None and meaning[-1][0] is Kind.DIR)

@@ -1,0 +1,74 @@
+"""Whether a post sets the deeds of several robots in order: "@a walk 1 m, then @b wave", "when @a is done, @b wave".
+
+Each robot reads its own part alone and begins at once; none knows when another has ended. So such a post is asked back
+by every robot in it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cache
+
+from agentrob.language.registry import known
+from agentrob.language.visible_text import mention_spans
+
+#: What may stand between such a word and the robot, or the mark next to it.
+_BETWEEN = r"(?:[\s,，:：、]|please\b|let\b|have\b|make\b|ask\b|tell\b|and\b|it's\b|请|让|叫|由|轮到)*"
+_POLITE = re.compile(
+    r"(?:\W|\b(?:ok|okay|alright|well|so|hi|hello|please|thanks|great|now|and|yes)\b|[好的那嗯啊])*", re.I
+)
+
+
+def ordering_words(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
+    """The words that set this robot's part in order with another's, "" when there are none.
+
+    `names` and `others` are as for `addressing.part_for`. A single robot that is mentioned after such a word and after
+    other words counts too: those may be for the robot in whose thread it was posted.
+    """
+    robots = {n.lower() for n in (*names, *others)}
+    spans = [(name, start, end) for name, start, end in mention_spans(visible) if name in robots]
+    if not spans:
+        return ""
+    several = len({name for name, _, _ in spans}) > 1
+    before, waits, after, begins = _patterns()
+    for at, (_, start, end) in enumerate(spans):
+        since = spans[at - 1][2] if at else 0
+        until = spans[at + 1][1] if at + 1 < len(spans) else len(visible)
+        said, told = visible[since:start], visible[end:until]
+        found = before.search(said)
+        if found and (several if at else not _POLITE.fullmatch(said[: found.start()])):
+            return found["words"]
+        if several:
+            found = waits.search(said) or (after.search(told) or begins.match(told) if at else _first().search(told))
+            if found:
+                return found["words"]
+    return ""
+
+
+@cache
+def _patterns() -> tuple[re.Pattern[str], ...]:
+    """An order right before a robot's name; a condition in the clause before it; an order at the end of its part, or
+    at its beginning."""
+    order, waits = _either("order"), _either("waits")
+    flags = re.IGNORECASE
+    return (
+        re.compile(rf"(?P<words>{order}){_BETWEEN}$", flags),
+        re.compile(rf"(?P<words>{waits})(?![A-Za-z])[^.,;!?\n，。；！？]*$", flags),
+        re.compile(rf"(?P<words>{order})[\s.,!?。，！？]*$", flags),
+        re.compile(rf"{_BETWEEN}(?P<words>{order})(?![A-Za-z])", flags),
+    )
+
+
+@cache
+def _first() -> re.Pattern[str]:
+    """The first robot's part is said to come first."""
+    return re.compile(r"(?P<words>\bfirst|首先|先)[\s.,!?;。，！？；]*$", re.IGNORECASE)
+
+
+def _either(field: str) -> str:
+    """The words of all languages, the longest first; those in Latin letters whole."""
+    words = {w.strip() for t in known().values() for w in getattr(t, field).replace("\n", "").split("|")} - {""}
+    return "|".join(
+        rf"(?<![A-Za-z]){re.escape(w)}" if w.isascii() else w for w in sorted(words, key=lambda w: (-len(w), w))
+    )

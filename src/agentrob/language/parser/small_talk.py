@@ -1,0 +1,31 @@
+"""What a post is that commands nothing: "never mind", a question, a report of the past, a greeting."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+
+from agentrob.language.parser.drafts import Sentence
+
+
+class Talk(StrEnum):
+    """What posts are besides commands, stops, help and status. None of them moves anything."""
+
+    CANCEL = "cancel"  # what its author posted before is not wanted any more
+    QUESTION = "question"
+    PAST = "past"  # tells what was
+    GREETING = "greeting"
+    THANKS = "thanks"  # or other manners alone
+
+
+def talk_in(sentences: Sequence[Sentence]) -> Talk | None:
+    """The first of cancel, question, past, greeting, thanks that is found."""
+    if any(s.cancelled for s in sentences):
+        return Talk.CANCEL
+    if any(s.question or s.asked for s in sentences):
+        return Talk.QUESTION
+    if any(s.report for s in sentences):
+        return Talk.PAST
+    if not all(s.says_nothing for s in sentences):
+        return None
+    return Talk.GREETING if any(s.greeted for s in sentences) else Talk.THANKS

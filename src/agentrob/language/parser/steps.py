@@ -1,0 +1,371 @@
+"""From what was said to what is done: drafts in, steps out, or the reason why it is not enough to move.
+
+Fails closed: one motion clause that is not wholly understood, and nothing moves at all. A distance is never guessed;
+the one assumption made, a bare "turn left" as 90°, is told in a note.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from agentrob.language.messages.catalog import quote, say
+from agentrob.language.messages.plan_text import deeds, outline, step_sentence
+from agentrob.language.parser.drafts import Besides, Draft, Remark, Sentence
+from agentrob.language.parser.lexicon import Kind
+from agentrob.language.parser.repairs import corrected, settled
+from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, Background, Unclear, once_more
+from agentrob.model import Direction, Language, Op, Primitive
+
+#: Bounds of the language, whatever a robot can do: beyond them something was misunderstood.
+MAX_DISTANCE_M = 100.0
+MAX_DEGREES = 3600.0
+SLOW_FROM_MPS, FAST_TO_MPS = 0.01, 10.0
+
+
+@dataclass
+class Reading:
+    """Steps that are understood, in order; `problem` is the first reason not to do them, as a sentence."""
+
+    steps: list[Primitive]
+    notes: list[str]
+    problem: str = ""
+    picture_after: Kind | None = None
+    hints: list[list[Primitive]] = field(default_factory=list)  # what the first that is not understood might be
+
+    def object_to(self, problem: str) -> None:
+        self.problem = self.problem or problem
+
+    def note(self, note: str) -> None:
+        if note not in self.notes:
+            self.notes.append(note)
+
+
+def read(
+    sentences: Sequence[Sentence], text: str, language: Language, ops: frozenset[Op], background: Background
+) -> Reading:
+    """Turn the drafts of a whole post into steps; `ops` are those of the robot."""
+    return _Maker(text, language, ops, background).read(sentences)
+
+
+def _is_question(sentence: Sentence) -> bool:
+    return sentence.talked or sentence.condition is not None or not any(d.verb for d in sentence.drafts)
+
+
+def _is_aside(sentence: Sentence) -> bool:
+    """Whether a whole sentence commands nothing: a report of the past, or a question."""
+    return sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence))
+
+
+def _carry_over(sentences: Sequence[Sentence]) -> None:
+    """ "Turn right. No! Left!": a correction that is a sentence of its own begins the next one."""
+    for before, sentence, after in zip(sentences, sentences[1:], sentences[2:], strict=False):
+        if sentence.fix_unclear and not sentence.drafts and before.drafts and after.drafts and not after.talked:
+            after.drafts[0].fixes = after.drafts[0].fixes or sentence.fix_unclear
+            sentence.fix_unclear = None
+
+
+def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> str:
+    """What makes a sentence doubtful: conditions, denials without an end, questions. Empty when nothing does.
+
+    A condition or denial that stands alone ("Don't … walk 1 m") may mean its neighbours when the post `wants` anything.
+    So may somebody who is near the robot: it is told only where nothing else is wanted.
+    """
+    if (near := sentence.somebody) is not None and (wants or sentence.requested or sentence.somebody_does):
+        return say("ask.words", language, words=quote(text[near.start : near.end]))
+    if wants and sentence.condition is not None:
+        key = "ask.wait" if sentence.condition.value == "later" else "ask.condition"
+        return say(key, language, words=quote(text[sentence.condition.start : sentence.condition.end]))
+    if sentence.denial_unclear is not None and (wants or sentence.denial_joined):
+        denial = sentence.denial_unclear
+        return say("ask.denial", language, words=quote(text[denial.start : denial.end]))
+    if sentence.times_unclear is not None:
+        times = sentence.times_unclear
+        return say("ask.again_which", language, words=quote(text[times.start : times.end]))
+    if sentence.fix_unclear is not None and wants:
+        return say("ask.fix", language, words=quote(text[sentence.fix_unclear.start : sentence.fix_unclear.end]))
+    if sentence.drafts and sentence.asked and not sentence.requested:
+        return say("ask.question", language)
+    return ""
+
+
+_AHEAD = (Direction.FORWARD, Direction.BACKWARD)
+_SIDES = (Direction.LEFT, Direction.RIGHT)
+_PICTURE = Primitive(Op.GET_FRONT_IMAGE)
+
+
+class _Maker:
+    """Makes steps of drafts, one after the other."""
+
+    def __init__(self, text: str, language: Language, ops: frozenset[Op], background: Background) -> None:
+        self.text = text
+        self.language = language
+        self.ops = ops
+        self.background = background
+        self.reading = Reading([], [])
+        self.waits = False
+        self.besides = ""
+        self.ahead: Draft | None = None  # what is repeated is said after it
+
+    def read(self, sentences: Sequence[Sentence]) -> Reading:
+        reading = self.reading
+        wants = any(sentence.drafts for sentence in sentences)
+        first = min((d.start for s in sentences if not _is_aside(s) for d in s.drafts), default=None)
+        drafts: list[Draft] = []
+        _carry_over(sentences)
+        for sentence in sentences:
+            if first is not None or any(r.kind is Besides.WISH and r.deeds for r in sentence.remarks):
+                self._account(sentence, first or 0)
+            if _is_aside(sentence):
+                continue
+            reading.object_to(_doubt(sentence, wants, self.text, self.language))
+            if self.ahead:  # "Three times: … . And wave.": nobody can tell how far that reaches
+                reading.object_to(self._say("ask.again_which", self.text[self.ahead.start : self.ahead.end]))
+            self.ahead = next((d for d in sentence.drafts if d.ahead), self.ahead) if sentence.drafts else self.ahead
+            if drafts and sentence.cancelled:  # "Turn left. Never mind."
+                reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
+            drafts += settled(sentence.drafts)
+        drafts, unclear = corrected(drafts)
+        if unclear is not None:
+            reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        for at, draft in enumerate(drafts, 1):
+            if draft.waits and at < len(drafts):  # "walk 1 m, wait, turn left"
+                self.waits = True
+                reading.object_to(self._say("ask.wait", self.text[draft.start : draft.end]))
+            self._add(draft)
+        reading.problem = " ".join(part for part in (reading.problem, self.besides) if part)
+        if reading.picture_after is not None:
+            reading.steps = _after_each(reading.steps, reading.picture_after)
+        self._repeat_ahead()
+        sent = next((s.sent for s in sentences if s.sent is not None), None)
+        if sent is not None and reading.steps and _PICTURE not in reading.steps:  # "walk 1 m and post it"
+            reading.object_to(self._say("ask.words", self.text[sent.start : sent.end]))
+        if self.waits and reading.steps:  # all but the waiting would work
+            reading.hints = [reading.steps[:MAX_STEPS], *reading.hints]
+        if len(reading.steps) > MAX_STEPS:
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+            del reading.steps[MAX_STEPS:]
+        return reading
+
+    def _account(self, sentence: Sentence, first: int) -> None:
+        """What stands beside the deeds of a post, of which the first is at `first`: told as left out where it is a
+        mere remark; where something may be wanted of the robot, it is asked back."""
+        if _is_aside(sentence):
+            begun = min((d.start for d in sentence.drafts if d.is_deed), default=sentence.end)
+            told = sentence.report and (sentence.reported_at or 0) <= begun and sentence.condition is None
+            kind = Besides.REMARK if told else Besides.WISH if sentence.drafts else Besides.QUESTION
+            beside = [Remark(kind, sentence.start, sentence.end)]
+        else:
+            beside = sentence.remarks
+        for remark in beside:
+            words = self.text[remark.start : remark.end].rstrip("?？ ")
+            if remark.kind is Besides.DENIED and any(d.verb is Kind.AGAIN for d in sentence.drafts):
+                self.reading.object_to(self._say("ask.denial", words))  # "again, but not the turn"
+            elif remark.kind is Besides.DENIED:
+                self.reading.note(self._say("note.not_done", words))
+                continue
+            half = remark.deeds or (remark.beyond and sentence.drafts != [])
+            asks = remark.kind in (Besides.QUESTION, Besides.HELP) and first < remark.start
+            if remark.kind is Besides.WISH or half or asks:
+                self.besides = self.besides or self._say("ask.besides", words)
+            else:
+                self.reading.note(self._say("note.left_out", words))
+
+    def _repeat_ahead(self) -> None:
+        reading, ahead = self.reading, self.ahead
+        if ahead is None or reading.problem:
+            return
+        said = self.text[ahead.start : ahead.end]
+        if not reading.steps:
+            reading.object_to(self._say("ask.again", said))
+        elif not 1 <= ahead.times * len(reading.steps) <= MAX_STEPS:
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+        else:
+            reading.steps *= ahead.times
+            done = outline(reading.steps, self.language)
+            reading.note(say("note.again", self.language, words=quote(said), steps=done))
+
+    def _say(self, key: str, words: str) -> str:
+        return say(key, self.language, words=quote(words))
+
+    def _add(self, draft: Draft) -> None:
+        reading, said = self.reading, self.text[draft.start : draft.end]
+        if draft.stop_word and reading.steps and not (draft.unknown or draft.amount or draft.direction):
+            return  # "walk 2 m and stop": it stops by itself
+        if draft.beyond:
+            self.waits |= draft.beyond == "wait"
+            can = deeds(self.ops, self.language)
+            reading.object_to(say(f"ask.{draft.beyond}", self.language, words=quote(said), can=can))
+        elif draft.unknown or draft.stop_word:
+            reading.object_to(self._not_understood(draft, said))
+        elif draft.ahead:
+            pass  # see `_repeat_ahead`
+        elif draft.verb is Kind.AGAIN or (draft.back and draft.amount is None and self._is_way_back()):
+            self._again(draft, said)
+        else:
+            self._one(draft, said)
+
+    def _is_way_back(self) -> bool:
+        return bool(self.reading.steps or self.background.history) and not self.reading.problem
+
+    def _not_understood(self, draft: Draft, said: str) -> str:
+        if draft.stop_word and draft.amount and draft.amount.kind is Kind.DURATION:
+            self.waits = True
+            return self._say("ask.wait", said)
+        if draft.stop_word and not draft.unknown and not draft.amount:  # "please wait"
+            return self._say("ask.wait", said)
+        if draft.odd_number:
+            self.reading.hints = self.reading.hints or _hints(draft)
+            return self._say("ask.number", said)
+        # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
+        known_part = draft.is_motion or draft.stop_word or not draft.unknown
+        words = said if known_part else self.text[draft.unknown[0][0] : draft.unknown[-1][1]]
+        goes = draft.verb in (Kind.MOVE, Kind.TURN)
+        # "Go to the kitchen", "face the door": a place instead of an amount.
+        if draft.place and draft.unknown:
+            return self._say("ask.place", words) if goes else self._say("ask.eyes", said)
+        return self._say("ask.words", words)
+
+    def _again(self, draft: Draft, said: str) -> None:
+        reading = self.reading
+        if reading.problem:
+            return
+        try:
+            more, note = once_more(draft, said, reading.steps, self.background.history, self.language)
+        except Unclear as e:
+            reading.object_to(str(e))
+            return
+        if not all(_in_bounds(step) for step in more):
+            reading.object_to(self._say("ask.words", said))
+            return
+        reading.steps += more
+        reading.note(note)
+        if len(reading.steps) > MAX_STEPS:  # from here on it would only double
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+
+    def _one(self, draft: Draft, said: str) -> None:
+        reading = self.reading
+        step: Primitive | None
+        step, problem = (self._gesture(draft.op, draft, said), "") if draft.op else self._motion(draft, said)
+        if draft.bare_picture:
+            step, problem = _PICTURE, ""
+        if step is None:
+            reading.object_to(problem)
+            reading.hints = reading.hints or _hints(draft)
+        elif not 1 <= draft.times <= MAX_STEPS:
+            reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
+        elif draft.each is not None:
+            reading.picture_after = draft.each
+        elif step == _PICTURE and not draft.counted and reading.steps[-1:] == [step]:
+            pass  # "take a picture, take a picture": said twice, meant once
+        elif len(reading.steps) <= MAX_STEPS:
+            reading.steps += [step] * draft.times
+
+    def _gesture(self, op: Op, draft: Draft, said: str) -> Primitive:
+        """ "Shake hands": what was asked for, or what this robot has in its place."""
+        if op in self.ops or not (others := [other for other in draft.or_else if other in self.ops]):
+            return Primitive(op)
+        step = Primitive(others[0])
+        self.reading.note(
+            say("note.instead", self.language, words=quote(said), step=step_sentence(step, self.language))
+        )
+        return step
+
+    # -------------------------------------------------------------- walks and turns
+    def _motion(self, draft: Draft, said: str) -> tuple[Primitive | None, str]:
+        kind = draft.amount.kind if draft.amount else None
+        value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+        if draft.verb is None and draft.direction is None and kind is Kind.DURATION:  # "a photo in 5 seconds"
+            self.waits = True
+            return None, self._say("ask.wait", said)
+        if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not Kind.ANGLE:
+            return None, self._say("ask.what", said)
+        if draft.verb is Kind.TURN and draft.direction in _AHEAD:
+            return None, self._say("ask.words", said)
+        turns = draft.verb is Kind.TURN or kind is Kind.ANGLE
+        if kind is Kind.NUMBER and not (turns and value >= 5):
+            return None, self._say("ask.unit", said)
+        if turns:
+            return (None, self._say("ask.turn_time", said)) if kind is Kind.DURATION else self._turn(draft, value, said)
+        return self._move(draft, value, said)
+
+    def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
+        direction = draft.direction
+        if draft.amount is None:
+            if draft.vague or direction is None:
+                return None, self._say("ask.angle" if direction else "ask.turn", said)
+            degrees = 90.0
+            self.reading.note(self._say("note.turn_90", said))
+        if draft.slow or draft.faster or draft.speed_mps is not None:
+            self.reading.note(say("note.turn_speed", self.language))
+        if direction in _AHEAD:
+            return None, self._say("ask.words", said)
+        if direction is None and degrees % 180:
+            return None, self._say("ask.side", said)
+        if not 0 < degrees <= MAX_DEGREES:
+            most = min(MAX_DEGREES, can.limits.step_deg) if (can := self.background.can) else MAX_DEGREES
+            return None, say("ask.degrees_bound", self.language, degrees=f"{most:g}")
+        return Primitive(Op.TURN, direction or Direction.LEFT, degrees=round(degrees, 4)), ""
+
+    def _move(self, draft: Draft, value: float, said: str) -> tuple[Primitive | None, str]:
+        if draft.amount is None:
+            return None, self._say("ask.distance", said)
+        speed = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)
+        if speed is not None and not SLOW_FROM_MPS <= speed <= FAST_TO_MPS:
+            return None, self._say("ask.speed", said)
+        if draft.sideways and draft.direction is None:
+            return None, self._say("ask.side", said)
+        distance_m = value
+        if draft.amount.kind is Kind.DURATION:
+            speed = speed or min(self.background.pace_mps, SLOW_MPS if draft.slow else FAST_TO_MPS)
+            distance_m = speed * value
+            if 0 < distance_m <= MAX_DISTANCE_M:
+                self.reading.note(self._converted("note.duration", said, distance_m, speed))
+        elif draft.amount.kind is Kind.STEPS:
+            if self.background.step_m is None:
+                return None, self._say("ask.steps", said)
+            distance_m = self.background.step_m * value
+            self.reading.note(self._converted("note.steps", said, distance_m, self.background.step_m))
+        if not 0 < distance_m <= MAX_DISTANCE_M:
+            most = min(MAX_DISTANCE_M, can.limits.step_m) if (can := self.background.can) else MAX_DISTANCE_M
+            return None, say("ask.distance_bound", self.language, metres=f"{most:g}")
+        if draft.faster and speed is None:
+            self.reading.note(say("note.own_speed", self.language))
+        step = Primitive(Op.MOVE, draft.direction or Direction.FORWARD, distance_m=round(distance_m, 4))
+        return replace(step, speed_mps=speed), ""
+
+    def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
+        return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
+
+
+def _hints(draft: Draft) -> list[list[Primitive]]:
+    """Steps of the kinds that may have been meant, with what was said of them."""
+    kind = draft.amount.kind if draft.amount else None
+    value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
+    degrees = value if kind in (Kind.ANGLE, Kind.NUMBER) and 5 <= value <= 360 else 90.0
+    turn = Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
+    if draft.verb is Kind.TURN or kind is Kind.ANGLE:
+        return [[turn]]
+    metres = value if kind in (Kind.LENGTH, Kind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
+    if kind is Kind.NUMBER and metres > 5:  # nobody walks "twenty" metres in a room
+        metres /= 100
+    usual = Direction.LEFT if draft.sideways else Direction.FORWARD
+    walk = Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
+    side, number = draft.direction in _SIDES, kind is Kind.NUMBER and value >= 5
+    either = draft.verb is None and ((side and (number or kind is None)) or (number and draft.direction is None))
+    return [[turn], [walk]] if either else [[walk]]
+
+
+def _in_bounds(step: Primitive) -> bool:
+    speeds = step.speed_mps is None or SLOW_FROM_MPS <= step.speed_mps <= FAST_TO_MPS
+    return speeds and 0 < (step.distance_m or 1) <= MAX_DISTANCE_M and 0 < (step.degrees or 1) <= MAX_DEGREES
+
+
+def _after_each(steps: Sequence[Primitive], after: Kind) -> list[Primitive]:
+    """A picture after every step, or after every walk or turn only, in place of those between."""
+    wanted = {Kind.MOVE: (Op.MOVE,), Kind.TURN: (Op.TURN,)}.get(after, tuple(op for op in Op))
+    pictured: list[Primitive] = []
+    for step in steps:
+        if step != _PICTURE:
+            pictured += [step, _PICTURE] if step.op in wanted else [step]
+    return pictured

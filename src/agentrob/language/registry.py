@@ -1,0 +1,51 @@
+"""Which languages there are, and in which of them a text is written."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
+from typing import cast
+
+from agentrob.language import locales
+from agentrob.language.locale import Tongue
+from agentrob.language.parser.lexicon import pieces_of
+from agentrob.model import Language
+
+DEFAULT: Language = "en"
+_HAN = re.compile(r"[\u3400-\u9fff]")
+_LATIN_WORD = re.compile(r"[^\W\d_\u3400-\u9fff]{2,}")
+
+
+@cache
+def known() -> Mapping[str, Tongue]:
+    """Every language by its code: the files of the folder `tongues`. English comes first."""
+    names = sorted((m.name for m in pkgutil.iter_modules(locales.__path__)), key=lambda n: (n != DEFAULT, n))
+    found = [cast(Tongue, importlib.import_module(f"{locales.__name__}.{name}").TONGUE) for name in names]
+    return MappingProxyType({tongue.code: tongue for tongue in found})
+
+
+def tongue(language: Language) -> Tongue:
+    """A language by its code; an unknown one is a KeyError that names those there are."""
+    try:
+        return known()[language]
+    except KeyError:
+        raise KeyError(f"no language {language!r}; there are {', '.join(known())}") from None
+
+
+def language_of(text: str) -> Language:
+    """Chinese when there are at least as many Chinese characters as other words; else whose words are in it most.
+
+    English when nobody's are.
+    """
+    han = len(_HAN.findall(text))
+    script = "han" if han and han >= len(_LATIN_WORD.findall(text)) else "latin"
+    candidates = [code for code, t in known().items() if t.script == script]
+    if len(candidates) < 2:
+        return candidates[0] if candidates else DEFAULT
+    said = [piece.text for piece in pieces_of(text)]
+    scores = {code: sum(word in known()[code].words.vocabulary for word in said) for code in candidates}
+    return max(candidates, key=lambda code: scores[code])

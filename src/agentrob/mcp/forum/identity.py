@@ -1,0 +1,131 @@
+"""One account of the forum at the MCP server: its forum, what it may do here, and what waits for it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from agentrob.errors import ForumDenied, ForumError
+from agentrob.forums.protocol import Forum, MeaningSearcher
+from agentrob.mcp.envelope import ToolError
+from agentrob.mcp.forum.event_tail import Feed
+from agentrob.mcp.forum.media import MediaShelf
+from agentrob.model import Account
+
+#: Makes a forum that is signed in by a token.
+OpenForum = Callable[[str], Forum]
+#: Edits that are remembered under their key.
+_MAX_KEYS = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Rights:
+    """What the server's owner allows here; what the account may do on the forum, the forum decides."""
+
+    write: bool = False
+    toolsets: frozenset[str] = frozenset({"core"})
+
+
+@dataclass
+class Identity:
+    """A signed-in account. `name` is what the server calls it before the forum was asked."""
+
+    name: str
+    forum: Forum
+    rights: Rights
+    media: MediaShelf = field(default_factory=MediaShelf)
+    _edits: dict[str, asyncio.Future[Any]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.feed = Feed(self.forum)
+        self._me: Account | None = None
+        self._meaning: bool | None = None
+
+    async def me(self) -> Account:
+        """The account as it was when first asked; the forum holds its rights against every write itself."""
+        if self._me is None:
+            self._me = await self.forum.me()
+            self.name = self._me.name
+        return self._me
+
+    async def finds_meaning(self) -> bool:
+        """Whether this forum is searched by meaning too; what it said first is remembered."""
+        if self._meaning is None:
+            forum = self.forum
+            try:
+                self._meaning = isinstance(forum, MeaningSearcher) and await forum.finds_meaning()
+            except ForumError:
+                return False
+        return self._meaning
+
+    async def once(self, key: str | None, write: Callable[[], Awaitable[Any]]) -> tuple[Any, bool]:
+        """A write that is done once under a key, also when two send it at the same time; what it gave, and whether it
+        was done now. For writes whose forum takes no key itself."""
+        if key is None:
+            return await write(), True
+        if (running := self._edits.get(key)) is not None:
+            return await asyncio.shield(running), False
+        future: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+        self._edits[key] = future
+        try:
+            future.set_result(await write())
+        except BaseException as e:
+            del self._edits[key]
+            future.set_exception(e if isinstance(e, Exception) else ForumError("the write was broken off"))
+            future.exception()  # whoever waits besides gets it; nobody needs to
+            raise
+        while len(self._edits) > _MAX_KEYS:
+            del self._edits[next(iter(self._edits))]
+        return future.result(), True
+
+    async def close(self) -> None:
+        with contextlib.suppress(Exception):
+            await self.feed.close()
+        with contextlib.suppress(Exception):
+            await self.forum.close()
+
+
+class Accounts:
+    """The accounts that one stdio client may switch between: configured ones, registered ones, or by their token."""
+
+    def __init__(self, first: Identity, open_forum: OpenForum, tokens: Mapping[str, str]) -> None:
+        self.current = first
+        self._open_forum = open_forum
+        self._tokens = dict(tokens)
+        self._first = first
+        self._switched_to: dict[tuple[str, str], Identity] = {}  # by name and token
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(sorted(self._tokens))
+
+    def remember(self, name: str, token: str) -> None:
+        self._tokens[name] = token
+
+    async def switch(self, name: str, token: str | None) -> Identity:
+        """Sign in, as before where that token was used already; the forum must say that it is this account's."""
+        secret = token if token is not None else self._tokens.get(name)
+        if secret is None:
+            known = ", ".join(self.names) or "none"
+            raise ToolError("not_found", f"no account {name!r} is known here", f"known: {known}; others need a token")
+        before = self._switched_to.get((name, secret))
+        identity = before or Identity(name, self._open_forum(secret), self.current.rights)
+        try:
+            me = await identity.forum.me()
+            if me.name != name:
+                raise ForumDenied(f"that token is not {name}'s")
+        except BaseException:
+            if before is None:
+                await identity.close()
+            raise
+        self._tokens[name] = secret
+        self._switched_to[name, secret] = identity
+        self.current = identity
+        return identity
+
+    async def close(self) -> None:
+        for identity in (self._first, *self._switched_to.values()):
+            await identity.close()

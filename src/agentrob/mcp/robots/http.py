@@ -1,0 +1,114 @@
+"""Serves the robots' tools over streamable HTTP to whoever has this server's own token; nobody is anonymous."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import os
+import signal
+import socket
+from typing import TYPE_CHECKING
+
+import uvicorn
+from mcp.server.auth.provider import AccessToken
+from mcp.server.auth.settings import AuthSettings
+from mcp.server.transport_security import TransportSecuritySettings
+from pydantic import AnyHttpUrl
+
+from agentrob.config.service import McpRobotConfig
+from agentrob.errors import ConfigError
+from agentrob.mcp.forum.http import PATH, trimmed
+from agentrob.mcp.robots.server import RobotServer, configured
+from agentrob.mcp.robots.tools import allowed
+from agentrob.process.child import say_ready
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp
+
+SCOPE = "robots"
+SHORTEST = 16
+
+
+class OneToken:
+    """Verifies the one bearer token."""
+
+    def __init__(self, token: str) -> None:
+        self._token = token.encode()
+
+    async def verify_token(self, token: str) -> AccessToken | None:
+        if not hmac.compare_digest(self._token, token.encode("utf-8", "surrogatepass")):
+            return None
+        return AccessToken(token="", client_id="robots", scopes=[SCOPE])
+
+
+def make_app(server: RobotServer, token: str, host: str, port: int) -> ASGIApp:
+    """The ASGI app. Requests must be meant for this address, and pages only of its own may send them."""
+    hosts = sorted({f"{name}:{port}" for name in (_bracketed(host), "127.0.0.1", "localhost", "[::1]")})
+    app = server.engine.streamable_http_app(
+        streamable_http_path=PATH,
+        max_request_body_size=256 * 1024,
+        transport_security=TransportSecuritySettings(
+            allowed_hosts=hosts, allowed_origins=[f"http://{name}" for name in hosts]
+        ),
+        auth=AuthSettings(
+            issuer_url=AnyHttpUrl(f"http://{_bracketed(host)}:{port}{PATH}"),
+            resource_server_url=None,
+            required_scopes=[SCOPE],
+        ),
+        token_verifier=OneToken(token),
+    )
+    return trimmed(app)
+
+
+def run(config: McpRobotConfig) -> None:
+    """Serve until SIGTERM or Ctrl-C; prints the ready line with the address. Raises `ConfigError`."""
+    token = os.environ.get(config.token_env, "") if config.token_env else ""
+    if len(token) < SHORTEST:
+        raise ConfigError(f"mcp_robot.token_env must name a variable with a token of at least {SHORTEST} characters")
+    host, wanted = config.address
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        listener = socket.create_server((host, wanted), family=family, backlog=128)
+    except OSError as e:
+        raise ConfigError(f"cannot listen on {config.listen}: {e.strerror}; set mcp_robot.listen") from None
+
+    async def serve() -> None:
+        robots = configured(config)
+        port = listener.getsockname()[1]
+        app = make_app(RobotServer(robots, allowed(config)), token, host, port)
+        settings = uvicorn.Config(
+            app, log_config=None, access_log=False, server_header=False, timeout_graceful_shutdown=1, lifespan="on"
+        )
+        http = _Server(settings, f"http://{_bracketed(host)}:{port}{PATH}")
+        for sign in (signal.SIGTERM, signal.SIGINT):
+            asyncio.get_running_loop().add_signal_handler(sign, http.end)
+        try:
+            await http.serve(sockets=[listener])
+        finally:
+            await robots.close()
+
+    with listener:
+        asyncio.run(serve())
+
+
+class _Server(uvicorn.Server):
+    """uvicorn that says when it is ready, and leaves signals to whoever runs it."""
+
+    def __init__(self, config: uvicorn.Config, url: str) -> None:
+        super().__init__(config)
+        self._url = url
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        say_ready(url=self._url)
+
+    def end(self) -> None:
+        self.should_exit = True
+
+    def capture_signals(self) -> contextlib.AbstractContextManager[None]:  # type: ignore[override]
+        return contextlib.nullcontext()
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host else host

@@ -1,0 +1,152 @@
+"""The mind that asks a model, and believes only what the post itself says.
+
+    post ── rules ──► stop, help, status, "never mind": done without a model
+         ── model ──► closed schema ── grounding ──► the post's own numbers ── cross-check with the rules ──► plan
+                                          └─► asks back                             └─► asks back
+
+The model sees the part of the post that is for this robot, as data; it holds no tools. It can make the robot do only
+what the words of the post say, and never what the rules read otherwise. When no model answers, the rules do.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import replace
+
+from agentrob.language.addressing import part_for
+from agentrob.language.messages.plan_text import sentence
+from agentrob.language.parser.grammar import MAX_CHARS
+from agentrob.language.parser.robot_order import ordering_words
+from agentrob.language.visible_text import OMITTED
+from agentrob.minds.extraction.crosscheck import agree
+from agentrob.minds.extraction.grounding import Grounded, Ungrounded, claimed, ground
+from agentrob.minds.extraction.messages import ask, say
+from agentrob.minds.extraction.schema import Wants
+from agentrob.minds.llm.chat import ChatModel
+from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.prompt import clean, prompts, shared_prompt, user_message
+from agentrob.minds.protocol import Listener, Reading
+from agentrob.minds.rules import RulesMind
+from agentrob.minds.usage import Usage
+from agentrob.model import Capabilities, Intent, Language, Plan, Primitive, Understanding
+
+#: What the rules settle alone, at once and without cost.
+_SETTLED = (Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS, Intent.CANCEL)
+
+
+class ModelMind:
+    """Understands free words through a model (or a chain of them), checked against the words themselves.
+
+    With `rules_first` the model reads only what the rules ask back. `limit_s` bounds a reading by all models of a chain
+    together; then the rules answer.
+    """
+
+    def __init__(self, model: ChatModel, limit_s: float | None = None, rules_first: bool = False) -> None:
+        self.name = model.name
+        self.limit_s = model.limit_s if limit_s is None else limit_s
+        self._rules_first = rules_first
+        self.model = model
+        self._rules = RulesMind()
+
+    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+        return (await self.read(text, listener, history)).understanding
+
+    async def read(
+        self, text: str, listener: Listener, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
+    ) -> Reading:
+        """What is wanted, who read it, and what that took. Never raises for a model that fails: the rules answer."""
+        by_rules = await self._rules.understand(text, listener, history)
+        part = clean(part_for(text, listener.names, listener.others))
+        # Where words are hidden within a line, a model would read over the gap; a book is no command.
+        ordered = ordering_words(text, listener.names, listener.others)  # another robot's end, which nobody here knows
+        clear = self._rules_first and by_rules.intent is not Intent.ASK_BACK
+        if (
+            clear
+            or by_rules.intent in _SETTLED
+            or ordered
+            or OMITTED in part
+            or len(part) > MAX_CHARS
+            or not part.strip()
+        ):
+            return Reading(by_rules, self._rules.name)
+        try:
+            async with asyncio.timeout(self.limit_s):
+                system_prompt, begins = prompts(listener.capabilities, "read", self.model.shares_prompt)
+                message = begins + user_message(part, history)
+                answer = await self.model.answer(system_prompt, message, Wants, spent=spent)
+        except MindFault as e:
+            return Reading(by_rules, self._rules.name, e.usage, fallback=f"{e.kind}")
+        except TimeoutError:
+            lost = Usage(self.name, "", latency_ms=self.limit_s * 1e3, failed="timeout")
+            return Reading(by_rules, self._rules.name, (lost,), fallback="timeout")
+        understood = weigh(answer.value, by_rules, part, history)
+        failed = [u.failed for u in answer.usage if u.mind == self.name and u.failed]
+        return Reading(understood, answer.mind, answer.usage, fallback=failed[-1] if failed else "")
+
+    async def prepare(self) -> None:
+        """Load the model's library before the first post, best when an agent starts. Never raises."""
+        await self.model.prepare()
+
+    async def warm(self, capabilities: Capabilities) -> None:
+        """Let a local server read the prompt of this robot before its first post. Never raises."""
+        if self.model.shares_prompt:
+            await self.model.warm(shared_prompt(capabilities))
+
+    async def close(self) -> None:
+        await self.model.close()
+
+
+def weigh(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan] = ()) -> Understanding:
+    """What a model says the post wants, against the post itself and against the rules. Pure.
+
+    What the rules see taken back ("never mind, …") stays taken back, whatever becomes of the rest.
+    """
+    return replace(_weighed(wants, by_rules, part, history), cancels=by_rules.cancels)
+
+
+def _weighed(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan]) -> Understanding:
+    language = by_rules.language
+    parsed = by_rules.plan.steps if by_rules.intent is Intent.COMMAND else ()
+    if wants.intent != "command" or not wants.steps:
+        if parsed:  # the rules read a command where the model reads none
+            steps = sentence(parsed, language)
+            return _ask(language, say("not_a_command", language, steps=steps))
+        if wants.intent == "unclear" and by_rules.intent is not Intent.ASK_BACK:
+            return _ask(language, say(f"doubt.{wants.doubt}", language))
+        return by_rules
+    found = ground(wants.steps, part, history)
+    if parsed:
+        return _compare(found, wants, by_rules)
+    if isinstance(found, Ungrounded):
+        return _ask(language, say(found.lack, language), _shown(wants, language))
+    if by_rules.intent is not Intent.ASK_BACK:  # the rules know every word of it, and none is a wish
+        return _ask(language, say("not_a_command", language, steps=sentence(found.plan, language)))
+    return Understanding(Intent.COMMAND, language, _noted(found, language))
+
+
+def _compare(found: Grounded | Ungrounded, wants: Wants, by_rules: Understanding) -> Understanding:
+    """Both read a command: the same one is done, otherwise it is asked which."""
+    language = by_rules.language
+    theirs = Plan(tuple(_claims(wants))) if isinstance(found, Ungrounded) else found.plan
+    if agree(theirs, by_rules.plan):
+        return by_rules
+    one, other = sentence(by_rules.plan, language), sentence(theirs, language)
+    return _ask(language, say("disagree", language, one=one, other=other))
+
+
+def _claims(wants: Wants) -> list[Primitive]:
+    return [claimed(step) for step in wants.steps for _ in range(step.times)]
+
+
+def _shown(wants: Wants, language: Language) -> str:
+    """What the model made of it, in our words."""
+    return sentence(_claims(wants), language)
+
+
+def _noted(found: Grounded, language: Language) -> Plan:
+    return replace(found.plan, notes=(say("assumed_turn", language),)) if found.assumed_turn else found.plan
+
+
+def _ask(language: Language, problem: str, understood: str = "") -> Understanding:
+    return Understanding(Intent.ASK_BACK, language, question=ask(language, problem, understood))

@@ -1,0 +1,155 @@
+"""A model words what a robot did, from what was measured alone; every number, deed and direction is held against it.
+
+It gets no post and no tools. Only a command that was done as asked is worded: a failure is told in our own words. What
+cannot be found in the measured results is thrown away, and the structured report stands alone.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from agentrob.language.messages.plan_text import step_sentence
+from agentrob.language.registry import language_of
+from agentrob.minds.extraction.evidence import Kind, Mention, mentions_in
+from agentrob.minds.extraction.units import same
+from agentrob.minds.llm.chat import ChatModel
+from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.prompt import clean, prompt_file
+from agentrob.minds.usage import Usage
+from agentrob.model import ActionResult, Language, Op
+
+#: A finished report waits so long for its words, and they are so long at most.
+LIMIT_S, MOST_CHARS = 8.0, 400
+#: Why words were thrown away, besides the words of `faults.Kind`.
+UNFOUNDED = "unfounded"
+#: What would be more than words in a post, or would hide digits from the check.
+_NO_WORDS = re.compile(r"[@<>\[\]`|#*_\\~]|://|www\.")
+_MEASURED = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f} degrees")}
+#: Deeds told in the past tense: evidence knows only what can order something.
+_DEEDS = {
+    "walked": "walk", "moved": "move", "went": "go", "stepped": "step", "advanced": "advance", "strolled": "stroll",
+    "travelled": "travel", "traveled": "travel", "drove": "drive", "ran": "run", "crawled": "crawl", "came": "come",
+    "reversed": "reverse", "retreated": "retreat", "backed": "back", "sidestepped": "sidestep", "covered": "walk",
+    "turned": "turn", "rotated": "rotate", "spun": "spin", "pivoted": "pivot", "faced": "face",
+    "waved": "wave", "greeted": "greet", "shook hands": "shake hands", "clapped": "clap", "applauded": "applaud",
+    "flipped": "flip", "somersaulted": "somersault", "sat": "sit", "stood": "stand", "rose": "rise",
+    "stretched": "stretch", "photographed": "photograph", "snapped": "snap", "looked": "look", "saw": "see",
+}  # fmt: skip
+_PAST = re.compile(rf"\b(?:{'|'.join(_DEEDS)})\b", re.IGNORECASE)
+_AMOUNTS = {Kind.LENGTH: "distance_m", Kind.ANGLE: "degrees"}
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Words for a report. `text` is empty when there are none: `failed` says why, `problem` what was not found."""
+
+    mind: str
+    text: str = ""
+    failed: str = ""
+    problem: str = ""
+    usage: tuple[Usage, ...] = ()
+
+    def as_data(self) -> dict[str, Any]:
+        """For records and logs."""
+        models = [usage.as_data() for usage in self.usage]
+        return {"mind": self.mind, "text": self.text, "failed": self.failed, "problem": self.problem, "models": models}
+
+
+async def summarise(
+    model: ChatModel,
+    results: Sequence[ActionResult],
+    language: Language,
+    spent: Sequence[Usage] = (),
+    limit_s: float = LIMIT_S,
+) -> Summary:
+    """Ask a model for words about steps that were all done. Never raises for a model that fails."""
+    try:
+        async with asyncio.timeout(limit_s):
+            answer = await model.chat(prompt_file("summary"), _message(results, language), spent=spent)
+    except MindFault as e:
+        return Summary(model.name, failed=e.kind, usage=e.usage)
+    except TimeoutError:
+        lost = Usage(model.name, "", latency_ms=limit_s * 1e3, failed="timeout")
+        return Summary(model.name, failed="timeout", usage=(lost,))
+    text = " ".join(clean(answer.value[: 10 * MOST_CHARS]).split())
+    if problem := unfounded(text, results, language):
+        return Summary(answer.mind, failed=UNFOUNDED, problem=problem, usage=answer.usage)
+    return Summary(answer.mind, text, usage=answer.usage)
+
+
+def unfounded(text: str, results: Sequence[ActionResult], language: Language) -> str:
+    """What in a text does not follow from the results, in English; empty when all of it does. Pure."""
+    if not results or not all(r.ok for r in results):
+        return "not everything was done"
+    if not 0 < len(text) <= MOST_CHARS or _NO_WORDS.search(text):
+        return "empty, too long or more than words"
+    if language_of(text) != language:
+        return "another language"
+    told = _PAST.sub(lambda past: _DEEDS[past[0].lower()], text)
+    mentions = mentions_in(told)
+    for mention in mentions:
+        if problem := _invented(mention, results):
+            return f"{problem}: {told[mention.start : mention.end]}"
+    if stray := _stray_digit(told, mentions):
+        return f"a number that cannot be read: {stray}"
+    return ""
+
+
+def _invented(mention: Mention, results: Sequence[ActionResult]) -> str:
+    """What is wrong with one thing that a text says."""
+    match mention.kind:
+        case Kind.LENGTH | Kind.ANGLE:
+            measured = [r.measured[_AMOUNTS[mention.kind]] for r in results if _AMOUNTS[mention.kind] in r.measured]
+            return "" if any(_shown_as(mention.value, m) for m in measured) else "not measured"
+        case Kind.SPEED:
+            return "not measured"
+        case Kind.NUMBER | Kind.TIMES:
+            counts = {1, *(sum(r.primitive.op is op for r in results) for op in Op)} - {0}
+            steps = {len(results)} if mention.kind is Kind.NUMBER else set()
+            return "" if mention.value in counts | steps else "not counted"
+        case Kind.ACTION:
+            return "" if any(r.primitive.op is mention.op for r in results) else "not done"
+        case Kind.DIRECTION:
+            return "" if any(r.primitive.direction is mention.direction for r in results) else "not this way"
+        case Kind.NOT | Kind.IF:
+            return "no plain statement of what was done"
+    return ""
+
+
+def _shown_as(said: float, measured: float) -> bool:
+    """Whether it is the figure that the report shows, but for one per cent."""
+    return same(said, measured) or same(said, round(measured, 2))
+
+
+def _stray_digit(text: str, mentions: Sequence[Mention]) -> str:
+    """Digits outside of every number that was read."""
+    for match in re.finditer(r"\d[\d.,/]*", text):
+        if not any(m.start <= match.start() < m.end for m in mentions):
+            return match[0]
+    return ""
+
+
+def _message(results: Sequence[ActionResult], language: Language) -> str:
+    name = {"en": "English", "zh": "Chinese"}.get(language, f"the language {language!r} (ISO 639-1)")
+    done = [{"did": _deed(r), **_figure(r)} for r in results]
+    return f"Write in {name}. All of this was done:\n{json.dumps(done, ensure_ascii=False)}"
+
+
+def _deed(result: ActionResult) -> str:
+    """The deed without the amount that was asked: only what was measured is told."""
+    if result.primitive.op not in _MEASURED:
+        return step_sentence(result.primitive, "en")
+    verb = "walk" if result.primitive.op is Op.MOVE else "turn"
+    return f"{verb} {result.primitive.direction}"
+
+
+def _figure(result: ActionResult) -> dict[str, str]:
+    if result.primitive.op not in _MEASURED:
+        return {}
+    key, form = _MEASURED[result.primitive.op]
+    return {"measured": form.format(result.measured[key])} if key in result.measured else {}

@@ -1,0 +1,308 @@
+"""A model of the configuration: asked with retries, within its time, its budget and its number of questions at once."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import structlog
+
+from agentrob.config.load import MindConfig
+from agentrob.minds.llm import prompted_output, retry
+from agentrob.minds.llm.budget import Budget, Reserve
+from agentrob.minds.llm.chat import Answer, Image, M, Message, Replied, Said, Tool
+from agentrob.minds.llm.errors import UNSERVED, MindFault
+from agentrob.minds.llm.tool_calls import checked_call, final_of, found_in, schema_of
+from agentrob.minds.usage import Usage, cost_of, estimate_tokens
+
+_log = structlog.get_logger()
+
+if TYPE_CHECKING:
+    from agentrob.minds.llm.provider import Heard, Provider
+
+#: How often an answer outside of the schema is sent back with what is wrong.
+_REPAIRS = 1
+
+
+class ConfiguredModel:
+    """One `[minds.NAME]` table. The key is read from the environment when it is first asked.
+
+    `ledger` is the file of what was spent today; `chance` gives the jitter of retries, evenly in 0..1.
+    """
+
+    def __init__(
+        self, name: str, config: MindConfig, ledger: Path, chance: Callable[[], float] = random.random
+    ) -> None:
+        self.name = name
+        self.config = config
+        self._budget = Budget(name, config.limits, ledger)
+        self._chance = chance
+        self._gate = asyncio.Semaphore(config.concurrency)
+        self._opening = asyncio.Lock()
+        self._provider: Provider | None = None
+        self._sees = True
+
+    async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
+        heard, usage = await self._ask(system_prompt, [Said(user_message)], spent)
+        if not heard.text.strip():
+            raise self._unusable("an empty answer", [usage])
+        return Answer(heard.text.strip(), self.name, (usage,))
+
+    async def answer(
+        self,
+        system_prompt: str,
+        user_message: str,
+        kind: type[M],
+        images: Sequence[Image] = (),
+        spent: Sequence[Usage] = (),
+    ) -> Answer[M]:
+        conversation: list[Message] = [Said(user_message, self._pictures(images))]
+        used: list[Usage] = []
+        until = monotonic() + self.config.total_s
+        for _ in range(1 + _REPAIRS):
+            try:
+                value, problem, reply, usage = await self._typed(
+                    system_prompt, conversation, kind, [*spent, *used], until
+                )
+            except MindFault as e:
+                raise _with_usage(e, used) from None
+            used.append(usage)
+            if value is not None:
+                return Answer(value, self.name, tuple(used))
+            conversation += [Replied(reply or "(nothing)"), Said(f"That cannot be used: {problem} Answer again.")]
+        raise self._unusable(f"no usable answer: {problem}", used)
+
+    async def turn(
+        self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
+    ) -> Answer[Replied]:
+        if self.config.answers == "tools":
+            heard, usage = await self._ask(system_prompt, conversation, spent, tools)
+            calls = tuple(checked_call(call_id, name, raw, tools) for call_id, name, raw in heard.calls)
+            reply = Replied(heard.text.strip(), calls)
+        else:
+            asked = prompted_output.with_tools(system_prompt, tools) if tools else system_prompt
+            heard, usage = await self._ask(asked, prompted_output.without_tools(conversation), spent)
+            reply = prompted_output.reply_in(heard.text, len(conversation), tools)
+        if heard.cut or not (reply.text or reply.calls):
+            what = "the answer was cut off at max_output_tokens" if heard.cut else "an empty answer"
+            raise self._unusable(what, [usage])
+        return Answer(reply, self.name, (usage,))
+
+    @property
+    def limit_s(self) -> float:
+        """The longest that one answer takes."""
+        return self.config.total_s
+
+    @property
+    def shares_prompt(self) -> bool:
+        """Whether its server does better with one system prompt for all questions."""
+        return self.config.kind == "local"
+
+    async def warm(self, system_prompt: str) -> None:
+        """Let a local server read the prompt before the first post comes. Never raises."""
+        if self.shares_prompt:
+            with contextlib.suppress(MindFault):
+                await self._ask(system_prompt, [Said("Answer with the one word: ready.")], ())
+
+    async def prepare(self) -> None:
+        with contextlib.suppress(MindFault):  # the first question says what is wrong
+            await self._opened()
+
+    async def close(self) -> None:
+        if self._provider is not None:
+            await self._provider.close()
+            self._provider = None
+
+    def _unusable(self, why: str, used: Sequence[Usage]) -> MindFault:
+        """An answer that came, was paid for, and is none."""
+        last = replace(used[-1], failed="malformed")
+        return MindFault("malformed", f"{self.name}: {why}", usage=[*used[:-1], last])
+
+    # ------------------------------------------------------------ one typed question
+    async def _typed(
+        self,
+        system_prompt: str,
+        conversation: Sequence[Message],
+        kind: type[M],
+        spent: Sequence[Usage],
+        until: float,
+    ) -> tuple[M | None, str, str, Usage]:
+        """The value or what is wrong, what the model said, and what it took."""
+        if self.config.answers == "tools":
+            tool = Tool("answer", "Gives the answer.", kind)
+            heard, usage = await self._ask(system_prompt, conversation, spent, [tool], True, until=until)
+            given = [raw for _, name, raw in heard.calls if name == tool.name]
+            if not given:
+                return *found_in(heard.text, kind), heard.text, usage
+            return *final_of(given, kind), str(given[-1])[:2_000], usage
+        schema = schema_of(kind) if self.config.answers == "json_object" else None
+        asked = prompted_output.with_schema(system_prompt, kind)
+        heard, usage = await self._ask(asked, conversation, spent, json_schema=schema, until=until)
+        return *found_in(heard.text, kind), heard.text[:2_000], usage
+
+    def _blind(self, fault: MindFault) -> MindFault:
+        """A server that fails on a picture takes none (llama.cpp without a projector): it gets none any more."""
+        if self._sees:
+            _log.warning("a model fails on pictures and gets none any more", mind=self.name, error=str(fault))
+        self._sees = False
+        said = f"{self.name} fails on pictures; set images = false in [minds.{self.name}] ({fault})"
+        return MindFault("rejected", said, final=True)
+
+    def _pictures(self, images: Sequence[Image]) -> tuple[Image, ...]:
+        if images and not (self.config.images and self._sees):
+            raise MindFault(
+                "rejected", f"{self.name} takes no images (minds.{self.name}.images is false, or it failed)"
+            )
+        return tuple(images)
+
+    # ------------------------------------------------------------ one question, asked until it is answered or over
+    async def _ask(
+        self,
+        system_prompt: str,
+        conversation: Sequence[Message],
+        spent: Sequence[Usage],
+        tools: Sequence[Tool] = (),
+        must_call: bool = False,
+        json_schema: dict[str, Any] | None = None,
+        until: float | None = None,
+    ) -> tuple[Heard, Usage]:
+        """Ends at `until` by the monotonic clock, or `total_s` from now."""
+        if not self._sees and _pictures_in(conversation):
+            raise MindFault("rejected", f"{self.name} failed on a picture before and gets none any more")
+        began = monotonic()
+        until = began + self.config.total_s if until is None else until
+        attempt = 0
+        fault: MindFault
+        estimate = self._estimate(system_prompt, conversation, tools)
+        wasted = 0  # attempts that may be billed though nothing came
+        try:
+            async with asyncio.timeout(until - began), self._gate:
+                while True:
+                    attempt += 1
+                    try:
+                        provider = await self._opened()
+                        reserve = await self._reserve(estimate, [*spent, self._lost(began, estimate, wasted)])
+                        heard = await self._once(
+                            provider, reserve, system_prompt, conversation, tools, must_call, json_schema
+                        )
+                        return heard, await self._settled(
+                            reserve, heard, began, attempt, self._lost(began, estimate, wasted)
+                        )
+                    except MindFault as e:
+                        fault = e
+                    if fault.kind == "server" and _pictures_in(conversation):
+                        fault = self._blind(fault)
+                    wasted += fault.kind not in UNSERVED and fault.kind != "budget"
+                    wait_s = retry.wait_s(attempt, self._chance(), fault.retry_after_s)
+                    given_up = fault.kind == "timeout" and self.config.kind == "local"  # a retry would queue behind it
+                    if given_up or not fault.passing or attempt > self.config.retries or wait_s > until - monotonic():
+                        break
+                    await asyncio.sleep(wait_s)
+        except TimeoutError:
+            fault = MindFault(
+                "timeout", f"{self.name}: no answer within {self.config.total_s:g} s ({self.config.address})"
+            )
+            wasted += attempt > 0
+        lost = replace(self._lost(began, estimate, wasted), attempts=attempt, failed=fault.kind)
+        raise _with_usage(fault, [lost]) from None
+
+    async def _once(
+        self,
+        provider: Provider,
+        reserve: Reserve,
+        system_prompt: str,
+        conversation: Sequence[Message],
+        tools: Sequence[Tool],
+        must_call: bool,
+        json_schema: dict[str, Any] | None,
+    ) -> Heard:
+        """One attempt; what surely was not served is given back to the day."""
+        try:
+            async with asyncio.timeout(self.config.timeout_s):
+                return await provider.ask(system_prompt, conversation, tools, must_call, json_schema)
+        except TimeoutError:
+            limit = f"{self.config.timeout_s:g} s"
+            raise MindFault("timeout", f"{self.name}: no answer within {limit} ({self.config.address})") from None
+        except MindFault as e:
+            if e.kind in UNSERVED:
+                await self._budget.settle(reserve, 0, 0.0)
+            raise
+
+    async def _opened(self) -> Provider:
+        """The provider, made once; in a thread, since its library takes a second, and stops must not wait for it."""
+        async with self._opening:
+            if self._provider is None:
+                self._provider = await asyncio.to_thread(self._open)
+            return self._provider
+
+    def _open(self) -> Provider:
+        variable = self.config.key_variable
+        key = os.environ.get(variable, "").strip() if variable else ""
+        if variable and not key:
+            raise MindFault("no_key", f"{self.name}: the environment variable {variable} must hold the key")
+        if not key.isascii() or not key.isprintable():
+            raise MindFault("no_key", f"{self.name}: what {variable} holds cannot be a key")
+        try:
+            from agentrob.minds.llm.provider import Provider
+        except ImportError as e:
+            missing = f"{self.name}: a model needs the extra 'models' (pip install 'agentrob[models]'): {e}"
+            raise MindFault("no_library", missing) from None
+        return Provider(self.name, self.config, key)
+
+    # ------------------------------------------------------------ what it takes
+    def _estimate(self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool]) -> tuple[int, int]:
+        """The most that a question may take: tokens in, tokens out."""
+        texts = [system_prompt, *(m.content if not isinstance(m, Said | Replied) else m.text for m in conversation)]
+        texts += [t.description + str(schema_of(t.arguments)) for t in tools]
+        pictures = sum(len(m.images) for m in conversation if not isinstance(m, Replied))
+        return estimate_tokens(texts, pictures), self.config.max_output_tokens
+
+    async def _reserve(self, estimate: tuple[int, int], spent: Sequence[Usage]) -> Reserve:
+        return await self._budget.reserve(sum(estimate), cost_of(*estimate, self.config.price) or 0.0, spent)
+
+    async def _settled(self, reserve: Reserve, heard: Heard, began: float, attempts: int, lost: Usage) -> Usage:
+        """What an answer took, and the attempts lost before it."""
+        tokens, cost = reserve.tokens, reserve.cost
+        if heard.input_tokens is not None and heard.output_tokens is not None:
+            tokens = heard.input_tokens + heard.output_tokens
+            cost = cost_of(heard.input_tokens, heard.output_tokens, self.config.price) or 0.0
+        await self._budget.settle(reserve, tokens, cost)
+        return replace(
+            lost,
+            model=heard.model,
+            input_tokens=heard.input_tokens,
+            output_tokens=heard.output_tokens,
+            counted_tokens=tokens + lost.counted_tokens,
+            cost=None if lost.cost is None else cost + lost.cost,
+            latency_ms=(monotonic() - began) * 1e3,
+            attempts=attempts,
+        )
+
+    def _lost(self, began: float, estimate: tuple[int, int], times: int) -> Usage:
+        """Attempts that may be billed though nothing came, counted at their most."""
+        cost = cost_of(*estimate, self.config.price)
+        return Usage(
+            mind=self.name,
+            model=self.config.model,
+            counted_tokens=times * sum(estimate),
+            cost=None if cost is None else times * cost,
+            currency=self.config.price.currency if self.config.price else "",
+            latency_ms=(monotonic() - began) * 1e3,
+        )
+
+
+def _pictures_in(conversation: Sequence[Message]) -> bool:
+    return any(message.images for message in conversation if not isinstance(message, Replied))
+
+
+def _with_usage(fault: MindFault, before: Sequence[Usage]) -> MindFault:
+    """The same fault, with what was used before it."""
+    fault.usage = (*before, *fault.usage)
+    return fault

@@ -1,0 +1,133 @@
+"""What a model asked for, checked against the schema of a tool or an answer. Pure; never raises for what models say."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from copy import deepcopy
+from functools import lru_cache
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from agentrob.minds.llm.chat import M, Tool, ToolCall
+from agentrob.minds.llm.errors import said
+
+#: How many places of a text are tried as the beginning of a JSON object.
+_TRIES = 200
+#: How often what is wrong with an answer is left out of it.
+_REPAIRS = 4
+#: Models write line breaks into strings as they are.
+_JSON = json.JSONDecoder(strict=False)
+
+
+def checked_call(call_id: str, name: str, raw: Any, tools: Sequence[Tool]) -> ToolCall:
+    """A call with its arguments in the tool's schema, or with the problem to tell the model."""
+    tool = next((t for t in tools if t.name == name), None)
+    name = said(name, limit=80)
+    if tool is None:
+        known = ", ".join(t.name for t in tools) or "none"
+        return ToolCall(call_id, name, None, f"There is no tool {name}. There are: {known}.", raw)
+    arguments, problem = checked(raw, tool.arguments)
+    return ToolCall(call_id, name, arguments, problem, raw)
+
+
+def checked(raw: Any, kind: type[M]) -> tuple[M | None, str]:
+    """The value in the schema and no problem, or None and what is wrong with it."""
+    try:
+        data = json.loads(raw) if isinstance(raw, str) else raw
+        return kind.model_validate({} if data is None else data), ""
+    except ValidationError as e:
+        return None, explain(e)
+    except (ValueError, RecursionError):
+        return None, "This is no JSON object."
+
+
+def answered(raw: Any, kind: type[M]) -> tuple[M | None, str]:
+    """As `checked`, for answers: keys that the schema does not know and nulls for what has a default are left out."""
+    try:
+        data = _JSON.decode(raw) if isinstance(raw, str) else deepcopy(raw)
+        for _ in range(_REPAIRS):
+            try:
+                return kind.model_validate({} if data is None else data), ""
+            except ValidationError as e:
+                if not [error for error in e.errors() if _left_out(data, error)]:
+                    return None, explain(e)
+        return checked(data, kind)
+    except (ValueError, RecursionError):
+        return None, "This is no JSON object."
+
+
+def _left_out(data: Any, error: ErrorDetails) -> bool:
+    """Take one unknown key, or one null where the schema wants a value, out of the data; False where it is neither."""
+    if error["type"] != "extra_forbidden" and error["input"] is not None:
+        return False
+    *path, last = error["loc"]
+    for part in path:
+        data = data[part]
+    if not isinstance(data, dict) or last not in data:
+        return False
+    del data[last]
+    return True
+
+
+def explain(error: ValidationError) -> str:
+    """What is wrong, for the model: at most five points, without the values."""
+    points = [f"{'.'.join(map(str, e['loc'])) or 'it'}: {said(e['msg'])}" for e in error.errors()[:5]]
+    return "; ".join(points)
+
+
+def found_in(text: str, kind: type[M]) -> tuple[M | None, str]:
+    """What a text says in JSON objects that fit the schema (`final_of`), or what is wrong with the last one.
+
+    What stands before the end of a model's thoughts (`</think>`) is a draft and counts only where nothing follows.
+    """
+    _, _, said_last = text.rpartition("</think>")
+    for part in dict.fromkeys((said_last, text)):
+        value, problem = final_of(list(_objects(part)), kind)
+        if value is not None:
+            return value, ""
+    broken = getattr(kind, "from_broken", None)  # an object that breaks off may say enough
+    value = broken(said_last) if broken is not None else None
+    return value, "" if value is not None else problem
+
+
+def final_of(given: Sequence[Any], kind: type[M]) -> tuple[M | None, str]:
+    """Of several answers the last one that fits the schema, but whichever refuses (`kind.refuses`) before any other."""
+    found, problem = list[M](), "There is no JSON object in the answer."
+    for raw in given:
+        value, wrong = answered(raw, kind)
+        if value is not None:
+            found.append(value)
+        problem = wrong or problem
+    if not found:
+        return None, problem
+    refusing = [value for value in found if getattr(value, "refuses", False)]
+    return (refusing or found)[-1], ""
+
+
+def _objects(text: str) -> Iterator[dict[str, Any]]:
+    at = -1
+    for _ in range(_TRIES):
+        at = text.find("{", at + 1)
+        if at < 0:
+            return
+        try:
+            data, end = _JSON.raw_decode(text, at)
+        except (ValueError, RecursionError):
+            continue
+        if isinstance(data, dict):
+            yield data
+            at = end - 1
+
+
+def schema_of(kind: type[BaseModel]) -> dict[str, Any]:
+    """The JSON schema of an answer or of a tool's arguments; a copy of its own for each caller."""
+    return deepcopy(_schema_of(kind))
+
+
+@lru_cache(maxsize=64)
+def _schema_of(kind: type[BaseModel]) -> dict[str, Any]:
+    """Made once: in a loop, the same tools are told in every turn."""
+    return kind.model_json_schema()

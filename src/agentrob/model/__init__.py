@@ -1,0 +1,44 @@
+"""The frozen facts that travel between rooms: who wrote what, what is wanted, what is allowed, what was measured.
+
+Frames follow REP-103: x forward, y left, yaw counter-clockwise. Units stand in the names. Times called `*_at` are
+aware UTC datetimes by the forum's clock; times called `*_s` are seconds of the machine's monotonic clock.
+"""
+
+from agentrob.model.accounts import Account, AccountKind, ActionClass, RobotRights, Role
+from agentrob.model.commands import Command, Intent, Language, Understanding
+from agentrob.model.decisions import Decision, Mandate, Verdict
+from agentrob.model.plans import Direction, Op, Plan, Primitive
+from agentrob.model.posts import Post, StatusCard
+from agentrob.model.results import ActionResult, Outcome, Report, StopResult
+from agentrob.model.robots import EMERGENCY_STOP, Capabilities, Limits, Lock, Pose, RobotState
+
+__all__ = [
+    "EMERGENCY_STOP",
+    "Account",
+    "AccountKind",
+    "ActionClass",
+    "ActionResult",
+    "Capabilities",
+    "Command",
+    "Decision",
+    "Direction",
+    "Intent",
+    "Language",
+    "Limits",
+    "Lock",
+    "Mandate",
+    "Op",
+    "Outcome",
+    "Plan",
+    "Pose",
+    "Post",
+    "Primitive",
+    "Report",
+    "RobotRights",
+    "RobotState",
+    "Role",
+    "StatusCard",
+    "StopResult",
+    "Understanding",
+    "Verdict",
+]

@@ -1,0 +1,56 @@
+"""What a post wants of a robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from agentrob.model.accounts import Account
+from agentrob.model.plans import Plan
+
+#: The code (ISO 639-1) of a language that `agentrob.language` knows: en, zh, and what a user adds.
+Language = str
+
+
+class Intent(StrEnum):
+    """What a post wants of the robot. Only `command` moves anything."""
+
+    COMMAND = "command"
+    STOP = "stop"
+    HALT = "halt"
+    HELP = "help"
+    STATUS = "status"
+    CANCEL = "cancel"
+    QUESTION = "question"
+    ASK_BACK = "ask_back"
+    NOTHING = "nothing"
+
+
+@dataclass(frozen=True, slots=True)
+class Understanding:
+    """What a mind made of a post. `question` is the sentence to ask back or greet with, in `language`.
+
+    `cancels`: its author's earlier commands that have not begun are not wanted any more ("never mind, turn left").
+    """
+
+    intent: Intent
+    language: Language = "en"
+    plan: Plan = Plan()
+    question: str = ""
+    cancels: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A post that wants something of a robot: bound to its text and its author (law 4). `text` is the visible text."""
+
+    post_id: str
+    topic_id: str
+    content_hash: str
+    author: Account
+    robot: str
+    text: str
+    language: Language
+    posted_at: datetime
+    trace_id: str

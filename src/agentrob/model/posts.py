@@ -1,0 +1,56 @@
+"""A post as a forum delivers it, and the status card that may stand on it."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from datetime import datetime
+
+from agentrob.model.accounts import Account
+
+
+@dataclass(frozen=True, slots=True)
+class StatusCard:
+    """The machine-readable state of one command, shown by a forum that can as a card on the status post.
+
+    `state`: seen, waiting (for an approval), queued, running, done, failed, refused, asks_back, stopped, interrupted,
+    cancelled, expired. `until`: until when a waiting one may be approved, as RFC 3339 with a zone; else empty.
+    """
+
+    robot: str
+    state: str
+    step: int = 0
+    steps: int = 0
+    doing: str = ""
+    place: int | None = None
+    trace_id: str = ""
+    until: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Post:
+    """One post as a forum delivers it. `raw` is Markdown, `version` grows by one with each edit. `mentions` are the
+    accounts that its page links as mentioned; `rendering_differs`: its page shows other words than those
+    read from `raw`."""
+
+    id: str
+    topic_id: str
+    board_id: str
+    author: Account
+    raw: str
+    created_at: datetime
+    version: int = 1
+    edited_at: datetime | None = None
+    removed: bool = False
+    mentions: tuple[str, ...] = ()
+    reply_to: str | None = None
+    key: str | None = None
+    url: str = ""
+    images: tuple[str, ...] = ()
+    card: StatusCard | None = None
+    rendering_differs: bool = False
+
+    @property
+    def content_hash(self) -> str:
+        """SHA-256 of the raw text, in hex; what a command is bound to."""
+        return hashlib.sha256(self.raw.encode("utf-8", "surrogatepass")).hexdigest()

@@ -1,0 +1,1 @@
+"""What one operating system process needs: children, locks, logs, TLS, webhooks."""

@@ -1,0 +1,127 @@
+"""Tells other programs over HTTP that something has happened: signed as Standard Webhooks are, again until it is taken.
+
+A delivery that is not taken is tried a few times, then given up; what waits for one receiver is bounded and in memory.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import hashlib
+import hmac
+import json
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+from uuid import uuid4
+
+import httpx2
+import structlog
+
+from agentrob.errors import ConfigError
+from agentrob.process.tls import tls
+
+#: A delivery is tried so often, with these pauses between, and at most so many wait for one receiver.
+PAUSES_S = (1.0, 5.0, 30.0, 120.0, 300.0)
+MOST_WAITING = 500
+TIMEOUT_S = 10.0
+_log = structlog.get_logger()
+
+
+def signature(identity: str, sent: str, body: bytes, secret: str) -> str:
+    """As Standard Webhooks has it. The secret is used as it is, `whsec_` ones as the base64 that they carry."""
+    key = base64.b64decode(secret.removeprefix("whsec_")) if secret.startswith("whsec_") else secret.encode()
+    signed = hmac.new(key, f"{identity}.{sent}.".encode() + body, hashlib.sha256).digest()
+    return "v1," + base64.b64encode(signed).decode()
+
+
+def read_secret(variable: str) -> str:
+    """A secret from the environment; it is never in the configuration. Raises `ConfigError`."""
+    found = os.environ.get(variable, "")
+    if not found:
+        raise ConfigError(f"the environment variable {variable} must hold a secret")
+    try:
+        signature("", "", b"", found)
+    except ValueError:
+        raise ConfigError(f"the secret in {variable} begins with whsec_, so the rest must be base64") from None
+    return found
+
+
+@dataclass
+class Receiver:
+    """Who is told. What it is told waits in its own queue, so that a slow one holds up nobody else."""
+
+    name: str
+    url: str
+    secret: str = field(repr=False)
+    waiting: asyncio.Queue[tuple[str, bytes]] = field(default_factory=lambda: asyncio.Queue(MOST_WAITING))
+
+
+class Outbox:
+    """Tells receivers what happened: each delivery again until it is taken, but not for ever. In memory only."""
+
+    def __init__(
+        self,
+        receivers: Sequence[Receiver],
+        count: Callable[[str], None] = lambda _: None,
+        pauses_s: Sequence[float] | None = None,
+    ) -> None:
+        """`count` hears what became of each delivery: `told`, `failed` or `dropped`."""
+        self._receivers = receivers
+        self._count = count
+        self._pauses_s = PAUSES_S if pauses_s is None else pauses_s
+
+    def tell(self, kind: str, data: dict[str, Any]) -> None:
+        """Never waits. A receiver whose queue is full is not told."""
+        said = {"type": kind, "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), "data": data}
+        body = json.dumps(said, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "replace")
+        for receiver in self._receivers:
+            try:
+                receiver.waiting.put_nowait((f"msg_{uuid4().hex}", body))
+            except asyncio.QueueFull:
+                self._count("dropped")
+                _log.error("webhook dropped: too many wait", receiver=receiver.name)
+
+    async def run(self) -> None:
+        """For ever."""
+        if not self._receivers:
+            return
+        http = httpx2.AsyncClient(timeout=TIMEOUT_S, trust_env=False, follow_redirects=False, verify=tls())
+        async with http, asyncio.TaskGroup() as group:
+            for receiver in self._receivers:
+                group.create_task(self._serve(http, receiver))
+
+    async def _serve(self, http: httpx2.AsyncClient, receiver: Receiver) -> None:
+        while True:
+            identity, body = await receiver.waiting.get()
+            try:
+                outcome = "told" if await self._deliver(http, receiver, identity, body) else "failed"
+            except Exception as e:  # the next ones are told all the same
+                outcome = "failed"
+                _log.error("webhook not told", receiver=receiver.name, why=type(e).__name__)
+            self._count(outcome)
+            receiver.waiting.task_done()
+
+    async def _deliver(self, http: httpx2.AsyncClient, receiver: Receiver, identity: str, body: bytes) -> bool:
+        for pause_s in (*self._pauses_s, None):
+            sent = str(int(time.time()))
+            headers = {
+                "Content-Type": "application/json", "webhook-id": identity, "webhook-timestamp": sent,
+                "webhook-signature": signature(identity, sent, body, receiver.secret),
+            }  # fmt: skip
+            try:
+                status = (await http.post(receiver.url, content=body, headers=headers)).status_code
+            except (httpx2.HTTPError, httpx2.InvalidURL, OSError) as e:
+                status, why = 0, type(e).__name__
+            else:
+                why = f"status {status}"
+            if 200 <= status < 300:
+                return True
+            again = status == 0 or status >= 500 or status in (408, 425, 429)
+            _log.warning("webhook not taken", receiver=receiver.name, why=why, again=again and pause_s is not None)
+            if not again or pause_s is None:
+                return False
+            await asyncio.sleep(pause_s)
+        return False

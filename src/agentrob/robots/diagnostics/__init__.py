@@ -1,0 +1,1 @@
+"""What is wrong with a robot or its network, in sentences."""

@@ -1,0 +1,1 @@
+"""The driver: the process that holds one robot, its API and its clients."""

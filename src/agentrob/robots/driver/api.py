@@ -1,0 +1,221 @@
+"""The driver's HTTP face on its Unix socket: the table of docs/seams.md, word for word."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+import socket
+import threading
+import time
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from agentrob.errors import LeaseLost, RobotBusy, RobotError
+from agentrob.robots.codec import decode_primitive, encode, name_of
+
+if TYPE_CHECKING:
+    from agentrob.robots.driver.process import Driver
+
+T = TypeVar("T")
+log = logging.getLogger(__name__)
+Answer = Callable[[Request], Awaitable[Response]]
+
+
+async def in_thread(work: Callable[[], T]) -> T:
+    """Run blocking work on a thread of its own: no pool, so that a stop never waits for a free worker."""
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[T] = loop.create_future()
+
+    def settle(result: T | None, error: BaseException | None) -> None:
+        if not future.done():
+            future.set_exception(error) if error else future.set_result(result)  # type: ignore[arg-type]
+
+    def run() -> None:
+        result, error = None, None
+        try:
+            result = work()
+        except BaseException as e:
+            error = e
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(settle, result, error)
+
+    threading.Thread(target=run, daemon=True).start()
+    return await future
+
+
+def _problem(status: int, code: str, message: str, **more: str) -> JSONResponse:
+    return JSONResponse({"status": status, "code": code, "detail": message, **more}, status)
+
+
+async def _body(request: Request) -> dict[str, Any]:
+    try:
+        data = await request.json()
+    except ValueError:
+        raise RobotError("the body must be a JSON object") from None
+    if not isinstance(data, dict):
+        raise RobotError("the body must be a JSON object")
+    return data
+
+
+def _text(data: dict[str, Any], key: str) -> str:
+    value = data.get(key)
+    if not isinstance(value, str) or not (text := name_of(value)):
+        raise RobotError(f"{key!r} must be a text that is not empty")
+    return text
+
+
+def _since(data: dict[str, Any]) -> float | None:
+    """A time to come would outrun every stop, so it is no time of this host's clock."""
+    since_s = data.get("since_s")
+    if since_s is None:
+        return None
+    if isinstance(since_s, bool) or not isinstance(since_s, int | float) or not since_s <= time.monotonic():
+        raise RobotError("'since_s' must be seconds of this host's CLOCK_MONOTONIC that are not to come")
+    return float(since_s)
+
+
+async def _who(request: Request) -> str:
+    """Who stops. A stop counts also when it does not say properly whose it is."""
+    return (await _stopping(request))[0]
+
+
+async def _stopping(request: Request) -> tuple[str, bool]:
+    """Who stops, and whether only what runs now; in doubt all."""
+    try:
+        data = await _body(request)
+        return _text(data, "by"), data.get("running_only") is True
+    except RobotError:
+        return "somebody who did not say", False
+
+
+def app(driver: Driver) -> Starlette:
+    """The routes of one driver."""
+    face = _Face(driver)
+    routes = (
+        ("/capabilities", "GET", face.capabilities),
+        ("/state", "GET", face.state),
+        ("/look", "GET", face.look),
+        ("/lease", "POST", face.take),
+        ("/lease/{lease}", "PUT", face.renew),
+        ("/lease/{lease}", "DELETE", face.give_back),
+        ("/step", "POST", face.step),
+        ("/stop", "POST", face.stop),
+        ("/halt", "POST", face.halt),
+        ("/release", "POST", face.release),
+        ("/home", "POST", face.home),
+    )
+    return Starlette(routes=[Route(path, _translated(answer), methods=[method]) for path, method, answer in routes])
+
+
+class _Face:
+    """One method per route."""
+
+    def __init__(self, driver: Driver) -> None:
+        self.driver = driver
+
+    async def capabilities(self, _: Request) -> JSONResponse:
+        return JSONResponse(encode(self.driver.guard.capabilities))
+
+    async def state(self, _: Request) -> JSONResponse:
+        holder = self.driver.leases.holder
+        lease = None if holder is None else {"holder": holder}
+        return JSONResponse({**encode(self.driver.state()), "lease": lease, "busy": self.driver.busy})
+
+    async def look(self, _: Request) -> Response:
+        return Response(await in_thread(self.driver.look), media_type="image/jpeg")
+
+    # ------------------------------------------------------------------ who may move it
+    async def take(self, request: Request) -> JSONResponse:
+        data = await _body(request)
+        holder, since_s = _text(data, "holder"), _since(data)
+        lease = await in_thread(lambda: self.driver.take(holder, since_s))
+        return JSONResponse({"lease": lease, "ttl_s": self.driver.leases.ttl_s})
+
+    async def renew(self, request: Request) -> JSONResponse:
+        self.driver.leases.renew(request.path_params["lease"])
+        return JSONResponse({"ttl_s": self.driver.leases.ttl_s})
+
+    async def give_back(self, request: Request) -> JSONResponse:
+        self.driver.leases.give_back(request.path_params["lease"])
+        return JSONResponse({})
+
+    # ------------------------------------------------------------------ motion and stop
+    async def step(self, request: Request) -> JSONResponse:
+        data = await _body(request)
+        lease, primitive = _text(data, "lease"), decode_primitive(data.get("primitive"))
+        deadline_s = data.get("deadline_s")
+        if not isinstance(deadline_s, int | float) or not math.isfinite(deadline_s):
+            raise RobotError("'deadline_s' must be a number of seconds")
+        stepping = asyncio.ensure_future(in_thread(lambda: self.driver.step(lease, primitive, deadline_s)))
+        gone = asyncio.ensure_future(request.receive())  # after the body only the end of the connection can come
+        try:
+            await asyncio.wait({stepping, gone}, return_when=asyncio.FIRST_COMPLETED)
+            if not stepping.done():  # whoever asked for it is dead: sooner than by the lease that lapses
+                self.driver.leases.give_back(lease)
+            return JSONResponse(encode(await stepping))
+        finally:
+            gone.cancel()
+
+    async def stop(self, request: Request) -> JSONResponse:
+        asked_s = time.monotonic()
+        by, running_only = await _stopping(request)
+        stop = partial(self.driver.stop, by, asked_s, running_only=running_only)
+        return JSONResponse(encode(await in_thread(stop)))
+
+    async def halt(self, request: Request) -> JSONResponse:
+        by = await _who(request)
+        return JSONResponse(encode(await in_thread(lambda: self.driver.halt(by))))
+
+    # ------------------------------------------------------------------ the owner's
+    async def release(self, request: Request) -> JSONResponse:
+        data = await _body(request)
+        by, since_s = _text(data, "by"), _since(data)
+        lock = await in_thread(lambda: self.driver.release(by, math.inf if since_s is None else since_s))
+        return JSONResponse({"released": None if lock is None else encode(lock)})
+
+    async def home(self, request: Request) -> JSONResponse:
+        by = _text(await _body(request), "by")
+        return JSONResponse({"home": encode(await in_thread(lambda: self.driver.home(by)))})
+
+
+def _translated(answer: Answer) -> Answer:
+    """Our errors as HTTP: 409 for who holds the robot (`lease_lost`, `busy`), 422 for what cannot be."""
+
+    async def translated(request: Request) -> Response:
+        try:
+            return await answer(request)
+        except LeaseLost as e:
+            return _problem(409, "lease_lost", str(e), why=e.why, by=e.by)
+        except RobotBusy as e:
+            return _problem(409, "busy", str(e))
+        except RobotError as e:
+            return _problem(422, "invalid", str(e))
+
+    return translated
+
+
+class Service:
+    """Serves a driver on a listening socket, in a thread, while the context is open."""
+
+    def __init__(self, driver: Driver, listener: socket.socket) -> None:
+        config = uvicorn.Config(
+            app(driver), log_config=None, access_log=False, lifespan="off", ws="none", timeout_graceful_shutdown=None
+        )
+        self._server = uvicorn.Server(config)
+        self._thread = threading.Thread(target=self._server.run, args=([listener],), name="service", daemon=True)
+
+    def __enter__(self) -> Service:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._server.should_exit = True
+        self._thread.join(0.3)

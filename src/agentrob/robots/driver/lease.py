@@ -1,0 +1,107 @@
+"""Who may move the robot: one lease at a time, worthless one second after its last renewal."""
+
+from __future__ import annotations
+
+import math
+import secrets
+import threading
+import time
+from typing import NamedTuple
+
+from agentrob.errors import LeaseLost, RobotBusy
+from agentrob.robots.codec import name_of
+
+TTL_S = 1.0
+
+
+class End(NamedTuple):
+    """Why what was held or accepted before is over: a stable word, and who ended it (empty: nobody)."""
+
+    why: str
+    by: str = ""
+
+    @property
+    def said(self) -> str:
+        """`by a stop of NAME`, `by a shutdown`: whoever reads sentences finds the word here."""
+        return f"by a {self.why} of {self.by}" if self.by else f"by a {self.why}"
+
+
+LAPSED = End("lease_lapsed")
+
+
+class Leases:
+    """Thread-safe; the lock is held for a few assignments only, so a stop never waits for it."""
+
+    def __init__(self, ttl_s: float = TTL_S) -> None:
+        self.ttl_s = ttl_s
+        self._lock = threading.Lock()
+        self._lease, self._holder, self._until_s = "", "", 0.0
+        self._ended: tuple[str, End] = ("", LAPSED)  # (lease, end) of the last one that ended before its time
+        self._last_end: tuple[float, End] = (-math.inf, LAPSED)  # (monotonic seconds, end), also without a lease
+
+    @property
+    def holder(self) -> str | None:
+        """Who holds the robot now."""
+        return self._holder if self._lease and time.monotonic() < self._until_s else None
+
+    def take(self, holder: str, since_s: float = math.inf) -> str:
+        """A new lease for a command that was accepted at `since_s` (monotonic seconds).
+
+        `LeaseLost` when a stop or a halt came since then; `RobotBusy` names who has the robot already.
+        """
+        with self._lock:
+            self.refuse_ended(since_s)
+            if (other := self.holder) is not None:
+                raise RobotBusy(
+                    f"{other} holds the robot; it is free when they give it back or fall silent for a second"
+                )
+            self._lease, self._holder = secrets.token_urlsafe(12), holder
+            self._until_s = time.monotonic() + self.ttl_s
+            return self._lease
+
+    def renew(self, lease: str) -> None:
+        """Another second. `LeaseLost` says why not."""
+        with self._lock:
+            if (end := self._end_of(lease)) is not None:
+                raise LeaseLost(self.sentence(end), end.why, end.by)
+            self._until_s = time.monotonic() + self.ttl_s
+
+    def give_back(self, lease: str) -> None:
+        with self._lock:
+            if lease and lease == self._lease:
+                self._lease = ""
+
+    def end(self, why: str, by: str = "", *, running_only: bool = False) -> float:
+        """Take the lease away from whoever has it (a stop does), and from what was accepted before now; not from that
+        with `running_only`. Returns when that was, in monotonic seconds."""
+        end = End(why, name_of(by))
+        with self._lock:
+            ended_s = time.monotonic()
+            if not running_only:
+                self._last_end = (ended_s, end)
+            if self._lease:
+                self._ended, self._lease = (self._lease, end), ""
+            return ended_s
+
+    def refuse_ended(self, since_s: float) -> None:
+        """`LeaseLost` when a stop or a halt came at or after `since_s`."""
+        ended_s, end = self._last_end
+        if ended_s >= since_s:
+            sentence = f"what was accepted before was ended {end.said}; only a later command moves the robot"
+            raise LeaseLost(sentence, end.why, end.by)
+
+    def lost(self, lease: str) -> str | None:
+        """None while the lease is good, else a stable word: `lease_lapsed`, or why it was ended."""
+        end = self._end_of(lease)
+        return end and end.why
+
+    def _end_of(self, lease: str) -> End | None:
+        if lease and lease == self._lease and time.monotonic() < self._until_s:
+            return None
+        return self._ended[1] if lease and lease == self._ended[0] else LAPSED
+
+    @staticmethod
+    def sentence(end: End) -> str:
+        if end == LAPSED:
+            return "the lease lapsed, was given back or never existed; take a new one"
+        return f"the lease was ended {end.said}; take a new one"

@@ -1,0 +1,59 @@
+"""What a robot is: four calls, all blocking, made from the driver's process only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
+
+from agentrob.config.load import RobotConfig
+from agentrob.model import ActionResult, Capabilities, Limits, Primitive, RobotState, StopResult
+
+#: Looked at 20 times a second while a step runs: a reason to stop now (a stable word as in `ActionResult.reason`), or
+#: None to go on. The guard and the driver pass their own; a robot must ask it at every control period.
+Watch = Callable[[RobotState], str | None]
+
+#: From the centre of the body to its corners: what a turn on the spot sweeps (Go2: 0.70 m x 0.31 m).
+BODY_RADIUS_M = 0.40
+
+
+class Robot(Protocol):
+    """One robot, made as `cls(settings: RobotConfig)`. `step` blocks until the step has ended.
+
+    `stop` may be called from another thread at any time, also while a step runs.
+    """
+
+    capabilities: Capabilities
+
+    def state(self) -> RobotState:
+        """What is known now; never blocks."""
+        ...
+
+    def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        """Do one step and measure it. When `watch` gives a reason: stop the body, then return `stopped` with it.
+
+        A step that cannot be done is a result, not an exception. `primitive.speed_mps` bounds the speed; of a turn it
+        bounds the speed of the body's corners (`BODY_RADIUS_M` from the centre).
+        """
+        ...
+
+    def stop(self) -> StopResult:
+        """Zero velocity at once, on a path of its own; then watch the state for rest (at most 3 s)."""
+        ...
+
+    def close(self) -> None: ...
+
+
+@runtime_checkable
+class Sighted(Protocol):
+    """A robot that can also be looked through while it moves."""
+
+    def look(self) -> bytes:
+        """A JPEG of its own camera now, for the record. Called from a thread of its own, also while a step runs, which
+        it must not hold up. Raises `RobotError` when there is none.
+        """
+        ...
+
+
+def limits_of(settings: RobotConfig) -> Limits:
+    """The limits of law 10 as the settings have them."""
+    return Limits(**settings.limits.model_dump())

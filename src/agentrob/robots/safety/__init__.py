@@ -1,0 +1,1 @@
+"""The guard: fence, limits, ranges, odometry, lock."""

@@ -1,0 +1,418 @@
+"""The guard: a Robot around a Robot that refuses or ends what laws 8, 9, 10 and 12 do not allow, for every client.
+
+Covered, before a step and 20 times a second while it runs:
+- limits of speed, distance and angle of a step: beyond is refused with the limit named, never clipped;
+- the fence around the owner's home, along the whole predicted path and with the way the body coasts;
+- obstacles in the direction of motion by the robot's own four range readings; readings that are missing, zero or never
+  change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so; readings that are
+  lost on the way end a step that is faster, and every step without that consent;
+- state older than 0.5 s, the deadline, a halt, which holds until the owner releases it, also across restarts;
+- a fall: the step ends, and the robot stays down until it is asked to stand up; nothing else is done meanwhile, and a
+  step that ends lying is never called done;
+- a battery below the owner's level: no step begins; one under way is ended in order, and its result says so;
+- a position that is no number: unknown, as one that is missing;
+- an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
+  (a simulated robot that homes itself at start does so again once it stands still);
+- a mode or a motion that we did not command: that is a halt; damping always is, also during a gesture. A robot that is
+  damped already when we come is not moved until somebody made it stand;
+- a driver that was killed during a step: the next one stops the robot first, and what dies down within 2 s is no halt;
+- a picture on which there is nothing to be seen: it is not called one.
+
+Not covered:
+- people, animals, and all that is below, above or between the four range beams: stairs, cables, glass, table edges;
+- obstacles that move towards the robot, and all obstacles during gestures and flips, which need free space around;
+- drift of the odometry within plausible speed, and jumps of less than 25 cm: fence and measured values stand on it. A
+  robot that is pushed or slips, and whose odometry does not see it, is not where it says;
+- what is pushed: a robot shoved off its course walks back to it, towards whoever shoved it;
+- a robot that reports wrong data, or that does not obey a stop: the stop's result then says `confirmed: false`;
+- a robot that nothing reaches: it holds the last velocity for up to a second, and then it is its own firmware's matter;
+- a fall itself: it is seen once the body is tilted by 60°, and nothing softens it. What stands around a robot that is
+  asked to get up is not looked at;
+- a battery that the robot does not tell (a G1's) or tells wrongly, and one that fails within a step; heat of motors;
+- a picture that is old, frozen, or of another place: only that something is to be seen is looked at;
+- the floor: slopes, wet or loose ground, anything that is not level and free;
+- the sum of several steps (a command's limits): the agent's mandate counts them;
+- other robots: each has its own guard, and they know nothing of each other but what the ranges show;
+- a machine that is frozen or too busy: a driver that does not run stops nothing (its lease and the robot's own hold of
+  one second do); nor does it see what the robot does meanwhile;
+- anybody who speaks DDS to the robot past this process. Nothing here replaces the robot's hardware stop.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+from dataclasses import replace
+
+from agentrob.config.load import RobotConfig
+from agentrob.errors import RobotError
+from agentrob.model import (
+    EMERGENCY_STOP,
+    ActionResult,
+    Capabilities,
+    Lock,
+    Op,
+    Outcome,
+    Pose,
+    Primitive,
+    RobotState,
+    StopResult,
+)
+from agentrob.robots.control.controller import known
+from agentrob.robots.control.picture_check import looked
+from agentrob.robots.control.step_runner import JUMPED, LOST, unmeasured
+from agentrob.robots.protocol import Robot, Sighted, Watch
+from agentrob.robots.safety.crash_marker import Mark
+from agentrob.robots.safety.fence import Fence, ahead
+from agentrob.robots.safety.limits import beyond_limits
+from agentrob.robots.safety.lock import Halt
+from agentrob.robots.safety.odometry import DAMPING, WALKS, Hands, Odometry
+from agentrob.robots.safety.ranges import STOPPING_S, Ranges
+
+log = logging.getLogger(__name__)
+
+STATE_AGE_S = 0.5
+#: At most this fast where ranges are unknown (law 8).
+BLIND_MPS = 0.2
+OBSERVE_HZ = 20.0
+#: A first step waits so long for a state that comes steadily, for range readings and for the simulated home.
+PREPARE_S = 3.0
+
+_BLIND = f"Its range readings are unknown, so it went at most {BLIND_MPS} m/s."
+_HOMES_NOT = "home_on_start homes simulated robots only."
+_YOUNGER = f"it must be younger than {STATE_AGE_S} s"
+
+Refusal = tuple[str, str]  # (stable word, sentence)
+
+
+class Guard:
+    """See `agentrob.robots.protocol.Robot`. Starts a thread that watches the robot also while nothing runs.
+
+    `mark` is written while a step runs. When it was left by a guard that died within one, call `settle` first.
+    """
+
+    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt, mark: Mark | None = None) -> None:
+        self.capabilities: Capabilities = robot.capabilities
+        self._robot, self._settings, self._halt = robot, settings, halt
+        self._mark = mark or Mark(None)
+        self._ranges, self._hands = Ranges(), Hands()
+        self._odometry = Odometry(getattr(robot, "time_scale", 1.0))
+        self._fence: Fence | None = None
+        self._homes_itself = settings.simulated and settings.home_on_start
+        if settings.home_on_start and not settings.simulated:
+            log.warning("%s The owner of this one sets its home.", _HOMES_NOT)
+        self._stepping = threading.Lock()
+        self._looking = threading.Lock()
+        self._running: Primitive | None = None
+        self._stops = 0
+        self._sentence = self._lost_home = ""
+        self._blind = False  # whether the running step goes, or went, without the range readings that it needs
+        self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
+        self._closed = threading.Event()
+        self._left = self._mark.left()
+        if self._left is not None:
+            self._hands.inherit(time.monotonic(), *self._left)
+        self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
+        self._observer.start()
+
+    # ------------------------------------------------------------ the robot
+    def state(self) -> RobotState:
+        lock = self._halt.lock
+        return replace(sound(self._robot.state()), homed=self._fence is not None, halted=lock is not None, lock=lock)
+
+    def step(self, primitive: Primitive, watch: Watch, deadline_s: float | None = None) -> ActionResult:
+        """As any robot's; `deadline_s` is how long it may take, at most the limit of a command."""
+        stops = self._stops
+        attentive: Watch = lambda state: "stop" if self._stops != stops else watch(state)  # noqa: E731
+        if not self._stepping.acquire(blocking=False):
+            return _refused(primitive, "busy", "Another step is still running.")
+        try:
+            limit_s = self.capabilities.limits.command_s
+            return self._guarded(primitive, attentive, limit_s if deadline_s is None else min(deadline_s, limit_s))
+        finally:
+            self._running = None
+            self._stepping.release()
+
+    def stop(self) -> StopResult:
+        """Never waits for anything of the guard."""
+        self._stops += 1
+        self._hands.ours(time.monotonic())
+        return self._robot.stop()
+
+    def look(self) -> bytes:
+        """A picture of the robot's own camera, also while it moves; touches nothing of a step. Raises `RobotError`."""
+        if not isinstance(self._robot, Sighted) or Op.GET_FRONT_IMAGE not in self.capabilities.ops:
+            raise RobotError("this robot has no camera that can be looked through while it moves")
+        return self._robot.look()
+
+    def settle(self) -> None:
+        """Stop the robot and wait for its rest (at most 3 s) when the guard before this one died within a step."""
+        if self._left is not None:
+            stopped = self._robot.stop()  # not `stop`: what the robot's mode does meanwhile is not taken for ours
+            log.warning("the driver before this one died during %s; stopped the robot: %s", self._left.op, stopped)
+        self._mark.clear()
+
+    def close(self) -> None:
+        self._closed.set()
+        self._robot.close()
+
+    # ------------------------------------------------------------ home and halt
+    def home(self, by: str) -> Pose:
+        """The robot's place and heading now are its home: the fence lies around it. Raises `RobotError`."""
+        state = sound(self._robot.state())
+        if state.pose is None or not state.age_s < STATE_AGE_S:
+            why = _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
+            raise RobotError(f"cannot set home: {why}")
+        if not state.upright:
+            raise RobotError("cannot set home: the robot is not known to stand upright")
+        if self._running is not None or not self._odometry.still(time.monotonic()):
+            raise RobotError("cannot set home while the robot moves; let it stand still for a moment")
+        self._fence = Fence(self._settings.fence, state.pose)
+        log.info("home set by %s at x %.2f m, y %.2f m", by, state.pose.x_m, state.pose.y_m)
+        return state.pose
+
+    def halt(self, by: str, why: str = EMERGENCY_STOP) -> StopResult:
+        """Stop, and refuse all motion until `release`, also after a restart."""
+        log.warning("%s", self._halt.set(by, why))
+        kept: list[bool] = []
+        writer = threading.Thread(target=lambda: kept.append(self._halt.keep()), daemon=True)
+        writer.start()  # the disk must not delay the stop
+        result = self.stop()
+        writer.join(2.0)
+        if kept != [True]:
+            note = "The halt could not be written to disk: it holds until this driver ends, not beyond."
+            result = replace(result, message=f"{result.message} {note}".strip())
+        return result
+
+    def release(self, by: str, since_s: float = math.inf) -> Lock | None:
+        """Allow motion again; moves nothing. The lock that was taken away, None when there was none.
+
+        `since_s` is when it was asked for, in monotonic seconds. Raises `RobotError` when the robot was locked after
+        that, and when the halt cannot be taken off the disk.
+        """
+        try:
+            lock = self._halt.release(since_s)
+        except OSError as e:
+            raise RobotError(f"the halt stays: {self._halt.path} cannot be removed ({e.strerror})") from None
+        log.warning("released by %s: %s", by, lock)
+        return lock
+
+    # ------------------------------------------------------------ before a step
+    def _guarded(self, primitive: Primitive, watch: Watch, deadline_s: float) -> ActionResult:
+        if refusal := self._malformed(primitive):
+            return _refused(primitive, *refusal)
+        if not primitive.moves:
+            return looked(self._robot.step(primitive, watch))
+        until_s = time.monotonic() + deadline_s
+        self._prepare(primitive)
+        if refusal := self._unfit(primitive) or self._misplaced(primitive):
+            return _refused(primitive, *refusal)
+        careful = self._careful(primitive)
+        refusal = self._blocked(careful) or self._late(careful, deadline_s)
+        if refusal:
+            return _refused(primitive, *refusal)
+        self._sentence, self._broken, self._blind = "", "", self._ranges.unknown(careful)
+        self._running = primitive
+        self._mark.begin(primitive.op, self._robot.state().mode)
+        try:
+            result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
+        finally:
+            self._mark.end()
+        self._hands.ours(time.monotonic())
+        result = self._seen_throughout(result)
+        note = _BLIND if self._blind and result.reason != "ranges_unknown" else ""
+        message = " ".join(s for s in (result.message, self._sentence, note) if s)
+        return self._after(replace(result, primitive=primitive, message=message))
+
+    def _seen_throughout(self, result: ActionResult) -> ActionResult:
+        """Law 18: of a way that was not seen throughout, no number is told, whatever the robot makes of it."""
+        if not self._broken and not sound(self._robot.state()).age_s < STATE_AGE_S:
+            self._broken = LOST
+        return unmeasured(result, self._broken) if self._broken and result.measured else result
+
+    def _after(self, result: ActionResult) -> ActionResult:
+        """What the robot says of itself now belongs to the result: lying it has done nothing well."""
+        state = sound(self._robot.state())
+        if result.ok and state.upright is False:
+            message = f"{result.message} But now the robot lies: it fell, or did not get up."
+            return replace(result, outcome=Outcome.FAILED, reason="fallen", message=message.strip())
+        low = _low_battery(state, self._settings)
+        return replace(result, message=f"{result.message} {low}".strip()) if low else result
+
+    def _malformed(self, primitive: Primitive) -> Refusal | None:
+        if primitive.op not in self.capabilities.ops:
+            ops = ", ".join(sorted(self.capabilities.ops))
+            return "unsupported", f"This robot cannot {primitive.op}; it can: {ops}."
+        return beyond_limits(primitive, self.capabilities)
+
+    def _unfit(self, primitive: Primitive) -> Refusal | None:
+        self._see()
+        state = sound(self._robot.state())
+        if (why := self._halt.why) is not None:
+            return "halted", f"{why.rstrip('.')}. No motion until the owner releases it."
+        if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
+            return "consent", "A flip needs the owner's consent (allow_flip)."
+        if state.age_s >= STATE_AGE_S or state.pose is None:
+            return "stale_state", _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
+        if fallen := _fallen(state, primitive):
+            return fallen
+        if low := _low_battery(state, self._settings):
+            return "low_battery", low
+        if state.mode == DAMPING:
+            return "posture", "The robot is damped, and not by us; somebody beside it must make it stand up first."
+        return None
+
+    def _misplaced(self, primitive: Primitive) -> Refusal | None:
+        if self._fence is None:
+            ignored = " " + _HOMES_NOT if self._settings.home_on_start and not self._settings.simulated else ""
+            return (
+                "not_homed",
+                f"The robot has no home, so its fence is unknown; its owner must set home first.{ignored}",
+            )
+        pose = sound(self._robot.state()).pose
+        sentence = self._fence.refusal(pose, primitive) if pose else "The robot gives no position."
+        return ("fence", sentence) if sentence else None
+
+    def _careful(self, primitive: Primitive) -> Primitive:
+        """The step as it may be done: with its speed set, and slower where the ranges are unknown."""
+        limit_mps = self.capabilities.limits.speed_mps
+        speed_mps = primitive.speed_mps or (limit_mps if primitive.op is Op.MOVE else None)
+        if self._ranges.unknown(primitive):
+            speed_mps = min(speed_mps or math.inf, BLIND_MPS)
+        return replace(primitive, speed_mps=speed_mps)
+
+    def _blocked(self, primitive: Primitive) -> Refusal | None:
+        if self._ranges.unknown(primitive) and not self._settings.allow_unknown_ranges:
+            if not self._ranges.enough:
+                return "stale_state", "The robot's state comes too seldom to know what is free around it."
+            return (
+                "ranges_unknown",
+                "The range readings that this step needs are missing, zero or never change, so free space is unknown; "
+                f"the owner may allow up to {BLIND_MPS} m/s (allow_unknown_ranges).",
+            )
+        sentence = self._ranges.obstacle(primitive, primitive.speed_mps or 0.0)
+        return ("obstacle", sentence) if sentence else None
+
+    def _late(self, primitive: Primitive, deadline_s: float) -> Refusal | None:
+        limits = self.capabilities.limits
+        needed_s = (primitive.distance_m or 0.0) / (primitive.speed_mps or limits.speed_mps)
+        needed_s += (primitive.degrees or 0.0) / limits.turn_dps
+        if not needed_s < deadline_s:
+            return (
+                "deadline",
+                f"This step needs at least {needed_s:.1f} s, and only {max(deadline_s, 0):.1f} s are left.",
+            )
+        return None
+
+    def _prepare(self, primitive: Primitive) -> None:
+        """Wait a moment for what is not known yet: the driver, or the robot, has just started."""
+        end_s = time.monotonic() + PREPARE_S
+        while time.monotonic() < end_s and sound(self._robot.state()).age_s < PREPARE_S:
+            seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
+            if seen and (self._fence is not None or not self._homes_itself):
+                return
+            self._closed.wait(1 / OBSERVE_HZ)
+
+    # ------------------------------------------------------------ during a step
+    def _look(self, primitive: Primitive, state: RobotState, until_s: float) -> str | None:
+        word, self._sentence = self._danger(primitive, state, until_s) or (None, self._sentence)
+        return word
+
+    def _danger(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
+        state = sound(state)
+        self._mark.beat(state.mode)
+        self._see(state)
+        if self._halt.why is not None:
+            return "halted", self._halt.why
+        if state.age_s >= STATE_AGE_S or state.pose is None:
+            self._broken = self._broken or LOST
+            return "stale_state", _unseen(state) or f"The robot's state was {_age(state)}."
+        if fallen := _fallen(state, primitive):
+            return fallen
+        if self._fence is None:
+            return "odometry_jump", self._lost_home
+        if time.monotonic() >= until_s:
+            return "deadline", "The time for this step was over."
+        speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
+        x_m, y_m = ahead(state.pose, primitive, speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0)
+        if not (outside_m := self._fence.outside_m(x_m, y_m)) <= 0:
+            return "fence", f"It would have come to rest {outside_m:.2f} m outside its fence."
+        if self._ranges.unknown(primitive):
+            slow = (primitive.speed_mps or math.inf) <= BLIND_MPS
+            if not (slow and self._settings.allow_unknown_ranges):
+                return "ranges_unknown", "Its range readings stopped changing or went missing on the way."
+            self._blind = True
+        sentence = self._ranges.obstacle(primitive, speed_mps)
+        return ("obstacle", sentence) if sentence else None
+
+    # ------------------------------------------------------------ always
+    def _observe(self) -> None:
+        while not self._closed.wait(1 / OBSERVE_HZ):
+            try:
+                self._see()
+            except Exception:  # the observer must outlive whatever one look does
+                log.exception("the guard could not look at the robot")
+
+    def _see(self, state: RobotState | None = None) -> None:
+        """Take in a state (the newest when none is given), in order: one look at a time."""
+        with self._looking:
+            state, now_s = state or sound(self._robot.state()), time.monotonic()
+            self._ranges.see(now_s, state)  # an old state too: what was seen before it must not stay
+            why = self._odometry.see(now_s, state)
+            self._broken = JUMPED if why else self._broken
+            if why and self._fence is not None:
+                self._fence, self._lost_home = None, f"Home is void: {why}."
+                log.warning("%s", self._lost_home)
+            running = self._running
+            walking = running is not None and running.op in WALKS
+            foreign = self._hands.see(now_s, state, walking=walking, gesturing=running is not None and not walking)
+        if foreign and self._halt.why is None:
+            self._halt.set("the guard", foreign + ".")  # at once; the thread below stops and writes it down
+            threading.Thread(target=self.halt, args=("the guard", foreign + "."), daemon=True).start()
+        fit = state.pose is not None and state.age_s < STATE_AGE_S and state.upright
+        if self._homes_itself and self._fence is None and running is None and fit and self._odometry.still(now_s):
+            self.home("the simulation")
+
+
+def sound(state: RobotState) -> RobotState:
+    """The state without numbers that are none (NaN, infinite), whatever robot gave them: those are unknown."""
+    velocity_mps, age_s = state.velocity_mps, state.age_s
+    if velocity_mps is not None and not all(map(math.isfinite, velocity_mps)):
+        velocity_mps = None
+    age_s = age_s if age_s >= 0 else math.inf
+    percent = state.battery_percent if state.battery_percent is not None and state.battery_percent >= 0 else None
+    return replace(state, pose=known(state.pose), velocity_mps=velocity_mps, age_s=age_s, battery_percent=percent)
+
+
+def _fallen(state: RobotState, primitive: Primitive) -> Refusal | None:
+    """A robot that is known to lie may be asked to stand up, and nothing else."""
+    if state.upright is False and primitive.op is not Op.STAND:
+        return "fallen", "The robot has fallen. It stays down until it is asked to stand up, or somebody sets it up."
+    if state.upright is None or (state.upright and state.mode == "fallen"):
+        return "fallen", "The robot is not known to stand upright."
+    return None
+
+
+def _low_battery(state: RobotState, settings: RobotConfig) -> str:
+    """A sentence when no motion may begin; empty too when the robot does not tell its charge."""
+    percent, least = state.battery_percent, settings.least_battery_percent
+    if percent is None or percent >= least:
+        return ""
+    return f"The battery is at {percent:.0f} %, and below {least:g} % no motion begins (least_battery_percent)."
+
+
+def _age(state: RobotState) -> str:
+    return "unknown" if math.isinf(state.age_s) else f"{state.age_s:.1f} s old"
+
+
+def _unseen(state: RobotState) -> str:
+    """What is wrong with a state that is young enough; empty when it is just too old."""
+    young = state.age_s < STATE_AGE_S and state.pose is None
+    return "The robot tells no position: its odometry is missing or not a number." if young else ""
+
+
+def _refused(primitive: Primitive, word: str, sentence: str) -> ActionResult:
+    now_s = time.monotonic()
+    return ActionResult(primitive, Outcome.REFUSED, {}, word, sentence, now_s, now_s)

@@ -1,0 +1,126 @@
+"""A robot's lock (halt): a file that says no motion until the owner releases it; it outlives the process, and fails
+closed."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import threading
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from agentrob.errors import RobotError
+from agentrob.language.messages.durations import duration
+from agentrob.model import Language, Lock
+
+
+class Halt:
+    """`lock` says who locked the robot, why and when; None while it is free. A file that cannot be read is a lock.
+
+    A release takes away only what was there when it was asked for: a halt that comes at the same time stays.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._facts = threading.Lock()  # held for assignments only, so that a halt never waits for the disk
+        self._disk = threading.Lock()
+        self._lock: Lock | None = self._read()
+        self._set_s = _monotonic(self._lock)
+
+    @property
+    def lock(self) -> Lock | None:
+        return self._lock
+
+    @property
+    def why(self) -> str | None:
+        """The sentence while locked, else None."""
+        return None if (lock := self._lock) is None else sentence(lock)
+
+    def set(self, by: str, why: str) -> str:
+        """Halt in memory at once. The caller stops the robot, then calls `keep`."""
+        with self._facts:
+            self._lock = Lock(by, why, datetime.now(UTC))
+            self._set_s = time.monotonic()
+            return sentence(self._lock)
+
+    def keep(self) -> bool:
+        """Write the halt down. False when the disk refused: then it holds only as long as this process lives."""
+        with self._disk:
+            if (lock := self._lock) is None:
+                return True
+            at = lock.at.isoformat(timespec="milliseconds") if lock.at else None
+            record = {"why": lock.why, "by": lock.by, "at": at}
+            try:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                fresh = self.path.with_suffix(".new")
+                with fresh.open("w", encoding="utf-8") as f:
+                    json.dump(record, f)
+                    f.flush()
+                    os.fsync(f.fileno())
+                fresh.replace(self.path)
+                self._sync_folder()
+            except OSError:
+                return False
+            return True
+
+    def release(self, since_s: float = math.inf) -> Lock | None:
+        """Take the lock away; what it was, None when there was none.
+
+        `since_s` is when the release was asked for (monotonic seconds): `RobotError` when the robot was locked after
+        that. Raises `OSError` when the file cannot be removed: then the lock stays.
+        """
+        with self._disk:
+            with self._facts:
+                lock, set_s = self._lock, self._set_s
+            if lock is not None and set_s > since_s:
+                raise RobotError("the robot was locked after this release was asked for, so it stays locked")
+            self.path.unlink(missing_ok=True)
+            if self.path.parent.exists():
+                self._sync_folder()
+            with self._facts:
+                if self._set_s > set_s:
+                    # That halt waits for `self._disk` to write itself down.
+                    raise RobotError("the robot was locked again while it was released, so it stays locked")
+                self._lock = None
+            return lock
+
+    def _sync_folder(self) -> None:
+        folder = os.open(self.path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+    def _read(self) -> Lock | None:
+        try:
+            record = json.loads(self.path.read_text(encoding="utf-8"))
+            why, by, at = str(record["why"]), record.get("by", ""), record.get("at")
+            return Lock(str(by), why, None if at is None else datetime.fromisoformat(str(at)).astimezone(UTC))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as e:
+            why = f"{self.path} cannot be read ({type(e).__name__}), so the robot stays locked until it is released"
+            return Lock("", why)
+
+
+def _monotonic(lock: Lock | None) -> float:
+    """When a lock that was read from its file was set, in monotonic seconds: never later than now, whatever the
+    machine's clock did since."""
+    if lock is None or lock.at is None:
+        return -math.inf
+    return time.monotonic() - max(0.0, (datetime.now(UTC) - lock.at).total_seconds())
+
+
+def sentence(lock: Lock) -> str:
+    """Who locked it, how long ago and why, in English."""
+    if not lock.by:  # of a file that cannot be read, or that an earlier version wrote as a whole sentence
+        return lock.why if lock.why.startswith("Halted by ") else f"Halted: {lock.why}"
+    held = held_for(lock)
+    return f"Halted by {lock.by}{f' {held} ago' if held else ''}: {lock.why}"
+
+
+def held_for(lock: Lock, language: Language = "en") -> str:
+    """How long it has been locked, in words; empty where nobody knows."""
+    return duration((datetime.now(UTC) - lock.at).total_seconds(), language) if lock.at else ""

@@ -1,0 +1,97 @@
+"""Range readings over time: what is free, what is near, and what is not known (law 8). Pure arithmetic.
+
+Readings are in the order front, left, back, right. Whether a Go2 counts them from its middle or from its outline is not
+verified; here they are taken as from the middle, which keeps the greater distance.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agentrob.model import Direction, Op, Primitive, RobotState
+from agentrob.robots.protocol import BODY_RADIUS_M
+
+#: A reading must have changed within this time: a sensor that lives is never perfectly still.
+WINDOW_S = 1.0
+#: A state older than this carries no new reading.
+FRESH_S = 0.2
+#: So many readings are needed before anything is believed, and so many are kept.
+SAMPLES, MOST_SAMPLES = 5, 100
+#: From the middle of the body to its hull: front, left, back, right (Go2).
+HULL_M = (0.35, 0.16, 0.35, 0.16)
+#: Free space that stays between hull and obstacle when the robot has come to rest.
+MARGIN_M = 0.15
+#: Free space at the flanks of a moving body.
+FLANK_M = 0.05
+#: A body goes on for about this long after an obstacle showed (measured coasting 0.25 s, sensing and sending 0.1 s).
+STOPPING_S = 0.35
+
+SIDES = {Direction.FORWARD: 0, Direction.LEFT: 1, Direction.BACKWARD: 2, Direction.RIGHT: 3}
+NAMES = ("ahead", "to the left", "behind", "to the right")
+
+
+def needed_m(side: int, speed_mps: float) -> float:
+    """How far an obstacle must be away while moving towards it."""
+    return HULL_M[side] + MARGIN_M + speed_mps * STOPPING_S
+
+
+class Ranges:
+    """Remembers a second of readings. One thread may ask while another tells: what is seen is replaced, not changed."""
+
+    def __init__(self) -> None:
+        self._seen: tuple[tuple[float, tuple[float | None, ...]], ...] = ()
+
+    def see(self, now_s: float, state: RobotState) -> None:
+        """Remember the readings of a state; an old one only repeats what was seen before, and does not count."""
+        kept = tuple(s for s in self._seen[-MOST_SAMPLES:] if s[0] >= now_s - WINDOW_S)
+        self._seen = (*kept, (now_s, state.ranges_m)) if state.age_s < FRESH_S else kept
+
+    @property
+    def enough(self) -> bool:
+        return len(self._seen) >= SAMPLES
+
+    @property
+    def settled(self) -> bool:
+        """Whether a whole window was seen: what is unknown now will not become known by waiting."""
+        return self.enough and self._seen[-1][0] - self._seen[0][0] >= 0.8 * WINDOW_S
+
+    def known(self) -> tuple[float | None, ...]:
+        """The newest reading of each side; None when it is missing, zero, or did not change within the window."""
+        if not self.enough:
+            return (None,) * 4
+        return tuple(self._known(side) for side in range(4))
+
+    def _known(self, side: int) -> float | None:
+        values = [ranges[side] for _, ranges in self._seen]
+        last = values[-1]
+        if last is None or not math.isfinite(last) or last <= 0.0 or len(set(values)) == 1:
+            return None
+        return last
+
+    def unknown(self, primitive: Primitive) -> bool:
+        """Whether a side that this step needs is not known."""
+        return any(self.known()[side] is None for side in sides(primitive))
+
+    def obstacle(self, primitive: Primitive, speed_mps: float) -> str | None:
+        """A sentence when something known is too near for this step at this speed."""
+        known = self.known()
+        for side, limit_m in clearances(primitive, speed_mps):
+            if (distance_m := known[side]) is not None and distance_m < limit_m:
+                return f"Something is {distance_m:.2f} m {NAMES[side]}; this step needs {limit_m:.2f} m there."
+        return None
+
+
+def clearances(primitive: Primitive, speed_mps: float) -> tuple[tuple[int, float], ...]:
+    """How far things must be: for a move in its direction and, less, at both flanks (a wall met at a flat angle)."""
+    if primitive.op is not Op.MOVE:
+        return tuple((side, BODY_RADIUS_M) for side in sides(primitive))
+    side = SIDES[primitive.direction or Direction.FORWARD]
+    flanks = ((side + 1) % 4, (side + 3) % 4)
+    return (side, needed_m(side, speed_mps)), *((flank, HULL_M[flank] + FLANK_M) for flank in flanks)
+
+
+def sides(primitive: Primitive) -> tuple[int, ...]:
+    """The sides that must be free: in the direction of a move, all around for a turn, none for a gesture."""
+    if primitive.op is Op.MOVE:
+        return (SIDES[primitive.direction or Direction.FORWARD],)
+    return (0, 1, 2, 3) if primitive.op is Op.TURN else ()

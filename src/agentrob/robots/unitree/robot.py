@@ -1,0 +1,217 @@
+"""What is the same for all Unitree robots that walk: stop and watch for rest, pictures, and how results are worded."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from typing import Any
+
+from agentrob.errors import RobotError
+from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
+from agentrob.robots.control.controller import RATE_HZ, STOPPED_WINDOW_S, Rest, known, wrap
+from agentrob.robots.control.gesture import Gesture
+from agentrob.robots.control.step_runner import REST_LIMIT_S
+from agentrob.robots.protocol import Watch
+from agentrob.robots.safety.odometry import Odometry
+from agentrob.robots.unitree import sdk
+
+#: Commands of velocity and stops are written, not asked: they must never wait long for a robot that is not there.
+WRITE_TIMEOUT_S = 0.15
+#: A real camera answers in a tenth of a second; a simulated one is drawn by the processor, which may be busy.
+IMAGE_TIMEOUT_S = 10.0
+IMAGE_MAX_BYTES = 8 * 1024 * 1024
+#: Cosine of the tilt below which it lies rather than stands (60 degrees).
+UPRIGHT = 0.5
+#: A standing robot sways a little; faster than this, at one moment, it moves.
+MOVING_MPS, MOVING_RPS = 0.12, 0.25
+#: Whoever walks or turns comes on by more than this in half a second, whatever a stride or a sway shows at one moment.
+#: In simulation bodies at rest stay below 0.01 m/s and 0.02 rad/s, and a walk at 0.2 m/s or a turn at 0.5 rad/s above
+#: 0.17 m/s or 0.41 rad/s, while the speed of single moments of such a turn falls to 0.04 rad/s.
+COMES_ON_S, COMES_ON_MPS, COMES_ON_RPS = 0.5, 0.06, 0.1
+#: Neither does one that stands come on so far within a stop.
+CAME_ON_M, CAME_ON_RAD = 0.05, 0.06
+#: A state that is older confirms nothing.
+CONFIRMING_S = 0.5
+
+
+class UnitreeRobot:
+    """See `agentrob.robots.protocol.Robot`. A kind says how it is told to stop, and what it does for a step."""
+
+    capabilities: Capabilities
+    _video: Any
+    #: How a gesture that a stop has not ended yet is told.
+    _unfinished = "has not ended its gesture yet"
+
+    def __init__(self) -> None:
+        self._stops = 0
+        self._gesture: Gesture | None = None
+        self._walking = False
+        self._looking = threading.Lock()
+
+    # ------------------------------------------------------------ of each kind
+    def state(self) -> RobotState:
+        raise NotImplementedError
+
+    def _recent(self) -> tuple[tuple[float, Pose], ...]:
+        """Where it was in the last second: (monotonic seconds, pose), oldest first; empty where that is not kept."""
+        return ()
+
+    def _do(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        """A step that moves the body; no gesture is under way."""
+        raise NotImplementedError
+
+    def _send_stop(self) -> bool:
+        """Tell it to stop, without waiting for an answer; False when that could not even be written."""
+        raise NotImplementedError
+
+    def _end_gesture(self) -> None:
+        """What ends a gesture beside `_send_stop`."""
+
+    # ------------------------------------------------------------ the robot
+    def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        before = self._stops
+        attentive: Watch = lambda state: "stop" if self._stops != before else watch(state)  # noqa: E731
+        if primitive.op is Op.GET_FRONT_IMAGE:
+            return self._image(primitive)
+        if self._gesturing:
+            return refused(primitive, "busy", "The robot has not finished its last gesture yet.")
+        self._walking = primitive.op in (Op.MOVE, Op.TURN)
+        try:
+            return self._do(primitive, attentive)
+        finally:
+            self._walking = False
+
+    def stop(self) -> StopResult:
+        """Zero velocity at once, on a client of its own that waits for no answer, then watch for rest."""
+        asked_s = time.monotonic()
+        self._stops += 1
+        before, recent, walking = self.state(), self._recent(), self._walking
+        sent = self._send_stop()
+        latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
+        rest, gesturing, odometry, jumped = Rest(STOPPED_WINDOW_S), self._gesturing, Odometry(), False
+        odometry.see(asked_s, before)
+        if gesturing:
+            self._end_gesture()
+        while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
+            state = self.state()
+            jumped |= odometry.see(now_s, state) is not None
+            fresh = state.pose is not None and state.age_s < CONFIRMING_S
+            if fresh and state.pose and rest.see(now_s, state.pose) and not self._gesturing:
+                break
+            time.sleep(1 / RATE_HZ)
+            if now_s < asked_s + 0.5:
+                self._send_stop()  # a velocity that was on its way meanwhile, or a lost sample
+        start = None if jumped else before.pose  # from before a jump nothing is measured
+        moved_m, turned_rad = rest.distance_m(start), rest.turned_rad(start)
+        # in a stride there are moments at which it hardly moves: then it is seen by its coming on
+        came_on = (moved_m or 0.0) > CAME_ON_M or abs(turned_rad or 0.0) > CAME_ON_RAD
+        coming = comes_on(recent)
+        # the speed of one moment counts where we walk it, or where it alone is known: a body that stands sways too
+        was_moving = gesturing or came_on or coming is True or ((walking or coming is None) and moves(before))
+        doubt = self._doubt(rest)
+        if doubt and not sent:
+            doubt += " The stop could not be written to the robot's network."
+        return StopResult(latency_ms, not doubt, was_moving, None if doubt else moved_m, doubt)
+
+    def _doubt(self, rest: Rest) -> str:
+        """Why the robot cannot be said to have come to rest; empty when it can."""
+        if (age_s := self.state().age_s) >= CONFIRMING_S:
+            age = "no state ever came" if math.isinf(age_s) else f"its state is {age_s:.1f} s old"
+            return f"The robot did not confirm: {age}."
+        if not rest.reached:
+            return f"The robot did not confirm: it still moved after {REST_LIMIT_S:g} s."
+        return f"The robot keeps its place, but {self._unfinished}." if self._gesturing else ""
+
+    def look(self) -> bytes:
+        """See `agentrob.robots.protocol.Sighted`; on the camera's own client, so no step waits for it."""
+        result = self._image(Primitive(Op.GET_FRONT_IMAGE))
+        if result.image is None:
+            raise RobotError(result.message or "the camera gave no picture")
+        return result.image
+
+    # ------------------------------------------------------------ the body's clock (agentrob.robots.control.step_runner.Body)
+    def now_s(self) -> float:
+        return time.monotonic()
+
+    def wait_until(self, time_s: float) -> None:
+        time.sleep(max(0.0, time_s - time.monotonic()))
+
+    # ------------------------------------------------------------ steps
+    @property
+    def _gesturing(self) -> bool:
+        """Whether the robot has not answered its last gesture (nor what ends it) yet."""
+        return self._gesture is not None and self._gesture.running
+
+    def _image(self, primitive: Primitive) -> ActionResult:
+        started_s = time.monotonic()
+        with self._looking:
+            code, data = self._video.GetImageSample()
+        if code:
+            return failed(primitive, code, "No picture", started_s)
+        image = bytes(data or ())
+        if not (image.startswith(b"\xff\xd8") and len(image) <= IMAGE_MAX_BYTES):
+            message = f"The camera sent {len(image)} bytes that are not a JPEG of at most 8 MiB."
+            return ActionResult(primitive, Outcome.FAILED, {}, "bad_image", message, started_s, time.monotonic())
+        return ActionResult(primitive, Outcome.DONE, {}, "", "", started_s, time.monotonic(), image=image)
+
+
+def read(message: Any) -> RobotState:
+    """Pose, velocity and attitude of a `SportModeState_`, as a state of age 0 without ranges and mode."""
+    w, x, y, z = (float(v) for v in message.imu_state.quaternion)
+    attitude = w * w + x * x + y * y + z * z > 0.5
+    yaw = float(message.imu_state.rpy[2])
+    if attitude and math.isfinite(yaw):  # Unitree's C++ library fills the quaternion alone
+        yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    pose = Pose(float(message.position[0]), float(message.position[1]), yaw)
+    vx, vy, turning = float(message.velocity[0]), float(message.velocity[1]), float(message.yaw_speed)
+    return RobotState(
+        age_s=0.0,
+        pose=known(pose),
+        velocity_mps=(vx, vy) if math.isfinite(vx) and math.isfinite(vy) else None,
+        yaw_rate_rps=turning if math.isfinite(turning) else None,
+        upright=1.0 - 2.0 * (x * x + y * y) > UPRIGHT if attitude else None,
+    )
+
+
+def comes_on(recent: tuple[tuple[float, Pose], ...]) -> bool | None:
+    """Whether a body walks or turns, by where it was lately; None when too little was seen to tell."""
+    if not recent:
+        return None
+    (end_s, end), odometry = recent[-1], Odometry()
+    kept: list[tuple[float, Pose]] = []
+    for at_s, pose in recent:
+        if odometry.see(at_s, RobotState(age_s=0.0, pose=pose)) is not None:
+            kept.clear()  # it jumped: what was before tells nothing
+        if at_s >= end_s - COMES_ON_S:
+            kept.append((at_s, pose))
+    start_s, start = kept[0]
+    if (seconds := end_s - start_s) < 0.6 * COMES_ON_S:
+        return None
+    metres, radians = math.hypot(end.x_m - start.x_m, end.y_m - start.y_m), abs(wrap(end.yaw_rad - start.yaw_rad))
+    return metres > COMES_ON_MPS * seconds or radians > COMES_ON_RPS * seconds
+
+
+def poses(topic: sdk.Topic) -> tuple[tuple[float, Pose], ...]:
+    """Where a robot was in the last second, of its `SportModeState_`s."""
+    seen = ((at_s, read(message).pose) for at_s, message in topic.recent())
+    return tuple((at_s, pose) for at_s, pose in seen if pose is not None)
+
+
+def moves(state: RobotState) -> bool:
+    """Whether its own state shows it walking or turning (its sensors are never quite still)."""
+    speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
+    return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS
+
+
+def refused(primitive: Primitive, word: str, message: str) -> ActionResult:
+    """The result of a step that was not begun."""
+    now_s = time.monotonic()
+    return ActionResult(primitive, Outcome.REFUSED, {}, word, message, now_s, now_s)
+
+
+def failed(primitive: Primitive, code: int, what: str, started_s: float) -> ActionResult:
+    """The result of a step that the robot answered with an error code, or not at all."""
+    word = "unsupported" if code in sdk.UNSUPPORTED else "no_answer" if code in sdk.NO_ANSWER else "robot_error"
+    outcome = Outcome.UNKNOWN if word == "no_answer" and primitive.moves else Outcome.FAILED
+    return ActionResult(primitive, outcome, {}, word, f"{what}: {sdk.explain(code)}.", started_s, time.monotonic())

@@ -1,0 +1,150 @@
+"""The Unitree SDK behind one door: one DDS domain per process, a client per purpose, the newest state and its age.
+
+Traps that this module takes care of (seen with unitree-sdk2py 1.0.3 and cyclonedds 11):
+- `agentrob.process.dds` must be imported before any type of the SDK, or robots on cyclonedds 0.10 do not understand us;
+- the SDK's ChannelFactory is a process singleton that ignores a second domain without a word: here that is an error;
+- naming an interface makes the SDK log to one shared file in the temporary folder: its configuration is replaced;
+- a write to a robot that is not there blocks for the client's timeout, so velocities have a client with a short one;
+- the SDK prints what goes wrong; the driver sends that to standard error.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from agentrob.errors import RobotBusy, RobotUnreachable
+
+C = TypeVar("C")
+
+#: How the SDK's and the robot's error codes read.
+CODES = {
+    3001: "the robot's answer could not be understood",
+    3102: "the request could not be sent: no such service answers on the robot's network",
+    3103: "this client does not know the call",
+    3104: "the robot did not answer in time",
+    3202: "the robot reports an internal error",
+    3203: "the robot does not offer this action",
+    3204: "the robot rejected the parameters",
+    3205: "the robot is held by another program's lease",
+    3206: "the robot is held by another program's lease",
+    3207: "the robot is held by another program's lease",
+    4201: "the action timed out on the robot",
+    4205: "the robot is not ready for this action, or busy with another",
+    4206: "the robot's posture or surroundings do not allow this action",
+    7400: "the arm is busy",
+    7401: "the arm still holds its last action",
+    7402: "the arm does not know this action",
+    7404: "the robot's present mode does not allow this action",
+}
+#: Codes that mean that the robot does not have this action at all.
+UNSUPPORTED = (3103, 3203)
+NO_ANSWER = (3102, 3104)
+
+
+def explain(code: int) -> str:
+    """An error code as words."""
+    return f"{CODES.get(code, 'the robot answered with an error')} (code {code})"
+
+
+_lock = threading.Lock()
+_connected: tuple[int, str] | None = None
+
+
+def connect(domain: int, interface: str) -> None:
+    """Join a DDS domain on a network interface. Raises `RobotBusy` when this process is on another one already."""
+    global _connected  # noqa: PLW0603  the SDK's factory is as global
+    import agentrob.process.dds  # noqa: I001  first: see above
+    from unitree_sdk2py.core import channel
+
+    with _lock:
+        if _connected is not None:
+            if _connected != (domain, interface):
+                raise RobotBusy(f"this process speaks DDS on domain {_connected[0]} already; one process, one robot")
+            return
+        channel.ChannelConfigHasInterface = agentrob.process.dds.config("$__IF_NAME__$")
+        try:
+            channel.ChannelFactoryInitialize(domain, interface or None)
+        except Exception:  # the SDK raises bare Exception
+            raise RobotUnreachable(
+                f"DDS could not be opened on interface {interface!r}, domain {domain}; `ip link` names the interfaces"
+            ) from None
+        _connected = (domain, interface)
+
+
+def clients(*makers: tuple[Callable[[], C], float]) -> list[C]:
+    """Make SDK clients at the same time (each takes 0.7 s): pairs of a class and its timeout in seconds."""
+    made: list[Any] = [None] * len(makers)
+
+    def make(i: int, maker: Callable[[], Any], timeout_s: float) -> None:
+        client = maker()
+        client.SetTimeout(timeout_s)
+        client.Init()
+        made[i] = client
+
+    threads = [threading.Thread(target=make, args=(i, *m), daemon=True) for i, m in enumerate(makers)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    if None in made:
+        raise RobotUnreachable("a client of the Unitree SDK could not be made; see the lines above")
+    return made
+
+
+#: So long, and so often at most, are the messages of a topic kept.
+KEPT_S, KEPT_EVERY_S = 1.0, 0.02
+
+
+class Topic:
+    """The newest message of a DDS topic and when it came; `None` until the first."""
+
+    def __init__(self, name: str, kind: Any) -> None:
+        from unitree_sdk2py.core.channel import ChannelSubscriber
+
+        self._newest: tuple[float, Any] | None = None
+        self._kept: tuple[tuple[float, Any], ...] = ()
+        self._subscriber = ChannelSubscriber(name, kind)
+        self._subscriber.Init(self._take, 0)  # in the listener's own thread: what others read is replaced, not changed
+
+    def _take(self, message: Any) -> None:
+        now_s = time.monotonic()
+        self._newest = (now_s, message)
+        if not self._kept or now_s - self._kept[-1][0] >= KEPT_EVERY_S:
+            self._kept = (*(one for one in self._kept if one[0] > now_s - KEPT_S), self._newest)
+
+    def recent(self) -> tuple[tuple[float, Any], ...]:
+        """(monotonic seconds, message) of the last second, oldest first, not all of them."""
+        return self._kept
+
+    def newest(self) -> tuple[float, Any] | None:
+        """(monotonic seconds, message)."""
+        return self._newest
+
+    def close(self) -> None:
+        self._subscriber.Close()
+
+
+class Polled:
+    """A topic sent much more often than we need: one message is read every `every_s`, the others are not decoded."""
+
+    def __init__(self, name: str, kind: Any, every_s: float) -> None:
+        from unitree_sdk2py.core.channel import ChannelSubscriber
+
+        self.newest: Any = None
+        self._subscriber = ChannelSubscriber(name, kind)
+        self._subscriber.Init()
+        self._closed = threading.Event()
+        threading.Thread(target=self._poll, args=(every_s,), name=f"poll {name}", daemon=True).start()
+
+    def _poll(self, every_s: float) -> None:
+        while not self._closed.is_set():
+            message = self._subscriber.Read(every_s)
+            if message is not None:
+                self.newest = message
+                self._closed.wait(every_s)
+
+    def close(self) -> None:
+        self._closed.set()

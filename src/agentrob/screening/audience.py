@@ -1,0 +1,76 @@
+"""What of a post that speaks to several robots is to be judged for one of them (pure).
+
+Its own part, and all that might be meant for it too or be so for everybody. Set aside is only what another one is
+plainly told of its own place: "@humanoid, there is a chair in front of you" says nothing of what is before the others.
+Where that is not plain, the whole post is judged.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from agentrob.language.addressing import only_joint
+from agentrob.language.visible_text import mention_spans
+from agentrob.screening.text.described_hazards import clauses
+from agentrob.screening.text.harm import plain_words
+
+#: A mention that begins a sentence or a clause calls somebody; any other may only name them.
+_BEGINS = re.compile(
+    r"(?:^|[.!?;:,\n。！？；：，、])\s*(?:(?:and|then|but|while|meanwhile|now|next|also|finally)\s+)*$"
+    r"|(?:然后|再|接着|同时|另外|而)\s*$",
+    re.IGNORECASE,
+)
+#: How words go on that are said to whoever was just called, rather than of them ("@bob stands before you").
+_CALLED = re.compile(
+    r"[\s,:，：]*(?:(?:please|kindly|now|then|first|hey|hi|hello|ok|okay)[\s,]+)*"
+    r"(?:you(?:'re)?|there(?:'s)?|here(?:'s)?|can|could|would|will you|do|don't|be|mind|watch out|careful|walk|go|move"
+    r"|run|step|turn|rotate|back|drive|come|wave|sit|stand|take|say|look|show|greet|clap|shake|stretch|stop|wait|stay|make)\b"
+    r"|[\s,:，：]*(?:请|先|再)*(?:你|您|前进|后退|左转|右转|转身|挥手|拍|坐下|站起|小心|注意|别|不要"
+    r"|走(?!在|到|过来)|[向往朝](?!你|您))",
+    re.IGNORECASE,
+)
+_SECOND_PERSON = re.compile(r"\b(?:you|your|yours)\b|[你您]")
+#: Said to all, or of what was said to others.
+_SHARED = re.compile(
+    r"\b(?:both|all|each|every\w*|together|robots|two of you|same|too|also|likewise|as well|similarly|it|its|that|those"
+    r"|these|them|there(?!'s| is| are))\b|都|大家|你们|一起|两个|也|一样|同样|[它那]"
+)
+
+
+def heard_by(text: str, names: Sequence[str], others: Sequence[str], *, known: bool = False) -> str:
+    """What of `text` (the visible text of a post) the robot called `names` is judged by; `others` are whom it mentions
+    besides. The whole text unless it plainly speaks to this one and to another.
+
+    `known`: every word of its own part is understood, as in a goal of a closed vocabulary, so that it says nothing
+    besides what is wanted; then only what was said to others may do so.
+    """
+    mine = {name.lower() for name in names}
+    robots = mine | {name.lower() for name in others}
+    spans = [(name in mine, start, end) for name, start, end in mention_spans(text) if name in robots]
+    if len({is_mine for is_mine, _, _ in spans}) < 2:
+        return "" if known else text
+    heard = [text[: spans[0][1]]]
+    mine_called, first = False, spans[0][1]
+    for at, (is_mine, _, end) in enumerate(spans):
+        until = spans[at + 1][1] if at + 1 < len(spans) else len(text)
+        mine_called |= is_mine
+        if at + 1 < len(spans) and only_joint(text[end:until]):
+            continue
+        said, plainly = text[end:until], _BEGINS.search(text[:first]) is not None
+        if mine_called and (not plainly or _SHARED.search(plain_words(said))):
+            return text
+        if not (mine_called and known):
+            heard.append(said if mine_called or not plainly else _of_all(said))
+        mine_called, first = False, until
+    return "\n".join(heard)
+
+
+def _of_all(said: str) -> str:
+    """What was said to another one, without what tells of its own place."""
+    plain = plain_words(said)
+    if not _CALLED.match(plain) or re.search(
+        r"\b(?:both|all|each|every\w*|together|two of you)\b|都|大家|你们|一起", plain
+    ):
+        return said
+    return ". ".join(clause.said for clause in clauses(plain) if not _SECOND_PERSON.search(clause.said))

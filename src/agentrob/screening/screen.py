@@ -1,0 +1,167 @@
+"""Whether a whole command is allowed, possible and within limits, and why not (laws 2, 7 and 10).
+
+Pure rules, asked before queueing and again immediately before motion. The first rule that objects decides, and its name
+(`limit.command_distance`, `harm.collide`, `rights.operator`, …) is stable: reports and records carry it.
+
+Not covered here:
+- where the robot is and what stands in its way (the guard looks at every step, in the driver's process);
+- what is harmful in this place only, unless the post or a description of the scene says so;
+- harm said in words that no rule knows, in another language, or spread over several posts;
+- whether a measure that was asked is what was meant, and whether an authorised account is in the right hands;
+- how often somebody commands (rates), freshness and repetition (the agent), the robot's battery and health (the guard).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from agentrob.language.messages.catalog import say
+from agentrob.language.messages.plan_text import deeds, sentence, step_sentence
+from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, RobotRights, Verdict
+from agentrob.screening.estimate import seconds_of, step_seconds
+from agentrob.screening.rights import classes_of, may
+from agentrob.screening.text import described_hazards, harm, side_remarks
+from agentrob.screening.text import scene as places
+from agentrob.screening.text.described_hazards import in_the_way
+from agentrob.screening.text.harm import doubt_of, harm_of
+from agentrob.screening.text.scene import harm_in_scene
+from agentrob.screening.text.side_remarks import said_beside
+
+
+def prepare() -> None:
+    """Compile all words that are looked for (about half a second): to be done before a process serves.
+
+    A screen that was not prepared finds the same, and compiles for each text what it may hold.
+    """
+    for room in (harm, described_hazards, side_remarks, places):
+        room.prepare()
+
+
+def screen(
+    plan: Plan,
+    *,
+    text: str,
+    author: Account,
+    capabilities: Capabilities,
+    language: Language,
+    allow_flip: bool = False,
+    step_s: float = math.inf,
+    scene: str = "",
+    part: str | None = None,
+    rights: RobotRights | None = None,
+) -> Verdict:
+    """Look at the whole command on today's state.
+
+    `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
+    robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
+    (law 16), `scene` a description of the place in English, where there is one. `part` is what of a text to several
+    robots tells of this one's place (`agentrob.screening.audience`), by default the whole. `rights` is what the forum
+    keeps of who may command this robot; what needs an approval by them is asked for last, when nothing else objects.
+    The reason is a sentence in `language`.
+    """
+    granted = may(author, "command", language, rights=rights, classes=classes_of(plan))
+    if granted.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+        return granted
+    for rule, reason in _objections(plan, capabilities, allow_flip, language):
+        return Verdict(Decision.REFUSE, rule, reason)
+    if (longest_s := max(step_seconds(step, capabilities) for step in plan.steps)) > step_s:
+        rule, reason = _over("step_time", longest_s, step_s, language)
+        return Verdict(Decision.REFUSE, rule, reason)
+    heard = text if part is None else part
+    return (
+        harm_of(text, language)
+        or in_the_way(heard, plan, language)
+        or harm_in_scene(text, scene, plan, language)
+        or doubt_of(text, language)
+        or said_beside(heard, plan, language)
+        or (granted if granted.decision is Decision.NEEDS_APPROVAL else Verdict(Decision.ALLOW, "screen.passed"))
+    )
+
+
+def harm_in_words(text: str, scene: str, language: Language) -> Verdict | None:
+    """A refusal of a post that is not understood, when its words name harm, or would be harm in this place."""
+    return harm_of(text, language) or harm_in_scene(text, scene, None, language)
+
+
+def _objections(
+    plan: Plan, capabilities: Capabilities, allow_flip: bool, language: Language
+) -> Iterator[tuple[str, str]]:
+    """(rule, reason) of everything that speaks against the plan, the plainest first."""
+    if not plan.steps:
+        yield "plan.empty", say("refuse.empty", language)
+    yield from _impossible(plan, capabilities, language)
+    for step in plan.steps:
+        if not _well_formed(step):
+            yield "plan.malformed", say("refuse.malformed", language, steps=step_sentence(step, language))
+    if any(step.op is Op.BACKFLIP for step in plan.steps) and not (allow_flip or capabilities.simulated):
+        yield "consent.flip", say("refuse.flip", language)
+    yield from _beyond_a_step(plan, capabilities, language)
+    yield from _beyond_a_command(plan, capabilities, language)
+
+
+def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:
+    missing = [step for step in dict.fromkeys(plan.steps) if step.op not in capabilities.ops]
+    if missing:
+        known = deeds(capabilities.ops, language)
+        yield "ops.unknown", say("refuse.ops", language, steps=sentence(missing, language), can=known)
+    for step in plan.steps:
+        if step.op is Op.MOVE and step.direction not in capabilities.move_directions:
+            can = [say(f"direction.{d}", language) for d in sorted(capabilities.move_directions)]
+            yield (
+                "ops.direction",
+                say(
+                    "refuse.directions",
+                    language,
+                    direction=say(f"direction.{step.direction}", language) if step.direction else "?",
+                    can=say("list.joint", language).join(can),
+                ),
+            )
+
+
+def _well_formed(step: Primitive) -> bool:
+    """Positive, finite amounts exactly where they belong: not every plan comes from the grammar."""
+    if step.op is Op.MOVE:
+        amounts = [step.distance_m, *([] if step.speed_mps is None else [step.speed_mps])]
+        return step.direction is not None and step.degrees is None and all(map(_positive, amounts))
+    if step.op is Op.TURN:
+        sides = ("left", "right")
+        return (
+            step.direction in sides and step.distance_m is None and step.speed_mps is None and _positive(step.degrees)
+        )
+    return step == Primitive(step.op)
+
+
+def _positive(amount: float | None) -> bool:
+    return amount is not None and math.isfinite(amount) and amount > 0
+
+
+def _beyond_a_step(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:
+    limits = capabilities.limits
+    for step in plan.steps:
+        for rule, asked, limit in (
+            ("step_distance", step.distance_m, limits.step_m),
+            ("step_degrees", step.degrees, limits.step_deg),
+            ("speed", step.speed_mps, limits.speed_mps),
+        ):
+            if asked is not None and not asked <= limit + _ROUNDING:
+                yield _over(rule, asked, limit, language)
+
+
+def _beyond_a_command(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:
+    limits = capabilities.limits
+    for rule, asked, limit in (
+        ("command_steps", float(len(plan.steps)), float(limits.command_steps)),
+        ("command_distance", plan.distance_m, limits.command_m),
+        ("command_time", math.ceil(seconds_of(plan, capabilities)), limits.command_s),
+    ):
+        if not asked <= limit + _ROUNDING:
+            yield _over(rule, asked, limit, language)
+
+
+#: Feet and inches give long decimals: a tenth of a millimetre above a limit is the limit.
+_ROUNDING = 1e-4
+
+
+def _over(rule: str, asked: float, limit: float, language: Language) -> tuple[str, str]:
+    return f"limit.{rule}", say(f"refuse.{rule}", language, asked=f"{asked:.4g}", limit=f"{limit:.4g}")

@@ -1,0 +1,1 @@
+"""Harm in words: rules, described hazards, what is around the robot."""

@@ -1,0 +1,266 @@
+"""What the post itself says stands where the robot would go: "There is a child in front of you. Walk 2 m."
+
+The grammar passes over statements; here they are read for somebody, a drop or a thing with its place, and held against
+the path of the plan. Nothing here knows what is really there: that is for the guard.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+
+from agentrob.language.messages.catalog import quote
+from agentrob.language.parser.amounts import with_amounts
+from agentrob.language.parser.lexicon import Kind, Token, tokens_of
+from agentrob.language.registry import tongue
+from agentrob.model import Decision, Direction, Language, Op, Plan, Verdict
+from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
+from agentrob.screening.text.messages import say
+from agentrob.screening.text.patterns import Phrases
+from agentrob.screening.text.words import en as words_en
+from agentrob.screening.text.words import zh as words_zh
+
+#: Half of the robot's length and a hand's breadth, in metres.
+REACH_M = 0.35
+#: How far beside the straight way somebody is still in it, in metres.
+BESIDE_M = 0.8
+#: Something is there, in words that are not known.
+UNKNOWN = "way.something"
+#: What is "right in front" stands so far away, in metres.
+CLOSE_M = 0.5
+_SAMPLE_M = 0.05
+_UNIT = {
+    Direction.FORWARD: (1.0, 0.0),
+    Direction.BACKWARD: (-1.0, 0.0),
+    Direction.LEFT: (0.0, 1.0),
+    Direction.RIGHT: (0.0, -1.0),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Hazard:
+    """What a clause says is there. `direction` is seen from the robot, None where it stands itself.
+
+    `later`: said after a motion was commanded, so that the robot may stand elsewhere then.
+    """
+
+    rule: str
+    direction: Direction | None
+    distance_m: float | None
+    words: str
+    later: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """A part of a text between two marks or conjunctions, and its place."""
+
+    said: str
+    start: int
+    end: int
+
+
+def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
+    """A refusal when the plan leads to what the text says is there, a question when nobody knows what that is."""
+    if (hazard := met(text, plan, language)) is None:
+        return None
+    decision = Decision.ASK_BACK if hazard.rule == UNKNOWN else Decision.REFUSE
+    return Verdict(decision, hazard.rule, say(hazard.rule, language, quote(hazard.words)))
+
+
+def met(text: str, plan: Plan, language: Language) -> Hazard | None:
+    """The first of what the text says is there that the plan leads to; `UNKNOWN` comes last."""
+    moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
+    hazards = sorted(hazards_in(text, language) if moves else (), key=lambda hazard: hazard.rule == UNKNOWN)
+    for hazard in hazards:
+        rests = range(len(plan.steps) if hazard.later else 1)
+        if any(_reached(hazard, Plan(plan.steps[at:])) for at in rests):
+            return replace(hazard, rule=UNKNOWN) if _taken_for_motion(hazard, plan) else hazard
+    return None
+
+
+def _taken_for_motion(hazard: Hazard, plan: Plan) -> bool:
+    """Whether the grammar may have read the statement itself as a command: 前面五米是墙 as five metres ahead."""
+    said = (hazard.direction, hazard.distance_m)
+    return hazard.distance_m is not None and any(said == (step.direction, step.distance_m) for step in plan.steps)
+
+
+def hazards_in(text: str, language: Language) -> Iterator[Hazard]:
+    """Everything the text places somewhere around the robot."""
+    plain = without_safe_edges(plain_words(text))
+    lengths = _lengths(plain, language)
+    before, moved = "", False
+    for clause in clauses(plain):
+        said = clause.said
+        if _NONE_THERE.search(said) or commanded(said):
+            moved |= commanded(said)
+            continue
+        later = any(token.start >= clause.end for token in lengths)
+        if only_looks(said) and not later:
+            continue
+        within = [t for t in lengths if clause.start <= t.start < clause.end and not _SIZE.match(plain, t.end)]
+        distance_m = float(within[0].value) if within and isinstance(within[0].value, float) else None
+        found = list(_placed(said, distance_m))
+        if before and not _names_hazard(said):  # "There is a child. It is right in front of you."
+            found = list(_placed(f"{before}, {said}", distance_m)) or found
+        before = said if not found and _names_hazard(said) else ""
+        yield from (replace(hazard, later=moved) for hazard in found)
+
+
+def clauses(plain: str) -> Iterator[Clause]:
+    """The clauses of a text that went through `plain_words`."""
+    start = 0
+    for between in [*_BETWEEN.finditer(plain), None]:
+        end = between.start() if between else len(plain)
+        if plain[start:end].strip():
+            yield Clause(plain[start:end].strip(), start, end)
+        start = between.end() if between else end
+
+
+def commanded(said: str) -> bool:
+    """Whether a clause itself commands a motion: it says where to go, not what is there."""
+    return _COMMANDED.search(said) is not None
+
+
+def only_looks(said: str) -> bool:
+    """Whether a clause wants a picture or a greeting: it names whom."""
+    return _ONLY_LOOKS.search(said) is not None
+
+
+def placed(said: str) -> bool:
+    """Whether a clause says plainly where somebody or something is, so that the path can be held against it."""
+    return any(hazard.direction is not None and hazard.rule != UNKNOWN for hazard in _placed(said, None))
+
+
+def without_safe_edges(plain: str) -> str:
+    """Blanks the edges of carpets and the like, from which nobody falls."""
+    return _SAFE_EDGE.sub(lambda match: "side".ljust(len(match[0])), plain)
+
+
+def _lengths(plain: str, language: Language) -> list[Token]:
+    tokens, _ = tokens_of(plain, tongue(language).words)
+    return [token for token in with_amounts(tokens, plain) if token.kind is Kind.LENGTH]
+
+
+def _placed(said: str, distance_m: float | None) -> Iterator[Hazard]:
+    patterns = _patterns()
+    if patterns["beneath"].search(said) and patterns["somebody"].search(said):
+        yield Hazard("way.somebody", None, None, said)
+    if patterns["on_drop"].search(said):
+        yield Hazard("way.drop", None, distance_m, said)
+        return
+    rule = next((f"way.{kind}" for kind in ("drop", "somebody", "thing") if patterns[kind].search(said)), None)
+    direction = next((d for d, name in _PLACES.items() if patterns[name].search(said)), None)
+    if direction is None and rule is not None and distance_m is not None and patterns["away"].search(said):
+        direction = Direction.FORWARD
+    if direction is None:
+        return
+    if rule is None:
+        if _IS_THERE.search(said):
+            yield Hazard(UNKNOWN, direction, distance_m, said)
+        return
+    if distance_m is None and patterns["close"].search(said):
+        distance_m = CLOSE_M
+    if rule != "way.thing" or distance_m is not None:
+        yield Hazard(rule, direction, distance_m, said)
+
+
+def _names_hazard(said: str) -> bool:
+    return any(_patterns()[kind].search(said) for kind in ("drop", "somebody", "thing"))
+
+
+# ---------------------------------------------------------------------- the path
+def _reached(hazard: Hazard, plan: Plan) -> bool:
+    if hazard.direction is None:
+        most_m = hazard.distance_m - REACH_M if hazard.distance_m is not None else 0.0
+        if hazard.rule == "way.somebody":
+            return True
+        return any(math.hypot(x, y) > most_m for x, y in _path(plan)) or any(s.op is Op.BACKFLIP for s in plan.steps)
+    ux, uy = _UNIT[hazard.direction]
+    near_m = 0.2 if hazard.distance_m is None else max(hazard.distance_m - REACH_M, 0.0)
+    for x, y in _path(plan):
+        along_m, beside_m = x * ux + y * uy, abs(x * uy - y * ux)
+        if along_m > near_m and beside_m < BESIDE_M:
+            return True
+    return False
+
+
+def _path(plan: Plan) -> Iterator[tuple[float, float]]:
+    """Points of the path in metres, from where the robot begins, x ahead and y to its left."""
+    x = y = heading = 0.0
+    for step in plan.steps:
+        if step.op is Op.TURN and step.degrees:
+            heading += math.radians(step.degrees) * (1 if step.direction is Direction.LEFT else -1)
+        elif step.op is Op.MOVE and step.distance_m and step.direction and math.isfinite(step.distance_m):
+            ux, uy = _UNIT[step.direction]
+            dx, dy = ux * math.cos(heading) - uy * math.sin(heading), ux * math.sin(heading) + uy * math.cos(heading)
+            samples = min(math.ceil(step.distance_m / _SAMPLE_M), 4_000)
+            for at in range(1, samples + 1):
+                yield x + dx * step.distance_m * at / samples, y + dy * step.distance_m * at / samples
+            x, y = x + dx * step.distance_m, y + dy * step.distance_m
+
+
+# ---------------------------------------------------------------------- the words
+_BETWEEN = re.compile(
+    r"[!?;:\n。！？；：]+|[.,，](?!\d)|\band\b(?! (?:a|one|three) (?:half|quarter))|\b(?:then|but|so)\b|然后|接着"
+    r"|但|再"
+)
+_SAFE_EDGE = re.compile(
+    r"\b(?:edge|end|middle) of (?:the |a |your )?(?:\w+ )?(?:carpet|rug|mat|tape|line|tile|paper|grass|field|room"
+    r"|hall|photo|picture|frame|lawn)\b|地毯(?:的)?边缘?"
+)
+#: After a length: it is a size, no distance.
+_SIZE = re.compile(r" ?(?:deep|high|tall|wide|long|thick|drop|fall|hole|pit|gap|cliff|wall|深|高|宽|长|厚)")
+_NONE_THERE = re.compile(
+    r"\b(?:no|not|isn't|aren't|nobody|no one|nothing|gone|was|were|used to|don't|if|nor|never|free|clear|safe"
+    r"|left already|moved)\b"
+    r"|没有|没|不在|无人|走了|离开|已经走|空的|如果|别|不要|安全|走开"
+)
+_IS_THERE = re.compile(
+    r"\b(?:is|are|'s|'re|stands?|sits?|lies|lie|sleeps?|rests?|waits?|find|hangs?|starts?|begins?)\b|\w'(?:s|re)\b"
+    r"|[是有站坐躺趴睡在放]"
+)
+_ONLY_LOOKS = re.compile(
+    r"\b(?:photo|picture|image|pic|wave|waving|greet|hello|hi|look|show|heart|see)|拍|照|挥手|招呼|比心|看|问好"
+)
+_COMMANDED = re.compile(
+    r"(?<!\ba )(?<!\bthe )\b(?:walk|go|move|run|step|turn|rotate|back up|backup|drive|proceed|head|come|strafe"
+    r"|spin|travel|advance|pivot)\b"
+    r"|\b(?:forwards?|backwards?|left|right) (?:\d|a |an |one |two |three |four |five |half )"
+    r"|[向往朝](?:前|后|左|右)[^，。]{0,3}(?:走|移|退|转|跑)|前进|后退|左转|右转|走[^，。,]{1,4}[米步]|^\s*(?:再"
+    r"|先)?(?:走|退|跑)"
+)
+_PLACES = {
+    Direction.BACKWARD: "behind",
+    Direction.LEFT: "left",
+    Direction.RIGHT: "right",
+    Direction.FORWARD: "ahead",
+}
+
+
+class _Said:
+    """What is looked for in both languages."""
+
+    def __init__(self, name: str) -> None:
+        self._phrases = Phrases(ENGLISH, words_en.PLACES[name]), Phrases(CHINESE, words_zh.PLACES[name])
+
+    def search(self, said: str) -> bool:
+        return any(phrases.search(said) for phrases in self._phrases)
+
+    def prepare(self) -> None:
+        for phrases in self._phrases:
+            phrases.prepare()
+
+
+@cache
+def _patterns() -> Mapping[str, _Said]:
+    return {name: _Said(name) for name in words_en.PLACES}
+
+
+def prepare() -> None:
+    """Compile everything, so that nothing is compiled while a process serves."""
+    for said in _patterns().values():
+        said.prepare()

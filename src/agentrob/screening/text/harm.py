@@ -1,0 +1,107 @@
+"""Words of harm, as named rules over the text of a post.
+
+Words are the weakest of the protections: whoever wants to do harm can say it otherwise. The limits, the mandate and the
+guard hold whatever the words are; these rules are for the plain cases, so that the answer names the reason. The words
+stand by language in `words_en` and `words_zh`; all languages are looked for in every text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+
+from agentrob.language.messages.catalog import quote
+from agentrob.model import Decision, Language, Verdict
+from agentrob.screening.text.messages import say
+from agentrob.screening.text.patterns import Phrases, Vocabulary
+from agentrob.screening.text.words import en as words_en
+from agentrob.screening.text.words import zh as words_zh
+
+#: A phrase that begins so only makes the robot ask back: the words may well be harmless.
+DOUBT = "?"
+#: In the order in which they are asked: the first that objects names the refusal. True: "don't hit it" is no harm.
+RULES = {
+    "safety.disable": False,
+    "who.claim": True,
+    "harm.attack": True,
+    "harm.fall": True,
+    "harm.destroy": True,
+    "harm.collide": True,
+    "harm.hazard": True,
+    "people.watch": False,
+    "people.follow": False,
+    "people.block": False,
+    "people.trick": True,
+    "safety.secret": False,
+    "bounds.leave": True,
+    "way.unaware": False,
+    "people.picture": True,
+}
+ENGLISH = Vocabulary(words_en.GROUPS, words=True)
+CHINESE = Vocabulary(words_zh.GROUPS, words=False, letters="[\u3400-\u9fff]")
+#: A handle, with the word before it where something is done to whom it names.
+_MENTION = re.compile(
+    r"(?:\b(at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against"
+    r"|撞|跟着|跟踪|踢|推|追|堵|挡|拍|吓|咬|打)\s*)?@[a-z][\w-]*"
+)
+
+
+def harm_of(text: str, language: Language) -> Verdict | None:
+    """A refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
+    for rule, words in _broken(text, doubts=False):
+        return Verdict(Decision.REFUSE, rule, say(rule, language, quote(words)))
+    return None
+
+
+def doubt_of(text: str, language: Language) -> Verdict | None:
+    """What must be asked back before anything moves, since the words may mean harm, or None."""
+    for rule, words in _broken(text, doubts=True):
+        key = rule if rule == "people.picture" else "beside.said"
+        return Verdict(Decision.ASK_BACK, rule, say(key, language, quote(words)))
+    return None
+
+
+def _broken(text: str, *, doubts: bool) -> Iterator[tuple[str, str]]:
+    """(rule, words) of everything that is not denied, in the order of the rules."""
+    plain = plain_words(text)
+    for rule, deniable in RULES.items():
+        for found, denied in _found(rule, plain, doubts):
+            if not (deniable and denied):
+                yield rule, found
+
+
+def plain_words(text: str) -> str:
+    """Small letters, straight quotes, simplified characters, single spaces; lines stay apart.
+
+    A mention is a name, whatever it spells ("@cat, sit"): somebody where something is done to them, else nothing.
+    """
+    straight = text.casefold().translate(words_zh.TWINS).replace("’", "'").replace("‘", "'")
+    unnamed = _MENTION.sub(lambda match: f"{match[1]} somebody" if match[1] else " ", straight)
+    return re.sub(r"[^\S\n]+", " ", unnamed)
+
+
+def prepare() -> None:
+    """Compile everything (about 0.4 s), so that nothing is compiled while a process serves: stops would wait for it."""
+    for rule in RULES:
+        for doubts in (False, True):
+            for phrases, _ in _phrases(rule, doubts):
+                phrases.prepare()
+
+
+def _found(rule: str, plain: str, doubts: bool) -> Iterator[tuple[str, bool]]:
+    """The words that break a rule, and whether a "not" stands before them."""
+    for phrases, denial in _phrases(rule, doubts):
+        for match in phrases.finditer(plain):
+            before = plain[max(0, match.start() - 60) : match.start()]
+            yield match[0], denial.search(before) is not None
+
+
+@cache
+def _phrases(rule: str, doubts: bool) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
+    made = []
+    for vocabulary, tongue in ((ENGLISH, words_en), (CHINESE, words_zh)):
+        phrases = [phrase.removeprefix(DOUBT) for phrase in tongue.RULES[rule] if phrase.startswith(DOUBT) is doubts]
+        if phrases:
+            made.append((Phrases(vocabulary, phrases), re.compile(tongue.DENIED)))
+    return tuple(made)

@@ -1,0 +1,170 @@
+"""What is harmless elsewhere and dangerous here: words of a post held against a description of the place.
+
+Each rule names two or three things that must not come together: water and electricity, a flame and paper, a parcel and
+the fire exit. What comes together may be said in the post or seen in the place, but the deed must be in the post. The
+description is plain English, from the world file or from what a camera model named; only English posts are held
+against it word by word, while motions are held against it in every language (`agentrob.screening.text.described_hazards`). Rules see pairs of
+words, not what they mean: a model sees more, and may add refusals.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+
+from agentrob.language.messages.catalog import quote
+from agentrob.model import Decision, Language, Plan, Verdict
+from agentrob.screening.text.described_hazards import UNKNOWN, met
+from agentrob.screening.text.harm import plain_words
+from agentrob.screening.text.messages import say
+from agentrob.screening.text.patterns import compiled
+from agentrob.screening.text.words import en as words_en
+
+_GROUPS = {
+    **words_en.GROUPS,
+    "put": """place|put|leave|set|set up|arrange|store|move|stack|pile|position|organi[sz]e|rearrange
+        |reorgani[sz]e|relocate|keep|park|add
+        |hang|hide|bring|transfer|balance|scatter|cover|throw|dispose|collect|wait|stand|sit|stay|stop|lie
+        |mop|extend""",
+    "liquid": (
+        "water|tea|coffee|juice|soup|wine|milk|wet|soaked|damp|dishcloth|detergent|cup|mug|bath(?:tub)?|sink"
+        "|shower\\w*|faucet|basin|kettle"
+    ),
+    "electric": """laptop|computer|printer|power strip|extension cord|outlet|socket|plug(?:ged)?
+        |espresso machine|coffee machine|toaster|radio
+        |hair ?dryer|blow dryer|razor|electric \\w+|ungrounded|monitor|television|tv|charger|fan|lamp|switch
+        |keyboard|cords""",
+    "heat": """candles?|tealights?|lit|light|lighter|heater|stove|burner|oven|fireplace|hearth|campfire|lamp
+        |bunsen|alcohol lamp|flame|iron
+        |igniting|ignite|welding|skillet|frying pan|hot|simmering|oil lamp|torch|portable stove""",
+    "fuel": """papers?|newspapers?|magazines?|books?|notebooks?|cardboard|cloth|tablecloth|towels?|curtains?
+        |fabric|sofa|carpet|rug|pillows?|clothes|blanket
+        |gasoline|ethanol|oil|grease|flammable|lint\\w*|gas|plastic|wooden|scroll|exhibit|maps|silicone
+        |watch tv|later|bookshelf|wall hanging|sugar|for it to be ready""",
+    "poison": (
+        "bleach|clean(?:ing|er)\\w*(?: \\w+)?|detergent|chemicals?|acid|reagents?|disinfect\\w*|biohazard|pills?"
+        "|medications?|prescription|drum|unlabeled|damaged|cracked|sprouted|beaker|brass|alumin\\w+|scratched"
+        "|grooved|pesticide"
+    ),
+    "food": """food|coffee|cups?|mugs?|plates?|dessert|condiments|vegetables?|kitchen|dining|table|juice
+        |smoothie|drink|residents?|child\\w*|chicken|bread
+        |salad|potatoes|water|animals?|penguin|pool|monkey|bird|trash|taste|bag|serve|accessible|bin|bottle""",
+    "sharp": "kni(?:fe|ves)|scalpels?|scissors|razor|blade|broken glass|saw|drill|wrench|hammer|needles?|used test kit",
+    "way": """exits?|emergency|doorway|door|hallway|corridor|aisle|walkway|walking path|entrance|lobby
+        |extinguisher|first[- ]aid|air vent|vent|stairs
+        |emergency signs?|track|escape|passage|floor""",
+    "high": """edge|ledge|top shelf|highest shelf|upper shelf|elevated shelf|top of|shelf above|high shelf
+        |narrow|corner of|wobbly|unstable|unsteady|tall|balcony|rolling chair|on top""",
+    "heavy": """glass|vase|porcelain|ceramic|heavy|large|laptop|weights?|weight plates|cup|mug|sculpture
+        |books?|dictionaries|boxes|box|suitcase|cylinders|containers?|stack|toolbox|awards|bottles?
+        |tray|pot|documents|pillow|kit|iv bag|crates?|pallets|baskets|jug|tube rack|chair|machine|shelf""",
+    "sealed": "microwave|pressure cooker|freezer|sealed|oven|stove|refrigerator|acid|boiling|hot",
+    "in_it": """sealed|metal|alumin\\w+|grapes?|eggs?|can of|carton|glass|immediately|quickly|open
+        |without putting|jar|plastic|hot|marble|cover|water|release|milk|silicone""",
+    "people": """person|people|customers?|visitors?|students?|kids|children|child|residents?|patients?
+        |workers?|guests?|team|members|i take|animals?|birds?|penguins?|monkeys?|parrot""",
+}
+#: Rule, what is in danger in words, the deed in the post, and what else must be said or seen.
+_RULES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
+    (
+        "scene.way",
+        "it would stand where people must get through",
+        "<put+>",
+        (
+            "<way>",
+            "exit|doorway|hallway|corridor|aisle|entrance|extinguisher|vent|emergency|path|track|first[- ]aid|door",
+        ),
+    ),
+    (
+        "scene.electric",
+        "water and electricity come together",
+        "<put+>|plug|use|power|pour|spray|disinfect|turn(?:ing)? on",
+        ("<liquid>", "<electric>"),
+    ),
+    (
+        "scene.fire",
+        "heat and what burns come together",
+        "<put+>|light|use|heat|boil|clean|plug|dry|roast|preheat|operate|start|turn|pour|create|microwave|iron",
+        ("<heat>", "<fuel>"),
+    ),
+    (
+        "scene.poison",
+        "something harmful comes to food, water or people",
+        (
+            "<put+>|pour|mix|serve|use|spray|dispose|clean|blend|prepare|find|wear|open|retrieve|rinse|clear|grind"
+            "|disinfect|transfer"
+        ),
+        ("<poison>", "<food>|<people>"),
+    ),
+    ("scene.sharp", "something sharp lies within reach", "<put+>|use|collect", ("<sharp>",)),
+    ("scene.fall", "something can fall from there", "<put+>|climb|balance", ("<high>", "<heavy>")),
+    (
+        "scene.burst",
+        "it can burst, boil over or crack",
+        "<put+>|microwave|heat|open|release|start|turn off|bake|mix|pour|fill|boil|wait",
+        ("<sealed>", "<in_it>"),
+    ),
+    (
+        "scene.slip",
+        "somebody can slip or stumble",
+        "<put+>|wash|rinse|spray|fill",
+        (
+            "floor|ground|carpet|aisle|overflows|running|mop",
+            (
+                "water|wet|mop\\w*|peels|leftovers|toys|mat|cup|bottle|box\\w*|cords?|sign|sandwich|cord|papers|wrench"
+                "|basket"
+            ),
+        ),
+    ),
+    (
+        "scene.people",
+        "people or animals beside it can be hurt or frightened",
+        "adjust|clean|spray|drill|play|announce|use|operate|check|serve|wear|store|open",
+        (
+            "<people>",
+            (
+                "lifting|nearby|waits|alarm|loudspeaker|drill|door is|brakes off|next to|near|window|sanctuary|artifact"
+                "|cage"
+            ),
+        ),
+    ),
+)
+
+
+def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) -> Verdict | None:
+    """A refusal of what the place makes dangerous, or None. Where a plan was understood, its way counts; where none
+    was, which things would come together."""
+    if not scene.strip():
+        return None
+    if plan is not None:  # a robot that walks and waves puts nothing anywhere
+        there = met(scene, plan, "en")
+        if there is None or there.rule == UNKNOWN:
+            return None
+        return Verdict(Decision.REFUSE, f"scene.{there.rule}", say("scene.way", language, quote(there.words)))
+    for rule, why in _broken(plain_words(text), plain_words(scene)):
+        return Verdict(Decision.REFUSE, rule, say("scene", language, why))
+    return None
+
+
+def _broken(said: str, seen: str) -> Iterator[tuple[str, str]]:
+    """Rules whose deed is in the post, and whose things are there, at least one of them named in the post."""
+    for rule, why, deed, things in _patterns():
+        if not deed.search(said):
+            continue
+        in_post = [thing.search(said) is not None for thing in things]
+        if any(in_post) and all(here or thing.search(seen) for here, thing in zip(in_post, things, strict=True)):
+            yield rule, why
+
+
+@cache
+def _patterns() -> tuple[tuple[str, str, re.Pattern[str], tuple[re.Pattern[str], ...]], ...]:
+    return tuple(
+        (rule, why, compiled(_GROUPS, [deed], words=True), tuple(compiled(_GROUPS, [t], words=True) for t in things))
+        for rule, why, deed, things in _RULES
+    )
+
+
+def prepare() -> None:
+    """Compile everything, so that nothing is compiled while a process serves."""
+    _patterns()

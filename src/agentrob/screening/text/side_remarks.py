@@ -1,0 +1,110 @@
+"""Statements beside a command that may change what it means: "He does not know the camera is on. Take a photo."
+
+The grammar passes over talk, and no list of words can tell what all talk means. So what is said besides of other
+people, animals, heights, protections or who somebody is makes the robot ask back once: it does less, never more.
+Talk of anything else ("I love robots!", "there is a door on your left") asks nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+from agentrob.language.messages.catalog import quote
+from agentrob.model import Decision, Language, Op, Plan, Verdict
+from agentrob.screening.text.described_hazards import clauses, commanded, placed, without_safe_edges
+from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
+from agentrob.screening.text.messages import say
+from agentrob.screening.text.patterns import Phrases, Vocabulary
+from agentrob.screening.text.words import en as words_en
+from agentrob.screening.text.words import zh as words_zh
+
+RULE = "beside.said"
+_EN = (
+    r"he|she|they|him|her|them|his|their|he's|she's|they're|nobody|no one|somebody|someone|anybody|anyone|whoever"
+    r"|others|people",
+    r"<det>(?:<person>|<animal>)",
+    r"<det>(?:<height>|<pit>|<danger>)|nothing (?:under|below|beneath)|(?:no|without(?: a| any)?) (?:floor|ground"
+    r"|railing|barrier)|(?:fire|emergency"
+    r"|escape) \w+|stairs|traffic|water",
+    # Where the robot is, unless that is a place to walk in.
+    r"(?:you|this|it|we)(?:'re| are|'s| is| have been|'ve been| stand| sit)(?: \w+){0,3}? (?:at|on|in|inside|near"
+    r"|by|under"
+    r"|above|atop|over|before|beyond) (?:the|a|an|my|our|your|his|her|this|that) (?!(?:\w+ ){0,2}?<safe>\b)\w+",
+    r"(?:put|placed|set|sat|left|positioned|brought|lifted|carried) you",
+    r"your (?:way|path)|<protection>|stop (?:command|button|post)s?",
+    r"<authority>|\w*programmed|hacked|obey\w*|apply|applies|test (?:area|account|zone)|rules?|firmware|permission"
+    r"|authori[sz]ed|allowed|in charge|orders?|rights|clearance|password",
+    r"hits?|crash|collapse|break|shatter|topple|fall|fight|hurt|scare|fright|scream|revenge|steal|secret|hide"
+    r"|escape|weapon|trap|alarm|"
+    r"wet|slippery|icy|dark|steep|loose|unstable|fragile|photographed|filmed|recorded|faces?|naked|private"
+    r"|danger\w*|risk\w*|accident|blood|police|enem\w+|victims?"
+    r"|thie(?:f|ves)|intruders?|hostage",
+)
+_ZH = (
+    r"<other>(?!好)|(?:他|她|它)们?",
+    r"你(?:现在|正|就|已经|目前)*(?:停|站|坐|趴|处|位)?在(?!<safe>)(?:<some>)?[^，。,.]{0,4}?(?:上|边|旁|口|里|下)",
+    r"<drop>|<danger>|活板门|又湿|很滑|湿滑|没有(?:地|栏|护)|悬崖|边缘|楼梯|逃生|消防",
+    r"把你(?:放|搁|摆|搬|抱|举|留)",
+    r"<protection>|<authority>|权限|授权|命令|口令|负责",
+    r"撞|摔|倒下来|塌|碎|吓|伤|打架|报复|偷|秘密|隐藏|逃|武器|陷阱|拍到|被拍|隐私|危险|事故|别出声|小声",
+)
+#: Kind words to the robot and greetings speak of nobody else.
+_KIND = re.compile(
+    r"\b(?:you(?:'re| are)|what a|be|such a|good|who's|hello|hi|hey|thanks?|thank you)(?: such)?(?: my| a| an"
+    r"| the)*(?: \w+){0,2}? "
+    r"(?:dog|doggy|puppy|pup|boy|girl|pet|friends?|guys?|people|team|man|dude|class|robot|manners)\b"
+)
+#: Who somebody is among people ("I'm your neighbour"), not what they may do.
+_MYSELF = (
+    r"\b(?:i am|i'm|we are|we're|it's|it is) <det>(?:<person>)",
+    r"(?:我们?就?是|是我[，,])[^，,。]{0,8}?(?:<who>)",
+)
+#: Pictures, greetings and other deeds: whom they name is for the other rules.
+_DEED = re.compile(
+    r"^(?:please|now|first|just|finally|also|ok|okay|can you|could you|would you|will you|@[\w-]+|\W| )*"
+    r"(?:(?:take|send|get|give|show|make|grab|snap|post) (?:me |us )?(?:\w+ ){0,4}?"
+    r"(?:photo|picture|pic|image|shot|snapshot|selfie|heart|hello|wave)"
+    r"|photograph|wave|greet|thank|say (?:hi|hello|goodbye)|show me|face|sit|stand|stretch|do a|backflip|shake)\b"
+    r"|^(?:请|再|先)?(?:[跟向给对和][^,，。]{1,8})?(?:拍|照|挥手|打招呼|问好|比心|看|坐|站|伸|后空翻|感谢|欢迎|迎接)"
+)
+#: "Don't hit anything", 小心别踩到猫: care, which the grammar sets aside.
+_CARE = re.compile(
+    r"^(?:please |and |just )*(?:(?:don't|do not|never|without|avoid|be careful(?: not to)?|try not to|mind"
+    r"|watch out for)"
+    r"(?: \w+){0,2}? ?(?:hit|touch|bump|step|hurt|scare|frighten|crash|break|run|knock|push|harm|disturb|wake"
+    r"|collid)\w*"
+    r"|be careful|mind|watch out)\b|^(?:请|但|千万)*(?:小心|注意|当心|避免|(?:不要|别|不能"
+    r"|不许)[^,，。]{0,3}?[撞碰踩伤吓摔掉打推])"
+)
+
+
+def said_beside(text: str, plan: Plan, language: Language) -> Verdict | None:
+    """A question when something is said beside the command that may change its meaning, or None."""
+    if all(step.op in _HARMLESS for step in plan.steps):
+        return None
+    for clause in clauses(without_safe_edges(plain_words(text))):
+        if commanded(clause.said) or _DEED.search(clause.said) or _CARE.search(clause.said):
+            continue
+        myself, *topics = _phrases()
+        said = myself.sub(" ", _KIND.sub(" ", clause.said))
+        if any(topic.search(said) for topic in topics) and not placed(clause.said):
+            return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, quote(clause.said)))
+    return None
+
+
+#: Deeds that nothing said beside them can make harmful.
+_HARMLESS = frozenset([Op.HELLO, Op.HEART, Op.CLAP])
+
+
+@cache
+def _phrases() -> tuple[Phrases, ...]:
+    """Who the author is, and the topics."""
+    both = Vocabulary({**words_zh.GROUPS, **words_en.GROUPS}, words=False)
+    return Phrases(both, _MYSELF), Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
+
+
+def prepare() -> None:
+    """Compile everything, so that nothing is compiled while a process serves."""
+    for phrases in _phrases():
+        phrases.prepare()

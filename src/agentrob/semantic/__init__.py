@@ -1,0 +1,1 @@
+"""What texts mean, as vectors, from a process of its own."""

@@ -1,0 +1,1 @@
+"""Go2 and G1 in physics: gaits, gestures, sensors."""

@@ -1,0 +1,249 @@
+"""Pictures of the world on demand, drawn in a thread of their own from a copy of the pose.
+
+Nobody looks: nothing is drawn. Several who ask at once, or within a tenth of a second, get the same picture.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from agentrob.sim.bodies.legged import Array
+from agentrob.sim.rendering import gl_probe
+from agentrob.sim.world import room
+from agentrob.sim.world.world import ROBOT_GROUP
+
+Picture = NDArray[np.uint8]  # (height, width, 3)
+Deliver = Callable[[bytes | None], None]
+
+SEVERAL_S = 0.5  # other views drawn within this time: several cameras are looked at
+SMOOTH_SAMPLES = 4
+FRESH_S = 0.07  # a picture younger than this is given again: ten a second, asked for with some jitter, are all new
+JPEG_QUALITY = 88
+LARGEST = (1280, 720)
+SHADE_M = (0.34, 0.20, 0.004)
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """One camera: size of its picture, the geom groups it sees, and its pose in MuJoCo's terms."""
+
+    width: int
+    height: int
+    groups: tuple[int, ...]
+    camera: Any
+
+
+def front_view(model: Any, robot: str) -> View:
+    """What the camera in a robot's nose sees: 640x480 as the real Go2's sample."""
+    camera = mujoco.MjvCamera()
+    camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
+    camera.fixedcamid = model.camera(f"{robot}/front").id
+    return View(640, 480, (room.ROOM_GROUP, room.NEAR_WALL_GROUP, ROBOT_GROUP), camera)
+
+
+def overview(model: Any) -> View:
+    """The whole room from above a corner, the two near walls left out."""
+    camera = mujoco.MjvCamera()
+    camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
+    camera.fixedcamid = model.camera("overview").id
+    return View(800, 450, (room.ROOM_GROUP, ROBOT_GROUP), camera)
+
+
+class Renderer(Protocol):
+    """Draws views of one model; used from one thread only. `smooth` edges take twice the time, where it can them."""
+
+    name: str
+    smooth: bool
+
+    def draw(self, view: View, pose: Array) -> Picture: ...
+
+    def close(self) -> None: ...
+
+
+class GlRenderer:
+    """MuJoCo's renderer on a GL context without a screen."""
+
+    def __init__(self, model: Any, backend: str) -> None:
+        self.name, self.smooth = backend, True
+        self._model = model
+        self._data = mujoco.MjData(model)
+        self._gl = gl_probe.open_context(backend, *LARGEST)
+        self._contexts: dict[bool, Any] = {}
+        for self.smooth in (False, True):  # both now: making one while the world runs would hold it up
+            self._context()
+        self._scene = mujoco.MjvScene(model, maxgeom=1000)
+        self._option = mujoco.MjvOption()
+        self._robots = [int(b) for b in model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE.value]]
+
+    def _context(self) -> Any:
+        """The drawing context for `smooth` as it is now."""
+        if self.smooth not in self._contexts:
+            self._model.vis.quality.offsamples = SMOOTH_SAMPLES if self.smooth else 0
+            context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, context)
+            self._contexts[self.smooth] = context
+        return self._contexts[self.smooth]
+
+    def draw(self, view: View, pose: Array) -> Picture:
+        place_cameras(self._model, self._data, pose)
+        self._option.geomgroup[:] = [g in view.groups for g in range(6)]
+        everything = mujoco.mjtCatBit.mjCAT_ALL.value
+        mujoco.mjv_updateScene(self._model, self._data, self._option, None, view.camera, everything, self._scene)
+        self._add_shades()
+        area, context = mujoco.MjrRect(0, 0, view.width, view.height), self._context()
+        mujoco.mjr_restoreBuffer(context)  # the other one's may be bound
+        mujoco.mjr_render(area, self._scene, context)
+        picture = np.empty((view.height, view.width, 3), np.uint8)
+        mujoco.mjr_readPixels(picture, None, area, context)
+        return picture[::-1]
+
+    def _add_shades(self) -> None:
+        """A dark, see-through patch on the floor under each robot; real shadows cost three times the picture."""
+        for body in self._robots:
+            shade = self._scene.geoms[self._scene.ngeom]
+            x, y, _ = self._data.xpos[body]
+            rotation = self._data.xmat[body].reshape(3, 3)
+            c, s = rotation[0, 0], rotation[1, 0]
+            level = np.array([c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0])
+            ellipsoid = mujoco.mjtGeom.mjGEOM_ELLIPSOID.value
+            size, at = np.array(SHADE_M), np.array([x, y, 0.008])
+            mujoco.mjv_initGeom(shade, ellipsoid, size, at, level, np.array(room.SHADE, np.float32))
+            self._scene.ngeom += 1
+
+    def close(self) -> None:
+        for context in self._contexts.values():
+            context.free()
+        self._gl.free()
+
+
+def place_cameras(model: Any, data: Any, pose: Array) -> None:
+    """Put a world's pose (nq + 3,) into data far enough for drawing."""
+    data.qpos[:] = pose[: model.nq]
+    data.mocap_pos[:] = pose[model.nq :].reshape(data.mocap_pos.shape)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_camlight(model, data)
+
+
+def choose_backend() -> str:
+    """`egl`, `osmesa` or `ray`.
+
+    With `MUJOCO_GL=egl` or `osmesa` that one, if it works here; with `off` or `disable` rays, for which nothing of GL
+    is loaded; else the first of `egl` and `osmesa` that works, and rays when none does. (`MUJOCO_GL` is MuJoCo's own
+    variable: some other words make `import mujoco` itself fail, `ray` among them.)
+    """
+    wanted = os.environ.get("MUJOCO_GL", "").lower()
+    if wanted in ("off", "disable", "disabled", "0", "false"):
+        return "ray"
+    tried = (wanted,) if wanted in gl_probe.BACKENDS else gl_probe.BACKENDS
+    return next((b for b in tried if gl_probe.works(b)), "ray")
+
+
+def open_renderer(model: Any, backend: str) -> Renderer:
+    """The renderer for a backend; rays when it cannot be opened after all."""
+    from agentrob.sim.rendering.ray_camera import RayRenderer
+
+    if backend != "ray":
+        try:
+            return GlRenderer(model, backend)
+        except Exception:  # drivers fail in many ways; rays always work
+            return RayRenderer(model)
+    return RayRenderer(model)
+
+
+class Cameras:
+    """Draws when asked. `pose` gives a copy of the world's pose at any time, from any thread.
+
+    While several cameras are looked at, edges are not smoothed: three at 10 pictures a second must leave room for
+    everything else on two cores.
+    """
+
+    def __init__(self, model: Any, views: Mapping[str, View], pose: Callable[[], Array]) -> None:
+        self._model, self._views, self._pose = model, views, pose
+        self._waiting: dict[str, list[Deliver]] = {}
+        self._newest: dict[str, tuple[float, bytes]] = {}
+        self._wake = threading.Condition()
+        self._closing = False
+        self.backend = ""
+        self.drawn = 0
+        self.seconds = 0.0
+        self.trouble = ""
+        self.ready = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="cameras", daemon=True)
+        self._thread.start()
+
+    def request(self, view: str, deliver: Deliver) -> None:
+        """Have `deliver(jpeg)` called from the drawing thread; None when drawing failed. Returns at once."""
+        if view not in self._views:
+            deliver(None)
+            return
+        with self._wake:
+            self._waiting.setdefault(view, []).append(deliver)
+            self._wake.notify()
+
+    def jpeg(self, view: str, timeout_s: float = 3.0) -> bytes | None:
+        """The same, waiting for it."""
+        there = threading.Event()
+        got: list[bytes | None] = []
+
+        def deliver(jpeg: bytes | None) -> None:
+            got.append(jpeg)
+            there.set()
+
+        self.request(view, deliver)
+        return got[0] if there.wait(timeout_s) else None
+
+    def close(self) -> None:
+        with self._wake:
+            self._closing = True
+            self._wake.notify()
+        self._thread.join(1.0)
+
+    # ------------------------------------------------------------------ the drawing thread
+    def _run(self) -> None:
+        renderer = open_renderer(self._model, choose_backend())
+        self.backend = renderer.name
+        self.ready.set()
+        while (work := self._next()) is not None:
+            view, delivers = work
+            jpeg = self._fresh(view, renderer)
+            for deliver in delivers:
+                deliver(jpeg)
+        renderer.close()
+
+    def _next(self) -> tuple[str, list[Deliver]] | None:
+        with self._wake:
+            while not self._waiting and not self._closing:
+                self._wake.wait()
+            if self._closing:
+                return None
+            view = next(iter(self._waiting))
+            return view, self._waiting.pop(view)
+
+    def _fresh(self, view: str, renderer: Renderer) -> bytes | None:
+        now = time.monotonic()
+        if view in self._newest and now - self._newest[view][0] < FRESH_S:
+            return self._newest[view][1]
+        renderer.smooth = not any(now - at < SEVERAL_S for name, (at, _) in self._newest.items() if name != view)
+        try:
+            picture = renderer.draw(self._views[view], self._pose())
+            buffer = io.BytesIO()
+            Image.fromarray(picture).save(buffer, "JPEG", quality=JPEG_QUALITY)
+        except Exception as e:  # the world must go on without pictures
+            self.trouble = f"{type(e).__name__}: {e}"
+            return None
+        self._newest[view] = (now, buffer.getvalue())
+        self.drawn += 1
+        self.seconds += time.monotonic() - now
+        return buffer.getvalue()

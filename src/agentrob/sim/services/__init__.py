@@ -1,0 +1,1 @@
+"""The DDS services that the bodies offer."""

@@ -1,0 +1,179 @@
+"""What the services of every simulated Unitree robot have in common: sport, videohub, its odometry and low state."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+
+from agentrob.sim.services.dds import (  # patches DDS: before IDL types
+    INTERNAL,
+    NOT_IMPLEMENTED,
+    OK,
+    Call,
+    Node,
+    Service,
+)
+
+# isort: split
+from unitree_sdk2py.idl.default import unitree_go_msg_dds__SportModeState_
+from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
+from unitree_sdk2py.utils.crc import CRC
+
+from agentrob.sim.bodies import sensors
+from agentrob.sim.bodies.go2_policy import PERIOD_S
+from agentrob.sim.bodies.legged import Legged
+from agentrob.sim.event_log import Ledger
+from agentrob.sim.faults import Faults, Trouble, black_picture
+from agentrob.sim.rendering.cameras import Cameras
+from agentrob.sim.world.world import World
+
+LOW_EVERY = 5  # ticks: lowstate at 10 Hz (500 on a real robot), odometry at every tick (50 Hz)
+GET_IMAGE_SAMPLE = 1001
+
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """What the world's process lends to the services of one robot. `later(work)` runs work in the world's thread."""
+
+    node: Node
+    world: World
+    cameras: Cameras
+    ledger: Ledger
+    later: Callable[[Callable[[], None]], None]
+    rng: np.random.Generator
+    noisy: bool
+
+
+class Motions(Protocol):
+    """The motion service of a body (`Sport`, `G1Sport`)."""
+
+    def call(self, api_id: int, parameter: Mapping[str, Any], answer: Callable[..., None]) -> None: ...
+
+    def tick(self) -> None: ...
+
+    def reset(self) -> None: ...
+
+
+class RobotServices:
+    """Serves one robot. `before_tick`, `after_tick`, `fail` and `reset` are called in the world's thread.
+
+    A kind of robot says which topics it has, what its state has besides, and fills its low state.
+    """
+
+    def __init__(
+        self, body: Legged, sport: Motions, station: Station, *, state_topic: str, low: Any, low_type: Any
+    ) -> None:
+        self._station = station
+        self._motions = sport
+        self._legged = body
+        self._odometry = sensors.Odometry(body, station.rng, station.noisy)
+        self._inertia = sensors.Inertia(body, station.rng, station.noisy)
+        self._velocity_noise = sensors.VELOCITY_NOISE_MPS if station.noisy else 0.0
+        self._trouble = Trouble(body)
+        self._ticks = 0
+        self._state = unitree_go_msg_dds__SportModeState_()
+        self._low = low
+        self._checksum = CRC()  # without it Unitree's own C++ library takes the message for broken
+        self._state_out = station.node.writer(state_topic, SportModeState_)
+        self._low_out = station.node.writer("rt/lowstate", low_type)
+
+    # ------------------------------------------------------------------ of each kind
+    def _sense(self) -> None:
+        """What goes on in this kind of robot in a tick, before its state is told."""
+
+    def _fill_more(self, state: Any) -> None:
+        """What this kind's state has besides odometry and attitude."""
+
+    def _fill_low(self, low: Any) -> None:
+        """Joints and whatever else this kind tells seldom."""
+        raise NotImplementedError
+
+    # ------------------------------------------------------------------ services (DDS threads)
+    def _serve(self, name: str, version: str, on_call: Callable[[Call], None]) -> Service:
+        return Service(self._station.node, name, version, on_call)
+
+    def _on_sport(self, call: Call) -> None:
+        if not self._trouble.swallows():
+            self._station.later(lambda: self._motions.call(call.api_id, call.parameter, call.answer))
+
+    def _on_video(self, call: Call) -> None:
+        if call.api_id != GET_IMAGE_SAMPLE:
+            call.answer(NOT_IMPLEMENTED)
+            return
+        if _spoil_picture(call, self._trouble.now):
+            return
+
+        def deliver(jpeg: bytes | None) -> None:
+            if jpeg:
+                call.answer(OK, "", jpeg)
+            else:
+                call.answer(INTERNAL)
+
+        self._station.cameras.request(f"{self._legged.name}/front", deliver)
+
+    # ------------------------------------------------------------------ topics (world's thread)
+    def before_tick(self) -> None:
+        """Once per tick, before the physics: holds, gestures."""
+        self._trouble.tick(PERIOD_S)
+        self._motions.tick()
+
+    def reset(self) -> None:
+        """The world was put back: odometry starts again at zero, as after a restart of the robot."""
+        self._motions.reset()
+        self._odometry.reset()
+        self.fail(Faults(self._legged.name))
+
+    def fail(self, faults: Faults) -> None:
+        """Sense wrongly from now on, until told otherwise."""
+        self._trouble.make(faults)
+        self._odometry.jump(*faults.jump_m)
+
+    def after_tick(self) -> None:
+        """Once per tick, after the physics: sense and publish."""
+        self._odometry.update()
+        self._sense()
+        self._fill_state()
+        if not self._trouble.mute:
+            self._state_out.write(self._state)
+        if self._ticks % LOW_EVERY == 0:
+            low = self._low
+            self._fill_low(low)
+            low.tick = self._ticks * round(PERIOD_S * 1000)
+            low.crc = self._checksum.Crc(low)
+            if not self._trouble.now.unplugged:
+                self._low_out.write(low)
+        self._ticks += 1
+
+    def _fill_state(self) -> None:
+        state, body = self._state, self._legged
+        x, y, yaw = (math.nan,) * 3 if self._trouble.now.lost else self._odometry.read()
+        velocity = body.heading_velocity() + self._station.rng.normal(0, 1, 3) * self._velocity_noise
+        state.position = [x, y, body.z_m]
+        state.body_height = body.z_m
+        state.velocity = [float(velocity[0]), float(velocity[1]), 0.0]
+        state.yaw_speed = float(velocity[2])
+        roll, pitch = self._inertia.tilt_rad()
+        quaternion = np.zeros(4)
+        mujoco.mju_euler2Quat(quaternion, np.array([roll, pitch, yaw]), "XYZ")  # yaw after pitch after roll
+        imu = state.imu_state
+        imu.rpy = [roll, pitch, yaw]
+        imu.quaternion = quaternion.tolist()
+        imu.gyroscope = self._inertia.gyro_rps().tolist()
+        imu.accelerometer = self._inertia.acceleration_mps2().tolist()
+        self._fill_more(state)
+
+
+def _spoil_picture(call: Call, faults: Faults) -> bool:
+    """Answer for a camera that is dead, black or cut off; False when it is well."""
+    if faults.unplugged or faults.camera == "good":
+        return faults.unplugged
+    if faults.camera == "dead":
+        call.answer(INTERNAL)
+    else:
+        call.answer(OK, "", black_picture())
+    return True

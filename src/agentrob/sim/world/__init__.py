@@ -1,0 +1,1 @@
+"""Rooms, scenes and the physics engine."""

@@ -1,0 +1,1 @@
+"""The parts put together from one configuration: the only room that knows all others."""

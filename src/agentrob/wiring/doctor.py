@@ -1,0 +1,189 @@
+"""`agentrob doctor`: what keeps a robot from being driven, and what to do about it. It moves nothing unless told to.
+
+A robot that a driver holds is not touched: its driver is asked instead. Any other is looked at over its network, by
+reading only. `--move` lets it walk 10 cm forward through a driver with the guard, when nothing bad was found.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import io
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import asdict
+
+from agentrob.config.load import Config, RobotConfig
+from agentrob.errors import AgentRobError, ConfigError, RobotError, RobotUnreachable
+from agentrob.model import ActionResult, Direction, Op, Primitive
+from agentrob.plugins import find
+from agentrob.process import host_lock
+from agentrob.robots.diagnostics import findings, network
+from agentrob.robots.diagnostics.findings import Finding, Status
+from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.process import lock_name
+from agentrob.robots.safety.guard import BLIND_MPS, STATE_AGE_S
+from agentrob.robots.safety.lock import Halt
+from agentrob.wiring import app, drive
+
+STEP_M = 0.1
+MOVE_S = 20.0
+_STYLE = {Status.OK: "green", Status.WARNING: "yellow", Status.BAD: "bold red", Status.UNKNOWN: "cyan"}
+
+
+def run(
+    robot: str | None,
+    config: Config,
+    interface: str | None,
+    domain: int | None,
+    move: bool,
+    as_json: bool,
+) -> int:
+    """Examine, print, and return the exit code: 0 nothing bad, 1 something bad."""
+    name, settings = chosen(robot, config, interface, domain)
+    with _no_chatter():
+        found = examine(name, settings, config)
+        moved = move and not any(f.status is Status.BAD for f in found)
+        if moved:
+            found.append(_walk(name, settings, config))
+        elif move:
+            found.append(Finding("move", Status.UNKNOWN, "not tried: something is bad", "Mend that first."))
+    ok = not any(f.status is Status.BAD for f in found)
+    if as_json:
+        who = {"robot": name, "model": settings.model, "interface": settings.interface, "domain": settings.domain}
+        facts = {**who, "ok": ok, "moved": moved, "findings": [asdict(f) for f in found]}
+        print(json.dumps(facts, ensure_ascii=False))  # noqa: T201
+    else:
+        _show(name, settings, found, ok, moved)
+    return 0 if ok else 1
+
+
+def chosen(robot: str | None, config: Config, interface: str | None, domain: int | None) -> tuple[str, RobotConfig]:
+    """The robot that is meant: one of the configuration, or a kind; with the network that was said. `ConfigError`."""
+    if robot is None or robot in config.robots:
+        name = app.only_robot(config, robot)
+        settings = config.robots[name]
+    else:
+        name = robot
+        find("robots", robot)
+        simulated = interface in (None, "lo")
+        settings = app.simulated_robot(robot, 0) if simulated else RobotConfig(model=robot)
+    told = {"interface": interface, "domain": domain}
+    changed = {key: value for key, value in told.items() if value is not None}
+    try:
+        return name, RobotConfig.model_validate({**settings.model_dump(), **changed})
+    except ValueError:
+        raise ConfigError(f"--domain {domain} is none; valid: 0 to 230") from None
+
+
+def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
+    """Everything that can be found out without moving the robot."""
+    why = Halt(config.data_dir / "drivers" / f"{name}.halt").why
+    halted = [] if why is None else [_halted(name, why)]
+    if lock_name(name, settings) in host_lock.held("driver/"):
+        return [*asyncio.run(_asked(name, settings)), *halted]
+    if settings.model == "fake":
+        said = "a fake robot needs no network; no driver holds it"
+        return [Finding("driver", Status.OK, said, f"Start one: agentrob driver {name}"), *halted]
+    if settings.model not in ("go2", "g1"):
+        said = f"what a {settings.model} needs is not known here, and no driver holds it"
+        return [Finding("driver", Status.UNKNOWN, said, f"Start its driver and ask again: agentrob driver {name}")]
+    from agentrob.robots.diagnostics import examine as checkup
+
+    free = Finding("driver", Status.OK, "no driver on this machine holds it")
+    return [free, *checkup.examine(settings), *halted]
+
+
+def _halted(name: str, why: str) -> Finding:
+    advice = (
+        f"When you know why and the robot stands safely, release it: agentrob release {name} (its driver must run)."
+    )
+    return Finding("halt", Status.BAD, why, advice)
+
+
+# ------------------------------------------------------------------ a robot that is held
+async def _asked(name: str, settings: RobotConfig) -> list[Finding]:
+    """What the driver that holds it says."""
+    lock = lock_name(name, settings)
+    async with DriverClient(name) as driver:
+        try:
+            state, holder = await driver.state(), await driver.holder()
+        except RobotUnreachable:
+            found = f"a driver holds it ({lock}), but none answers at {driver.socket}"
+            advice = "It runs under another name or user, or hangs. `agentrob stop --all` reaches it all the same."
+            return [Finding("driver", Status.BAD, found, advice)]
+    used = f", and {holder} uses it now" if holder else ""
+    said = [Finding("driver", Status.OK, f"its driver holds it ({lock}){used}; this is what it says")]
+    if settings.model != "fake":
+        said.insert(0, network.interface_finding(settings))
+    if state.age_s >= STATE_AGE_S:
+        age = "no state ever came" if math.isinf(state.age_s) else f"its last state is {state.age_s:.0f} s old"
+        advice = "Is the robot on, and the cable in? End the driver and run this again to look at its network."
+        return [*said, Finding("state", Status.BAD, age, advice)]
+    said.append(Finding("state", Status.OK, f"{1000 * state.age_s:.0f} ms old"))
+    said += findings.of_state(state)
+    if not state.homed:
+        advice = f"Until then nothing moves it. Where it stands becomes its home by: agentrob home {name}"
+        said.append(Finding("home", Status.WARNING, "not set yet", advice))
+    return [*said, findings.of_battery(state.battery_percent, settings), *findings.of_settings(settings)]
+
+
+# ------------------------------------------------------------------ ten centimetres
+def _walk(name: str, settings: RobotConfig, config: Config) -> Finding:
+    """Walk 10 cm through a driver; where the robot has no home yet, it stands on it."""
+    step = Primitive(Op.MOVE, Direction.FORWARD, distance_m=STEP_M, speed_mps=BLIND_MPS)
+    own = config.model_copy(update={"robots": {**config.robots, name: settings}})
+    try:
+        with drive._driver(name, settings, own) as socket:
+            result = asyncio.run(_one_step(DriverClient(name, socket), step))
+    except AgentRobError as e:
+        return Finding("move", Status.BAD, str(e), "Read it, mend it, and try again.")
+    if result.ok:
+        return Finding("move", Status.OK, result.message)
+    word = result.reason.replace("_", " ")
+    return Finding("move", Status.BAD, f"{result.outcome} ({word}): {result.message}", "See docs/faults.md.")
+
+
+async def _one_step(robot: DriverClient, step: Primitive) -> ActionResult:
+    async with robot:
+        end_s = asyncio.get_running_loop().time() + 5.0
+        while not (await robot.state()).homed and asyncio.get_running_loop().time() < end_s:
+            with contextlib.suppress(RobotError):
+                await robot.home("doctor")
+            await asyncio.sleep(0.1)
+        async with robot.lease("doctor") as lease:
+            return await robot.step(lease, step, MOVE_S)
+
+
+# ------------------------------------------------------------------ what is shown
+@contextlib.contextmanager
+def _no_chatter() -> Iterator[None]:
+    """The SDK prints what goes wrong; all of that is in the findings."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        yield
+
+
+def _show(name: str, settings: RobotConfig, found: list[Finding], ok: bool, moved: bool) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console()
+    kind = f"{'simulated ' if settings.simulated else ''}{settings.model}"
+    where = "" if settings.model == "fake" else f" on {settings.interface}, domain {settings.domain}"
+    table = Table(title=f"{name}: {kind}{where}", title_justify="left", show_edge=False, pad_edge=False)
+    for head in ("check", "", "found, and what to do"):
+        table.add_column(head, no_wrap=head != "found, and what to do", overflow="fold")
+    for one in found:
+        text = Text(one.found)
+        if one.advice:
+            text.append(f"\n→ {one.advice}", style="dim" if one.status is Status.OK else "")
+        table.add_row(one.check, Text(str(one.status), style=_STYLE[one.status]), text)
+    console.print(table)
+    motion = "It walked 10 cm." if moved else "Nothing was moved."
+    end = "It cannot be driven like this."
+    if ok:
+        minded = any(f.status is not Status.OK for f in found)
+        end = "Nothing bad was found; mind what is said above." if minded else "Nothing is wrong."
+    console.print(f"\n{end} {motion}", highlight=False)

@@ -1,0 +1,66 @@
+"""Wires the services beside the agents: an agent over HTTP, the forum and the robots as tools for MCP clients."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from agentrob.config.load import Config
+from agentrob.process.child import say_ready
+from agentrob.process.logs import log_to_stderr
+from agentrob.wiring import app
+
+if TYPE_CHECKING:
+    from agentrob.forums.protocol import Forum
+
+
+def serve_agent(config: Config, name: str) -> None:
+    """Run an agent and its HTTP service until SIGTERM or Ctrl-C."""
+    from agentrob.service import server
+
+    log_to_stderr()
+    listens = config.service.loop
+
+    async def serve() -> None:
+        parts = server.assemble(
+            config.service,
+            name,
+            lambda on_end: app.make_agent(config, name, on_end=on_end, listens=listens),
+            lambda token: app.make_forum(config, token),
+        )
+        with server.listen(config.service) as listener:
+            await server.serve(parts, listener, lambda url: say_ready(robot=name, url=url))
+
+    asyncio.run(serve())
+
+
+def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
+    """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
+    from agentrob.mcp.sdk import sdk_imports
+
+    with sdk_imports(http):
+        from agentrob.mcp.forum import run as wiring
+
+        log_to_stderr()
+        wiring.prepare(http)
+
+    def open_forum(token: str) -> Forum:
+        return app.make_forum(config, token)
+
+    if http:
+        wiring.run_http(config, open_forum)
+    else:
+        wiring.run_stdio(config, open_forum, app.secret(config), write or config.mcp.write)
+
+
+def serve_mcp_robot(config: Config, http: bool) -> None:
+    """The robots as tools for one MCP client over stdio, or over HTTP, through their HTTP services."""
+    from agentrob.mcp.sdk import sdk_imports
+
+    log_to_stderr()
+    with sdk_imports(http):
+        if http:
+            from agentrob.mcp.robots import http as server
+        else:
+            from agentrob.mcp.robots import server  # type: ignore[no-redef]
+    server.run(config.mcp_robot)

@@ -1,0 +1,150 @@
+"""Fresh and bound on the real board: what is edited, removed, or whose author lost a right, before and in a motion."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from agentrob.agent.agent import RobotAgent
+from agentrob.board.admin import administration, bootstrap, moderation
+from agentrob.board.admin.audit import SHELL
+from agentrob.board.db.writer import Transaction
+from agentrob.board.robots.rights import Closed
+from agentrob.config.load import ForumConfig
+from agentrob.forums.agentrob.forum import BoardForum
+from agentrob.minds.rules import RulesMind
+from agentrob.model import Account, ActionClass, ActionResult, Primitive, Role
+from agentrob.robots.driver.client import DriverClient
+from tests.agent.agent_process import Poster, RunningBoard, until
+from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
+from tests.board.running_board import running_board
+
+CHANGES = ("edit", "remove", "hide", "suspend", "demote", "narrow", "close", "move")
+#: What is refused with its reason, rather than cancelled.
+REFUSED = ("demote", "narrow", "close", "move")
+WALK = f"@{ROBOT} walk forward 0.5 metres, then turn left 40 degrees"
+
+
+class Gated(DriverClient):
+    """Holds back the end of each step until it is let."""
+
+    def __init__(self, driver: Driver) -> None:
+        super().__init__(driver.name, driver.socket)
+        self.begun: list[str] = []
+        self.busy, self.let = asyncio.Event(), asyncio.Event()
+
+    async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
+        self.begun.append(str(primitive.op))
+        result = await super().step(lease, primitive, deadline_s)
+        self.busy.set()
+        await self.let.wait()
+        return result
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
+    with running_board(tmp_path_factory.mktemp("board")) as made:
+        yield made
+
+
+@asynccontextmanager
+async def serving_on(board: RunningBoard, client: DriverClient, folder: Path) -> AsyncIterator[None]:
+    forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
+    async with serving(RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), folder)):
+        yield
+
+
+def change(board: RunningBoard, what: str, topic: str) -> None:
+    """By the author, by an admin, or at the accounts."""
+    account = bootstrap.find_account(board.settings, "pilot")
+    own, chief = board.client("pilot"), board.client("admin")
+    post = own.get(f"/topics/{topic}/posts").json()["items"][0]["id"]
+    match what:
+        case "edit":
+            own.patch(f"/posts/{post}", json={"body": f"{WALK} and wave"}).raise_for_status()
+        case "remove":
+            own.delete(f"/posts/{post}").raise_for_status()
+        case "hide":
+            chief.delete(f"/posts/{post}").raise_for_status()
+        case "suspend":
+            bootstrap.change_account(board.settings, account, suspended=True)
+        case "demote":
+            bootstrap.change_account(board.settings, account, role=Role.MEMBER)
+        case "narrow" | "close" | "move":
+            narrow(board, what, topic)
+
+
+def narrow(board: RunningBoard, what: str, topic: str) -> None:
+    """Take the right from the robot's or the board's side."""
+    with bootstrap.writing(board.settings) as connection:
+        match what:
+            case "narrow":
+                rights = dict.fromkeys(ActionClass, "operator") | {ActionClass.MOVE: "owner"}
+                administration.change_robot(connection, SHELL, ROBOT, command=rights)
+            case "close":
+                until = datetime.now(UTC) + timedelta(hours=1)
+                administration.change_robot(connection, SHELL, ROBOT, closed=(Closed(until=until),))
+            case "move":
+                administration.change_board(connection, SHELL, "talk", command_role=Role.ADMIN)
+                shell = Account("0", SHELL, role=Role.ADMIN)
+                moderation.move(Transaction(connection), shell, topic, "talk")
+
+
+@pytest.fixture
+def pilot(board: RunningBoard) -> Iterator[Poster]:
+    """An operator with all rights."""
+    if "pilot" not in board.tokens:
+        board.add("pilot", role=Role.OPERATOR)
+    account = bootstrap.find_account(board.settings, "pilot")
+    bootstrap.change_account(board.settings, account, role=Role.OPERATOR, suspended=False)
+    with bootstrap.writing(board.settings) as connection:
+        rights = dict.fromkeys(ActionClass, "operator")
+        administration.change_robot(connection, SHELL, ROBOT, command=rights, closed=())
+        administration.change_board(connection, SHELL, "robots", command_role=Role.OPERATOR)
+    with Poster(board, "pilot") as made:
+        yield made
+
+
+@pytest.mark.parametrize("what", CHANGES)
+async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_move(
+    board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, what: str
+) -> None:
+    client = Gated(driver)
+    async with serving_on(board, client, tmp_path):
+        with Poster(board, "op") as op:
+            first = await op.post(f"@{ROBOT} turn right 20 degrees")
+            await asyncio.wait_for(client.busy.wait(), 60)
+            topic = await pilot.post(WALK)
+            await queued(op, topic)
+            await asyncio.to_thread(change, board, what, topic)
+            client.let.set()
+            assert await op.final(first) == ["done"]
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"]
+    assert client.begun == ["turn"], "only the first command moved it"
+
+
+@pytest.mark.parametrize("what", CHANGES)
+async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_step(
+    board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, what: str
+) -> None:
+    client = Gated(driver)
+    async with serving_on(board, client, tmp_path):
+        topic = await pilot.post(WALK)
+        await asyncio.wait_for(client.busy.wait(), 60)
+        await asyncio.to_thread(change, board, what, topic)
+        client.let.set()
+        with Poster(board, "op") as op:
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"]
+    assert client.begun == ["move"]
+    await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
+
+
+async def queued(poster: Poster, topic: str) -> None:
+    async with asyncio.timeout(60):
+        while await poster.states(topic) != ["queued"]:  # noqa: ASYNC110 (another process is waited for)
+            await asyncio.sleep(0.02)

@@ -1,0 +1,140 @@
+"""What the thread is told: asked beside measured, in both languages, and nobody's words get out of their place."""
+
+from __future__ import annotations
+
+import string
+from dataclasses import replace
+from datetime import UTC, datetime
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agentrob.agent.media.pictures import Picture
+from agentrob.agent.reporting import report as words
+from agentrob.agent.reporting.messages import _SENTENCES
+from agentrob.language.visible_text import mentions, visible_text
+from agentrob.model import (
+    Account,
+    ActionResult,
+    Command,
+    Decision,
+    Direction,
+    Op,
+    Outcome,
+    Plan,
+    Primitive,
+    Report,
+    RobotState,
+    StopResult,
+    Verdict,
+)
+
+COMMAND = Command("7", "t", "h", Account("2", "alice"), "quadruped", "@quadruped …", "en", datetime.now(UTC), "abc123")
+WALK = Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0)
+TURN = Primitive(Op.TURN, Direction.LEFT, degrees=90.0)
+PHOTO = Primitive(Op.GET_FRONT_IMAGE)
+PLAN = Plan((WALK, TURN, PHOTO), ("`turn left` had no angle: taken as 90°.",))
+DONE = (
+    ActionResult(WALK, Outcome.DONE, {"distance_m": 1.98}),
+    ActionResult(TURN, Outcome.DONE, {"degrees": 89.2}),
+    ActionResult(PHOTO, Outcome.DONE, image=b"jpeg"),
+)
+
+
+def report(status: str, **more: object) -> Report:
+    return replace(Report(COMMAND, status, plan=PLAN), **more)
+
+
+def test_law_18_what_was_asked_stands_beside_what_was_measured() -> None:
+    pictures = [Picture("step", b"", 3), Picture("path", b""), Picture("recording", b"")]
+    done = report("done", results=DONE, timings_ms={"seen": 42, "first_motion": 130, "done": 9100})
+    told = words.final(done, pictures)
+    assert "| 1 | walk forward 2 m | 1.98 m | done |" in told
+    assert "| 2 | turn left 90° | 89.2° | done |" in told
+    assert "| 3 | take a photo | – | done |" in told
+    assert "taken as 90°" in told
+    assert "Pictures: photo of step 3, the path measured, a recording." in told
+    assert "seen after 0.04 s · first motion after 0.13 s · done after 9.1 s · trace `abc123`" in told
+
+
+def test_law_18_unknown_is_said_as_unknown_and_too_little_is_a_failure() -> None:
+    little = ActionResult(WALK, Outcome.FAILED, {"distance_m": 0.4}, reason="obstacle", message="Something is near.")
+    unknown = ActionResult(TURN, Outcome.UNKNOWN, reason="unreachable")
+    told = words.final(report("failed", results=(little, unknown, ActionResult(PHOTO, Outcome.SKIPPED))))
+    assert "**Failed** at step 1." in told
+    assert "| 1 | walk forward 2 m | 0.40 m | failed |" in told
+    assert "| 2 | turn left 90° | unknown | unknown |" in told
+    assert "| 3 | take a photo | – | not begun |" in told
+    assert "Something is near." in told
+
+
+def test_a_chinese_report_says_everything_in_chinese() -> None:
+    command = replace(COMMAND, language="zh")
+    result = replace(DONE[0], outcome=Outcome.STOPPED, reason="obstacle", message="Something is near.")
+    told = words.final(report("failed", command=command, results=(result, replace(DONE[1], outcome=Outcome.SKIPPED))))
+    assert "向前走 2 米" in told
+    assert "前方有障碍物" in told
+    assert not any(word in told for word in ("Failed", "Step", "Something"))
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+@pytest.mark.parametrize(
+    "status",
+    ["done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"],
+)
+def test_every_status_has_its_words_in_both_languages(status: str, language: str) -> None:
+    command = replace(COMMAND, language=language)
+    verdict = Verdict(Decision.REFUSE, "limits.step_m", "Too far.")
+    told = words.final(report(status, command=command, verdict=verdict, message="alice"))
+    assert "abc123" in told
+    assert told.strip()
+    assert words.short(report(status, command=command))
+
+
+def test_a_refusal_names_its_rule() -> None:
+    verdict = Verdict(Decision.REFUSE, "limits.step_m", "A step is at most 5 m.")
+    told = words.final(report("refused", verdict=verdict))
+    assert "**Refused.**" in told
+    assert "A step is at most 5 m." in told
+    assert "Rule: `limits.step_m`." in told
+
+
+@given(st.text(max_size=400) | st.text(alphabet="@quadrped<>![]()`*\n ", max_size=400))
+def test_law_3_sentences_made_of_people_s_words_mention_nobody_and_bring_no_markup(text: str) -> None:
+    verdict = Verdict(Decision.REFUSE, "rule", f"I will not @quadruped {text}")
+    for told in (
+        words.final(report("refused", verdict=verdict)),
+        words.final(report("failed", message=f"@humanoid {text}")),
+        words.final(report("asks_back", message=f"{text} @bob")),
+        words.state_text(None, 0, "en", f"@bob {text}"),
+    ):
+        assert not set(mentions(visible_text(told))) & {"quadruped", "humanoid", "bob"}
+        assert "<" not in told
+        assert "![" not in told
+
+
+def test_a_stop_says_what_it_did_and_plainly_when_it_was_not_confirmed() -> None:
+    good = StopResult(87.4, True, True, 0.06)
+    assert words.stop_reply(good, "en", 2, False) == (
+        "**Stopped.** Zero velocity was commanded 87 ms after the stop; I came to rest 0.06 m further. "
+        "Commands ended or cancelled: 2."
+    )
+    assert "did not confirm" in words.stop_reply(replace(good, confirmed=False), "en", 0, False)
+    assert "could not reach" in words.stop_reply(None, "en", 0, True)
+    assert "owner releases" in words.stop_reply(good, "en", 0, True)
+    assert "Stops since then: 3" in words.stop_reply(good, "en", 0, False, 3)
+
+
+def test_the_state_is_told_with_what_is_unknown() -> None:
+    told = words.state_text(RobotState(0.1, mode="idle"), 2, "en")
+    assert told == "**idle**, battery unknown, home is not set, commands waiting or running: 2."
+
+
+def test_every_sentence_has_the_same_places_in_both_languages() -> None:
+    def places(text: str) -> set[str]:
+        return {name for _, name, _, _ in string.Formatter().parse(text) if name}
+
+    for key, (english, chinese) in _SENTENCES.items():
+        assert places(english) == places(chinese), key
+        assert "UTC" not in english + chinese, "a reply says how long: who reads it is in another time zone"

@@ -1,0 +1,240 @@
+"""Laws 13 and 14 as a table: each way to stop, in each state of a command, and what the command's reply then says."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agentrob.agent.agent import RobotAgent
+from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
+from agentrob.model import AccountKind, Post, Primitive, Role
+from agentrob.process.host_lock import HostLock
+from agentrob.robots.driver.api import Service
+from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.lease import Leases
+from agentrob.robots.driver.process import Driver, listening, lock_name, serve_stops
+from agentrob.robots.driver.stop import halt_robot, stop_robot
+from agentrob.robots.safety.guard import Guard
+from agentrob.robots.safety.lock import Halt
+from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
+from tests.agent.laws.machine_scene import GatedClient, GatedMind, Gates, LedgerRobot, Stand
+
+LIMIT_S = 60.0
+#: What people do on the forum, and what somebody at the robot's machine does without it.
+ON_THE_FORUM = ("mention", "bare", "edit", "button", "halt")
+AT_THE_MACHINE = ("driver", "second channel", "second channel halts")
+#: State of the command: how its reply ends after a stop on the forum, and after one at the machine, of which the agent
+#: learns by the lease that it does not get or no longer has.
+TABLE = {
+    "being read": ("cancelled", "stopped"),
+    "queued": ("cancelled", "stopped"),
+    "about to hold the robot": ("stopped", "stopped"),
+    "about to move": ("stopped", "stopped"),
+    "moving": ("stopped", "stopped"),
+    "between steps": ("stopped", "stopped"),
+    "waiting for the camera": ("stopped", "stopped"),
+}
+CASES = [(way, state) for way in ON_THE_FORUM + AT_THE_MACHINE for state in TABLE]
+
+
+@pytest.fixture(scope="module")
+def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
+    """A robot that takes two seconds for 5 m, with both of its driver's channels."""
+    folder, settings, robot = tmp_path_factory.mktemp("stand"), robot_settings(), LedgerRobot()
+    robot.time_scale = 5.0
+    driver = Driver(ROBOT, Guard(robot, settings, Halt(folder / "robot.halt")))
+    driver.leases = Leases(LIMIT_S)  # a busy machine may hold up a renewal, and that is another law
+    with (
+        listening(folder / "robot.sock") as listener,
+        Service(driver, listener),
+        HostLock(lock_name(ROBOT, settings), "the robot") as lock,
+    ):
+        threading.Thread(target=serve_stops, args=(lock.socket, driver), daemon=True).start()
+        yield Stand(folder, robot, driver)
+        driver.close()
+
+
+@dataclass
+class Play:
+    """A forum, the agent, and what really moved."""
+
+    stand: Stand
+    folder: Path
+    world: MemoryWorld = field(default_factory=MemoryForum.world)
+    gates: Gates = field(default_factory=Gates)
+    moved: list[Primitive] = field(default_factory=list)
+    talk: Post | None = None
+    _count: int = 0
+
+    async def until(self, true: Callable[[], Any]) -> Any:
+        async with asyncio.timeout(LIMIT_S):
+            while not (found := true()):  # noqa: ASYNC110 (the robot is in other threads)
+                await asyncio.sleep(0.005)
+        return found
+
+    async def post(self, name: str, text: str, topic: str | None = None) -> Post:
+        forum, key = self.world.sign_in(name), f"k{(count := self._count)}"
+        self._count = count + 1
+        if topic is None:
+            return (await forum.create_topic("robots", "A topic", text, key=key)).post
+        return (await forum.reply(topic, text, key=key)).post
+
+    async def shows(self, post: Post, states: set[str]) -> str:
+        def state() -> str:
+            cards = [p.card for p in self.world.posts.values() if p.reply_to == post.id and p.card]
+            return next((card.state for card in cards if card.state in states), "")
+
+        return str(await self.until(state))
+
+    @contextlib.asynccontextmanager
+    async def agent(self) -> AsyncIterator[None]:
+        for name, kind, role in (
+            (ROBOT, AccountKind.ROBOT_AGENT, Role.MEMBER),
+            ("alice", AccountKind.HUMAN, Role.OPERATOR),
+            ("bob", AccountKind.HUMAN, Role.MEMBER),
+        ):
+            self.world.sign_in(name, kind=kind, role=role)
+        self.stand.robot.gate, self.stand.robot.on_motion = self.gates.body, self.moved.append
+        client = GatedClient(self.stand.socket, self.gates, lambda _: None)
+        forum, mind = self.world.sign_in(ROBOT), GatedMind(self.gates)
+        agent = RobotAgent(ROBOT, robot_settings(), forum, client, mind, self.folder)
+        serving = asyncio.create_task(agent.run())
+        try:
+            await self.until(agent.ready.is_set)
+            self.talk = await self.post("bob", "Nice weather")
+            yield
+        finally:
+            self.gates.open()
+            serving.cancel()
+            await asyncio.gather(serving, return_exceptions=True)
+            await agent.close()
+
+    # ------------------------------------------------------------------ how far a command comes
+    async def let(self, *gates: str) -> None:
+        """Through each of these gates, once somebody waits at it."""
+        for name in gates:
+            gate = getattr(self.gates, name)
+            await self.until(lambda gate=gate: gate.held)
+            gate.let()
+
+    async def bring(self, state: str) -> Post:
+        """A command in this state."""
+        turn, two = f"@{ROBOT} turn left 80 degrees", f"@{ROBOT} turn left 20 degrees, then turn right 70 degrees"
+        match state:
+            case "being read":
+                post, last = await self.post("alice", turn), "mind"
+            case "queued":
+                await self.post("alice", turn)
+                await self.let("mind", "lease", "step")
+                await self.until(lambda: self.gates.body.held)
+                post = await self.post("alice", turn)
+                await self.let("mind")
+                await self.shows(post, {"queued"})
+                return post
+            case "about to hold the robot":
+                post, last = await self.post("alice", turn), "lease"
+                await self.let("mind")
+            case "about to move":
+                post, last = await self.post("alice", turn), "step"
+                await self.let("mind", "lease")
+            case "moving":
+                post = await self.post("alice", f"@{ROBOT} walk forward 5 metres")
+                await self.let("mind", "lease", "step", "body")
+                await self.until(lambda: self.moved)
+                return post
+            case "between steps":
+                post, last = await self.post("alice", two), "step"
+                await self.let("mind", "lease", "step", "body")
+            case _:
+                post, last = await self.post("alice", f"@{ROBOT} take a photo and walk forward 1 metre"), "body"
+                await self.let("mind", "lease", "step")
+        await self.until(lambda: getattr(self.gates, last).held)
+        return post
+
+    # ------------------------------------------------------------------ how it is stopped
+    async def stop(self, way: str, command: Post) -> None:
+        """Returns once the stop is at the robot."""
+        stops, settings = self.stand.robot.stopped, robot_settings()
+        match way:
+            case "mention":
+                await self.post("bob", f"@{ROBOT} stop now, please!")
+            case "bare":
+                await self.post("bob", "快停下！", topic=command.topic_id)
+            case "edit":
+                assert self.talk is not None
+                await self.world.sign_in("bob").edit(self.talk.id, f"@{ROBOT} stop")
+            case "button":
+                await self.world.sign_in("bob").press_stop(ROBOT)
+            case "halt":
+                await self.post("bob", f"@{ROBOT} emergency stop!")
+            case "driver":
+                async with DriverClient(ROBOT, self.stand.socket) as client:
+                    await client.stop("somebody at the machine")
+            case "second channel":
+                await asyncio.to_thread(stop_robot, ROBOT, settings, "somebody at the machine")
+            case "second channel halts":
+                await asyncio.to_thread(halt_robot, ROBOT, settings, "somebody at the machine")
+        await self.until(lambda: self.stand.robot.stopped > stops)
+
+
+@pytest.mark.parametrize(("way", "state"), CASES)
+async def test_laws_13_and_14_a_stop_ends_a_command_in_any_state(
+    stand: Stand, tmp_path: Path, way: str, state: str
+) -> None:
+    play = Play(stand, tmp_path)
+    async with play.agent():
+        command = await play.bring(state)
+        await play.stop(way, command)
+        moved = len(play.moved)
+        play.gates.open()
+        ended = await play.shows(command, FINAL)
+        later = await play.shows(await play.post("alice", f"@{ROBOT} wave"), FINAL)
+        halts = way in ("halt", "second channel halts")
+        if halts:
+            stand.driver.release("owner")
+        assert ended == TABLE[state][way in AT_THE_MACHINE]
+        assert later == ("refused" if halts else "done")
+        assert play.moved[moved:] == []
+
+
+#: Posted in the thread of a walk, all of these were ignored once.
+PLAIN_WORDS = {
+    "stop right there": "I took this as a stop",
+    "omg stop it's going to fall": "I took this as a stop",
+    "wait": "I took this as a stop",
+    "stop what you are doing": "I took this as a stop",
+    "brake!": "I took this as a stop",
+    "刹车": "当作停止命令",
+    "要撞了快停": "当作停止命令",
+}
+
+
+@pytest.mark.parametrize("text", PLAIN_WORDS)
+async def test_law_13_plain_words_in_the_thread_stop_what_moves(stand: Stand, tmp_path: Path, text: str) -> None:
+    play = Play(stand, tmp_path)
+    async with play.agent():
+        command = await play.bring("moving")
+        stop = await play.post("bob", text, topic=command.topic_id)
+        assert await play.shows(command, FINAL) == "stopped"
+        reply = await play.until(lambda: next((p for p in play.world.posts.values() if p.reply_to == stop.id), None))
+        assert PLAIN_WORDS[text] in reply.raw
+        assert "ms after the stop" in reply.raw or "毫秒后速度归零" in reply.raw
+        play.gates.open()
+        later = await play.post("alice", f"@{ROBOT} wave")
+        assert await play.shows(later, FINAL) == "done"
+
+
+async def test_law_13_an_edit_into_plain_words_stops_what_moves(stand: Stand, tmp_path: Path) -> None:
+    play = Play(stand, tmp_path)
+    async with play.agent():
+        command = await play.bring("moving")
+        talk = await play.post("bob", "nice!", topic=command.topic_id)
+        await play.world.sign_in("bob").edit(talk.id, "nice! oh no, careful, the cat")
+        assert await play.shows(command, FINAL) == "stopped"

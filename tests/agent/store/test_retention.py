@@ -1,0 +1,149 @@
+"""What an agent keeps of commands that ended does not grow for ever, and nothing that is open is let go of."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sqlite3
+import time
+from collections.abc import Awaitable, Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agentrob.agent.store import engine_cleanup, retention
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.records import Records
+from agentrob.config.load import RetentionConfig
+from agentrob.model import Account, AccountKind, Command, Role
+from tests.agent.agent_scene import ROBOT, Scene
+
+DAY_S = 86400.0
+ALICE = Account("a1", "alice", AccountKind.HUMAN, Role.OPERATOR)
+
+
+def says(text: str) -> Callable[[], Awaitable[str]]:
+    async def answer() -> str:
+        return text
+
+    return answer
+
+
+async def kept(folder: Path, *posts: str, told: tuple[str, ...], aged: dict[str, float]) -> Journal:
+    """A journal with claims, thoughts and motions of these posts; some `told`, some made so many days ago."""
+    journal = await Journal.open(folder, ROBOT)
+    for post in posts:
+        await journal.claim(Command(post, "1", "h", ALICE, ROBOT, "wave", "en", datetime.now(UTC), "trace"))
+        await journal.once(f"post-{post}", says("thought"))
+        await journal.move(post, says("moved"))
+        if post in told:
+            await journal.finish(post, "done")
+    with sqlite3.connect(folder / "journal.sqlite") as db:
+        for post, days in aged.items():
+            for table in ("claim", "motion"):
+                db.execute(f"UPDATE {table} SET at = ? WHERE post = ?", (time.time() - days * DAY_S, post))
+    db.close()
+    return journal
+
+
+def rows(folder: Path, query: str) -> list[str]:
+    db = sqlite3.connect(folder / "journal.sqlite")
+    found = [row[0] for row in db.execute(query)]
+    db.close()
+    return found
+
+
+async def test_law_6_claims_are_let_go_of_when_they_are_told_and_old_and_open_ones_never(tmp_path: Path) -> None:
+    posts = ("old", "open", "new")
+    journal = await kept(tmp_path, *posts, told=("old", "new"), aged={"old": 31, "open": 400})
+    await journal.prune(30, 5000)
+    assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["open", "new"]
+    assert sorted(rows(tmp_path, "SELECT post FROM motion")) == ["new", "open"]
+    assert await journal.move("open", says("again")) == "moved"  # and not done again
+    assert await journal.knows("new")
+    await journal.close()
+
+
+async def test_law_6_of_many_claims_the_newest_are_kept_and_all_of_the_last_day(tmp_path: Path) -> None:
+    posts = tuple("abcdef")
+    journal = await kept(tmp_path, *posts, told=posts, aged=dict.fromkeys("abcd", 2.0))
+    await journal.prune(30, 3)
+    assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["d", "e", "f"]
+    await journal.prune(30, 1)
+    assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["e", "f"]
+    await journal.close()
+
+
+async def test_what_the_engine_kept_of_a_told_command_goes_and_of_an_open_one_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    journal = await kept(tmp_path, "told", "open", told=("told",), aged={})
+    await journal.prune(30, 5000)
+    ids = "SELECT workflow_uuid FROM workflow_status ORDER BY 1"
+    assert len(rows(tmp_path, ids)) == 4  # an hour has not gone by
+    monkeypatch.setattr(engine_cleanup, "KEEP_S", -1.0)
+    await journal.prune(30, 5000)
+    assert rows(tmp_path, ids) == ["post-open", "post-open:motion"]
+    assert set(rows(tmp_path, "SELECT workflow_uuid FROM operation_outputs")) == {"post-open", "post-open:motion"}
+    assert await journal.once("post-open", says("another")) == "thought"
+    assert await journal.move("told", says("again")) == "moved"  # its own row answers, not the engine's
+    await journal.close()
+
+
+def test_records_and_pictures_go_by_age_size_and_number(tmp_path: Path) -> None:
+    records = Records(tmp_path)
+    for folder, name in (("records", "json"), ("pictures", "jpg")):
+        (tmp_path / folder).mkdir()
+        for n in range(6):
+            path = tmp_path / folder / f"{n}.{name}"
+            path.write_bytes(b"x" * 2**19)
+            os.utime(path, times=(at_s := time.time() - n * DAY_S, at_s))
+
+    def left(folder: str) -> list[str]:
+        return sorted(path.stem for path in (tmp_path / folder).iterdir())
+
+    records.prune(days=4.5, mb=100, commands=3)
+    assert (left("records"), left("pictures")) == (["0", "1", "2"], ["0", "1", "2", "3", "4"])
+    records.prune(days=4.5, mb=1, commands=3)
+    assert (left("records"), left("pictures")) == (["0", "1"], ["0", "1"])
+
+
+async def test_an_agent_lets_go_of_what_ended_while_it_serves(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(retention, "EVERY_S", 0.05)
+    monkeypatch.setattr(engine_cleanup, "KEEP_S", -1.0)
+    scene.settings = scene.settings.model_copy(update={"retention": RetentionConfig(commands=1)})
+    prune, rounds = retention.prune, asyncio.Semaphore(0)
+
+    async def counted(*args: Any) -> None:
+        await prune(*args)
+        rounds.release()
+
+    monkeypatch.setattr(retention, "prune", counted)
+    async with scene.agent() as agent:
+
+        def left() -> tuple[int, int, int]:
+            engine = rows(agent.folder, "SELECT workflow_uuid FROM workflow_status")
+            claims = rows(agent.folder, "SELECT post FROM claim")
+            return len(list((agent.folder / "records").iterdir())), len(engine), len(claims)
+
+        for _ in range(3):
+            final = await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))
+            assert final.card.state == "done"
+        async with asyncio.timeout(60):
+            while left() != (1, 0, 3):  # of today all claims are kept
+                await rounds.acquire()
+
+
+async def test_a_disk_that_fails_does_not_end_the_agent(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = asyncio.Event()
+
+    def fails(*_: object) -> None:
+        tried.set()
+        raise OSError("no such disk")
+
+    monkeypatch.setattr(Records, "prune", fails)
+    async with scene.agent():
+        await asyncio.wait_for(tried.wait(), 60)
+        assert (await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))).card.state == "done"

@@ -1,0 +1,123 @@
+"""What one command, one slow mind or one failing task of an agent costs the others: nothing."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from PIL import Image
+
+from agentrob.agent.media.recorder import Recorder
+from agentrob.config.load import RecordingConfig
+from agentrob.errors import ForumNotFound
+from agentrob.forums.memory.forum import MemoryForum
+from agentrob.minds.protocol import Listener
+from agentrob.minds.rules import RulesMind
+from agentrob.model import ActionResult, Plan, Understanding
+from tests.agent.agent_scene import ROBOT, Scene, make_scene
+from tests.agent.media.test_recorder import jpeg, report, walked  # noqa: F401 (walked is a fixture)
+
+TURN = f"@{ROBOT} turn left 30 degrees"
+
+
+class SlowMind:
+    """Reads as rules do, but never ends with a post that says "ponder"; `given_up` counts those that were cancelled."""
+
+    name = "slow"
+
+    def __init__(self) -> None:
+        self.asked: list[str] = []
+        self.given_up = 0
+        self._never = asyncio.Event()
+
+    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+        self.asked.append(text)
+        if "ponder" in text:
+            try:
+                await self._never.wait()
+            except asyncio.CancelledError:
+                self.given_up += 1
+                raise
+        return await RulesMind().understand(text, listener, history)
+
+
+async def test_any_number_of_slow_thoughts_holds_up_no_motion(scene: Scene) -> None:
+    scene.person("carol")
+    mind = SlowMind()
+    async with scene.agent(mind=mind):
+        for number in range(40):
+            await scene.post("alice", f"@{ROBOT} ponder {number}")
+        await scene.until(lambda: len(mind.asked) == 40)
+        posted_s = time.monotonic()
+        reply = await scene.final(await scene.post("carol", TURN))
+        assert reply.card
+        assert reply.card.state == "done", reply.raw
+        assert time.monotonic() - posted_s < 4.0
+    assert mind.given_up == 40
+
+
+async def test_a_claim_that_is_refused_ends_the_thought_about_it(scene: Scene) -> None:
+    class Refusing(MemoryForum):
+        async def reply(self, *args: Any, **kwargs: Any) -> Any:
+            raise ForumNotFound("the topic is gone")
+
+    mind = SlowMind()
+    async with scene.agent(mind=mind, forum=Refusing(scene.world, ROBOT)):
+        await scene.post("alice", f"@{ROBOT} ponder")
+        await scene.until(lambda: mind.given_up == 1)
+
+
+async def test_whose_account_is_over_its_limit_costs_no_thought_of_a_mind(driver: Any, tmp_path: Any) -> None:
+    scene = make_scene(driver, tmp_path, rates={"commands_per_hour": 1, "cooldown_s": 0, "waiting": 2})
+    mind = SlowMind()
+    async with scene.agent(mind=mind):
+        await scene.final(await scene.post("alice", TURN))
+        assert len(mind.asked) == 1
+        refused = await scene.final(await scene.post("alice", TURN))
+        assert refused.card
+        assert refused.card.state == "refused"
+        assert "`rate.hour`" in refused.raw
+        assert len(mind.asked) == 1
+        scene.person("carol")
+        for number in range(6):
+            await scene.post("carol", f"@{ROBOT} ponder {number}")
+        last = await scene.final(await scene.post("carol", f"@{ROBOT} battery?"))
+        assert last.card
+        assert last.card.state == "answered", "the rules still answer"
+        assert len(mind.asked) <= 1 + 3
+
+
+async def test_a_failure_of_what_only_shows_things_does_not_end_the_agent(scene: Scene) -> None:
+    class Unshowable(MemoryForum):
+        shown = 0
+
+        async def publish_robot(self, name: str, card: Any) -> Any:
+            type(self).shown += 1
+            raise TypeError("a card that cannot be shown")
+
+    async with scene.agent(forum=Unshowable(scene.world, ROBOT)):
+        await scene.until(lambda: Unshowable.shown >= 2)
+        reply = await scene.final(await scene.post("alice", TURN))
+        assert reply.card
+        assert reply.card.state == "done"
+        stop = await scene.post("alice", f"@{ROBOT} stop")
+        assert (await scene.until(lambda: scene.replies(stop)))[0].raw
+
+
+async def test_a_command_keeps_its_film_while_the_next_one_moves(
+    walked: tuple[ActionResult, ...],  # noqa: F811
+    tmp_path: Any,
+) -> None:
+    recorder = Recorder(tmp_path, RecordingConfig(view="room"))
+    for post, color in (("7", "red"), ("8", "blue")):
+        with recorder.filming(post):
+            recorder.see(jpeg(color))
+    webp = await recorder.animation(report(walked, "7"))
+    webp = webp or await recorder.late("7")
+    assert webp
+    with Image.open(io.BytesIO(webp)) as picture:
+        red, _, blue = picture.convert("RGB").resize((1, 1)).getpixel((0, 0))  # type: ignore[misc]
+    assert red > blue

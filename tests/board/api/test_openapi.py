@@ -1,0 +1,92 @@
+"""The OpenAPI document is true: requests made from it get answers that it describes, and never a 500."""
+
+from __future__ import annotations
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis.errors import Unsatisfiable
+from schemathesis import GenerationMode
+from schemathesis.specs.openapi.checks import positive_data_acceptance
+
+from agentrob.board.server import create_app
+from tests.board.running_board import LIMIT_S, RunningBoard
+
+#: They answer for as long as somebody listens; test_board_events and test_board_robots look at them.
+STREAMS = ("/api/v1/events", "/api/v1/robots/{name}/camera.mjpg")
+
+
+@pytest.fixture(scope="module")
+def document(board: RunningBoard) -> schemathesis.BaseSchema:
+    """The document as it is served, and something in the forum that its requests can find."""
+    op = board.client("op")
+    for n in range(3):
+        op.post("/topics", json={"board": "talk", "title": "t", "body": f"post {n}"})
+    board.client("quadruped").put("/robots/quadruped", json={"card": {"model": "go2"}})
+    return schemathesis.openapi.from_dict(op.get("/openapi.json").json())
+
+
+#: Requests to one operation, and to one of administration, which is forms of words: fewer find what there is to find.
+FEW, MANY = (8, 4), (40, 12)
+
+
+@pytest.mark.parametrize("examples", [FEW, pytest.param(MANY, marks=pytest.mark.slow)], ids=["few", "many"])
+@pytest.mark.parametrize("mode", [GenerationMode.POSITIVE, GenerationMode.NEGATIVE])
+def test_requests_made_from_the_document_get_what_it_says(
+    document: schemathesis.BaseSchema, board: RunningBoard, mode: GenerationMode, examples: tuple[int, int]
+) -> None:
+    """Valid requests and invalid ones, of every operation; always the same ones."""
+    operations = [found.ok() for found in document.exclude(path=list(STREAMS)).get_all_operations()]
+    for operation in operations:
+        try:
+            try_out(operation, board, mode, examples["/admin/" in operation.path])
+        except Unsatisfiable:
+            assert mode is GenerationMode.NEGATIVE, f"{operation.label}: no request can be made from the document"
+    assert len(operations) > 15
+
+
+def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: GenerationMode, examples: int) -> None:
+    """Many requests to one operation, each answer checked against the document."""
+    headers = {"Authorization": f"Bearer {board.tokens['quadruped' if operation.method == 'put' else 'admin']}"}
+
+    # No document can say which bytes are a picture, and which characters of a name can be seen.
+    named = ("/admin/accounts", "/admin/accounts/{name}", "/admin/boards", "/admin/boards/{board_id}")
+    unsaid = operation.path.endswith(("/images", "/frame", *named))
+    excluded = [positive_data_acceptance] if unsaid else []
+
+    @settings(max_examples=examples, derandomize=True, suppress_health_check=list(HealthCheck))
+    @given(case=operation.as_strategy(generation_mode=mode))
+    def gets_what_it_says(case: schemathesis.Case) -> None:
+        # Broken HTTP is refused before anything that the document could speak of.
+        assume(not {name.lower() for name in case.headers or {}} & {"content-length", "transfer-encoding", "host"})
+        case.call_and_validate(base_url=board.url, headers=headers, timeout=LIMIT_S, excluded_checks=excluded)
+
+    gets_what_it_says()
+
+
+def test_the_document_needs_no_sign_in_and_tells_of_both_ways(board: RunningBoard) -> None:
+    served = board.client().get("/openapi.json").json()
+    assert served == create_app(board.settings).openapi()
+    assert set(served["components"]["securitySchemes"]) == {"bearer", "cookie"}
+
+
+@pytest.mark.parametrize(("method", "path"), [("PUT", "/boards"), ("POST", "/me"), ("DELETE", "/topics")])
+def test_other_methods_are_405_and_say_what_is_allowed(board: RunningBoard, method: str, path: str) -> None:
+    answer = board.client("op").request(method, path)
+    assert (answer.status_code, answer.json()["code"]) == (405, "method_not_allowed")
+    assert answer.headers["allow"]
+
+
+@pytest.mark.parametrize(
+    ("content", "content_type"), [(b"{", "application/json"), (b"a=b", "application/x-www-form-urlencoded"), (b"", "")]
+)
+def test_a_body_that_cannot_be_read_is_a_problem(board: RunningBoard, content: bytes, content_type: str) -> None:
+    answer = board.client("op").post("/topics", content=content, headers={"Content-Type": content_type})
+    assert answer.status_code == 422
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_a_wrong_value_is_named_but_not_repeated(board: RunningBoard) -> None:
+    answer = board.client("op").post("/topics", json={"board": "talk", "title": 5, "body": "x", "secret": "hunter2"})
+    assert "body.title" in answer.json()["detail"]
+    assert "hunter2" not in answer.text

@@ -1,0 +1,67 @@
+"""Who addresses no robot, or one that cannot hear, is told so in one line: in the preview and after posting."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.board.web.page_world import CARD, World, running_world
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with running_world(tmp_path_factory.mktemp("reach")) as made:
+        card = {**CARD, "boards": ["robots"]}
+        made.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
+        yield made
+
+
+def noted(page: str) -> str:
+    """The line of help on a page, as text; empty without one."""
+    found = re.search(r'<p class="note"[^>]*dir="auto">(.*?)</p>', page)
+    return found[1].replace("&#39;", "'") if found else ""
+
+
+LINES = {
+    "@quadrupd walk forward 1 metre": "Nobody here is called @quadrupd. Did you mean @quadruped?",
+    "@zebra walk forward 1 metre": "Nobody here is called @zebra. Robots here: @quadruped.",
+    "wave": "No robot is addressed, so none answers. Mention one, as in: @quadruped wave",
+    "quadruped walk forward 1 metre": "No robot is addressed, so none answers.",
+    "quadruped, are you there?": "No robot is addressed, so none answers.",
+    "向前走一米": "No robot is addressed, so none answers.",
+    "@quadruped walk forward 1 metre": "",
+    "@alice look at this": "",
+    "What a nice robot.": "",
+    "stop": "",
+}
+
+
+@pytest.mark.parametrize(("text", "line"), LINES.items())
+def test_the_author_is_told_before_posting_and_after(world: World, text: str, line: str) -> None:
+    alice = world.browser("alice")
+    shown = alice.send("/b/robots/new", title="A try", body=text, do="preview")
+    assert noted(shown.text).startswith(line)
+    assert bool(noted(shown.text)) is bool(line)
+    posted = alice.send("/b/robots/new", title="A try", body=text)
+    assert noted(posted.text).startswith(line)
+    assert bool(noted(posted.text)) is bool(line)
+    assert noted(world.browser("bob").get(posted.url.path).text) == "", "only its author is told"
+
+
+def test_where_no_robot_acts_the_page_and_the_preview_say_so(world: World) -> None:
+    alice = world.browser("alice")
+    assert "No robot acts on this board." in alice.get("/b/talk/new").text
+    assert "No robot acts on this board." not in alice.get("/b/robots/new").text
+    shown = alice.send("/b/talk/new", title="A try", body="@quadruped walk forward 1 metre", do="preview")
+    assert noted(shown.text) == "@quadruped does not act on this board (talk): it acts on robots."
+    shown = alice.send("/b/talk/new", title="A try", body="walk forward 1 metre", do="preview")
+    assert noted(shown.text) == "No robot acts on this board."
+
+
+def test_an_agent_that_is_away_does_not_answer_and_the_author_is_told(tmp_path: Path) -> None:
+    with running_world(tmp_path) as world:
+        shown = world.browser("alice").send("/b/robots/new", title="A try", body="@quadruped wave", do="preview")
+        assert noted(shown.text).startswith("@quadruped is not connected now, so it does not answer.")

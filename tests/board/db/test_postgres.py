@@ -1,0 +1,118 @@
+"""The board on PostgreSQL: the tests that SQLite passes, on a server that is started here; from one to the other."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from sqlalchemy import select, text
+
+from agentrob.board.admin import backup, bootstrap
+from agentrob.board.db import schema
+from agentrob.board.db.database import migrate, open_engine
+from agentrob.board.search import embeddings, search
+from agentrob.board.settings import BoardSettings
+from agentrob.config.board import BoardConfig
+from agentrob.errors import BoardError
+from tests.board.admin.test_backup import fill, told
+from tests.board.board_processes import fresh_postgres
+from tests.board.running_board import POSTGRES, database_for, running_board
+
+pytestmark = pytest.mark.slow
+HERE = Path(__file__).parent
+ROOMS = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "tags", "retention")
+SAME = tuple(f"board_{name}" for name in ROOMS)
+SEARCH = ("board_meaning", "pages_find")
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[str]:
+    with fresh_postgres() as url:
+        yield url
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("names", [SAME, SEARCH], ids=["board", "search"])
+def test_the_tests_of_the_board_pass_on_postgresql_too(server: str, names: tuple[str, ...]) -> None:
+    files = [str(HERE / f"test_{name}.py") for name in names]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not sqlite and not slow", *files]
+    done = subprocess.run(
+        command, env=os.environ | {POSTGRES: server}, cwd=HERE.parents[1], text=True, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stdout[-6000:]
+    assert " passed" in done.stdout
+
+
+def settings(server: str, folder: Path) -> BoardSettings:
+    made = BoardSettings.from_config(BoardConfig(), folder)
+    return replace(made, database=database_for(server, folder))
+
+
+def test_migrations_build_the_same_tables_there_and_lead_back(server: str, tmp_path: Path) -> None:
+    there = settings(server, tmp_path)
+    migrate(there)
+    engine = open_engine(there, writes=False)
+    with engine.connect() as connection:
+        found = compare_metadata(MigrationContext.configure(connection), [schema.metadata, embeddings.derived])
+        # The index of words is PostgreSQL's own kind of one, over an expression.
+        assert [d[1].name for d in found if d[0] != "remove_index"] == ["post_words"]
+        assert {d[1].table.name for d in found if d[0] == "remove_index"} <= {"post_words"}
+    engine.dispose()
+    bootstrap.bootstrap(there)
+    bootstrap.create_account(there, "somebody")
+    migrate(there, "0001")
+    migrate(there)
+    assert bootstrap.find_account(there, "somebody").name == "somebody"
+
+
+def test_a_search_that_takes_too_long_is_given_up(server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    there = settings(server, tmp_path)
+    bootstrap.bootstrap(there)
+    monkeypatch.setattr(search, "MOST_S", 0.05)
+    engine = open_engine(there, writes=False)
+    with engine.connect() as connection:
+        reader = search.finder(connection)
+        with pytest.raises(BoardError) as refused, search.given_up(reader):
+            reader.rows(text("SELECT pg_sleep(60)"))
+        assert (refused.value.status, refused.value.code) == (503, "too_broad")
+        assert search.find(reader, "anything").items == ()
+    engine.dispose()
+
+
+def test_who_writes_waits_for_who_writes_so_events_come_in_order(server: str, tmp_path: Path) -> None:
+    there = replace(settings(server, tmp_path), busy_timeout_s=0.2)
+    bootstrap.bootstrap(there)
+    with bootstrap.writing(there), pytest.raises(BoardError, match="busy"):
+        bootstrap.create_account(there, "second")
+    assert bootstrap.create_account(there, "second").name == "second"
+    with backup._snapshot(there) as connection:
+        connection.execute(select(schema.accounts)).all()
+        assert bootstrap.create_account(there, "meanwhile").name == "meanwhile", "a backup keeps nobody waiting"
+
+
+def test_a_forum_moves_from_sqlite_to_postgresql_and_back_with_all_it_has(server: str, tmp_path: Path) -> None:
+    with running_board(tmp_path / "here", database=f"sqlite:///{tmp_path}/here.sqlite3") as board:
+        fill(board)
+        before = told(board)
+        backup.backup(board.settings, tmp_path / "one")
+    there = settings(server, tmp_path / "there")
+    backup.restore(there, tmp_path / "one")
+    with running_board(tmp_path / "there", database=there.database) as board:
+        assert told(board) == before
+        assert (
+            board.client("op").post("/topics", json={"board": "talk", "title": "t", "body": "new"}).status_code == 201
+        )
+        backup.backup(board.settings, tmp_path / "two")
+    back = replace(BoardSettings.from_config(BoardConfig(), tmp_path / "back"))
+    backup.restore(back, tmp_path / "two")
+    with running_board(tmp_path / "back", database=back.database) as board:
+        after = told(board)
+        assert after[1].pop()[1] == "post.created", "the one that was written there"
+        assert after == before

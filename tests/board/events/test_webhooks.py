@@ -1,0 +1,94 @@
+"""The board's own webhooks: signed, only ids, tried again, and as an agent's service takes them."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+from queue import Queue
+
+import pytest
+
+from agentrob.config.service import HookOutConfig
+from agentrob.errors import ConfigError
+from agentrob.process import webhooks
+from agentrob.service.webhooks import verify
+from tests.board.running_board import LIMIT_S, RunningBoard, running_board
+
+SECRET = "the-secret-of-board-and-agent"
+Got = Queue[tuple[dict[str, str], bytes]]
+
+
+@contextmanager
+def receiver(*answers: int) -> Iterator[tuple[str, Got]]:
+    """Somebody who is told; answers these statuses, the last for ever."""
+    got: Got = Queue()
+    left = list(answers)
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = self.rfile.read(int(self.headers["Content-Length"]))
+            got.put(({k.lower(): v for k, v in self.headers.items()}, body))
+            self.send_response(left.pop(0) if len(left) > 1 else left[0])
+            self.end_headers()
+
+        def log_message(self, *_: object) -> None:
+            """Not to the test's output."""
+
+    server = HTTPServer(("127.0.0.1", 0), Handler)
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}/hook", got
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+@contextmanager
+def board_that_tells(folder: Path, url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningBoard]:
+    monkeypatch.setenv("HOOK_SECRET", SECRET)
+    with running_board(folder, hooks={"agent": HookOutConfig(url=url, secret_env="HOOK_SECRET")}) as board:
+        yield board
+
+
+def test_what_is_written_is_told_signed_by_its_ids_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with receiver(200) as (url, got), board_that_tells(tmp_path, url, monkeypatch) as board:
+        op = board.client("op")
+        wrote = op.post("/topics", json={"board": "robots", "title": "T", "body": "@quadruped a private word"}).json()
+        headers, body = got.get(timeout=LIMIT_S)
+        op.post("/robots/quadruped/stop")
+        _, stop = got.get(timeout=LIMIT_S)
+    verify("standard", body, headers, SECRET)
+    said = json.loads(body)
+    assert said["type"] == "post.created"
+    assert said["data"].pop("event")
+    assert said["data"] == {"post": wrote["post"]["id"], "topic": wrote["topic"]["id"], "board": "robots"}
+    assert json.loads(stop)["data"]["robot"] == "quadruped"
+
+
+def test_what_is_not_taken_is_sent_again_under_the_same_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(webhooks, "PAUSES_S", (0.01, 0.01))
+    with receiver(500, 204) as (url, got), board_that_tells(tmp_path, url, monkeypatch) as board:
+        board.client("op").post("/topics", json={"board": "robots", "title": "T", "body": "hello"})
+        (first, body), (second, again) = got.get(timeout=LIMIT_S), got.get(timeout=LIMIT_S)
+    assert body == again
+    assert first["webhook-id"] == second["webhook-id"]
+
+
+def test_a_receiver_that_is_gone_holds_nobody_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with board_that_tells(tmp_path, "http://127.0.0.1:9/hook", monkeypatch) as board:
+        op = board.client("op")
+        for n in range(3):
+            answer = op.post("/topics", json={"board": "robots", "title": f"T{n}", "body": "hello"})
+            assert answer.status_code == 201
+
+
+def test_a_hook_without_its_secret_is_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NO_SECRET", raising=False)
+    hooks = {"agent": HookOutConfig(url="http://127.0.0.1:9/", secret_env="NO_SECRET")}
+    with pytest.raises(ConfigError, match="NO_SECRET"), running_board(tmp_path, hooks=hooks):
+        pass

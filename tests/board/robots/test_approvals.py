@@ -1,0 +1,137 @@
+"""Whoever may approve a command decides it in its thread; notices of a thread that was read are no news."""
+
+from __future__ import annotations
+
+import re
+
+import httpx2
+import pytest
+
+from agentrob.model import Role
+from tests.board.running_board import RunningBoard
+
+BUTTON = 'value="approve"'
+
+
+def waiting(board: RunningBoard, **more: str) -> tuple[str, str, str]:
+    """A command of op's that the robot waits with, `more` on its card: topic, post, status."""
+    made = board.client("op").post("/topics", json={"board": "robots", "title": "t", "body": "@quadruped flip"}).json()
+    topic, post = made["topic"]["id"], made["post"]["id"]
+    card = {"robot": "quadruped", "state": "waiting"} | more
+    told = {"body": "This waits for an approval.", "reply_to": post, "card": card}
+    key = {"Idempotency-Key": f"claim:{post}"}
+    answer = board.client("quadruped").post(f"/topics/{topic}/posts", json=told, headers=key)
+    return topic, post, str(answer.json()["post"]["id"])
+
+
+def pressed(browser: httpx2.Client, page: str, do: str) -> httpx2.Response:
+    """The form of the page, as a browser without scripts sends it."""
+    form = re.search(r'<form class="approve-form".*?</form>', page, re.DOTALL)
+    assert form
+    fields = dict(re.findall(r'name="(\w+)" value="([^"]*)"', form[0].partition("<button")[0]))
+    action = re.search(r'action="([^"]+)"', form[0])
+    assert action
+    return browser.post(action[1], data=fields | {"do": do})
+
+
+def test_approving_stands_in_the_thread_for_those_who_may_until_it_was_done(board: RunningBoard) -> None:
+    topic, post, status = waiting(board)
+    chief, path = board.browser("admin"), f"/t/{topic}"
+    for name in ("member", "op"):  # op asked
+        assert BUTTON not in board.browser(name).get(path).text
+    page = chief.get(path).text
+    assert BUTTON in page
+    assert BUTTON in chief.get(f"/p/{status}/fragment").text, "also where scripts put it in"
+    assert pressed(chief, page, "approve").status_code == 303
+    said = board.client("op").get(f"/topics/{topic}/posts").json()["items"][-1]
+    assert (said["raw"], said["reply_to"], said["author"]["name"]) == ("@quadruped approve", post, "admin")
+    for gone in (path, f"/c/{post}", f"/p/{status}/fragment"):
+        assert BUTTON not in chief.get(gone).text, "it is decided, though its agent has not said so yet"
+
+
+def test_until_when_it_may_be_approved_is_shown_as_a_time_of_the_reader_s_zone(board: RunningBoard) -> None:
+    _, post, status = waiting(board, until="2026-11-22T21:14:05+01:00")
+    board.client("quadruped").put("/robots/quadruped", json={"card": {"line": [post]}}).raise_for_status()
+    shown = 'until <time datetime="2026-11-22T20:14:05.000Z"'
+    for path in (f"/p/{status}/fragment", f"/c/{post}", "/robots/quadruped/fragment", "/notices"):
+        assert board.browser("admin").get(path).text.count(shown) == 1, path
+    queue = board.browser("admin").get("/robots/quadruped/fragment").text.partition("<h2>Queue</h2>")[2]
+    assert "waits for approval" in queue
+    card = {"robot": "quadruped", "state": "expired", "until": "2026-11-22T21:14:05+01:00"}
+    board.client("quadruped").patch(f"/posts/{status}", json={"body": "Too late.", "card": card}).raise_for_status()
+    assert shown not in board.browser("admin").get(f"/p/{status}/fragment").text
+
+
+@pytest.mark.parametrize("until", ["", "soon", "2026-11-22T21:14:05", "0001-01-01T00:00:00+14:00", "<b>"])
+def test_a_time_that_is_none_is_not_shown(board: RunningBoard, until: str) -> None:
+    _, _, status = waiting(board, until=until)
+    answer = board.browser("admin").get(f"/p/{status}/fragment")
+    assert (answer.status_code, "until" in answer.text) == (200, False)
+
+
+def test_what_a_newer_agent_says_on_its_card_is_left_out_and_its_post_is_kept(board: RunningBoard) -> None:
+    topic, post, status = waiting(board, until="2026-11-22T20:14:05+00:00", mood="x" * 5_000)
+    kept = board.client("op").get(f"/posts/{status}").json()
+    assert kept["reply_to"] == post
+    assert kept["card"]["until"] == "2026-11-22T20:14:05+00:00"
+    assert "mood" not in kept["card"]
+    told = {"body": "x", "card": {"robot": "quadruped", "state": "waiting", "until": "2" * 41}}
+    assert board.client("quadruped").post(f"/topics/{topic}/posts", json=told).status_code == 422
+
+
+def test_who_may_approve_is_told_while_the_command_waits(board: RunningBoard) -> None:
+    """Also when the robot's status post, first its claim, is edited so; and no more once it is over."""
+    board.add("watcher", role=Role.MODERATOR)
+    topic, _, status = waiting(board)
+
+    def told() -> dict[str, list[str]]:
+        items = {n: board.client(n).get("/notifications").json()["items"] for n in ("watcher", "admin", "member", "op")}
+        return {n: [i["kind"] for i in found if i["id"] == status] for n, found in items.items()}
+
+    def tell(state: str) -> None:
+        card = {"robot": "quadruped", "state": state}
+        board.client("quadruped").patch(f"/posts/{status}", json={"body": state, "card": card}).raise_for_status()
+
+    asked = {"watcher": ["approve"], "admin": ["approve"], "member": [], "op": ["reply"]}
+    assert told() == asked
+    page = board.browser("watcher").get("/notices").text
+    assert "waits for your approval" in page
+    assert f'href="/p/{status}"' in page
+    tell("running")
+    assert told() == asked | {"watcher": [], "admin": []}
+    tell("waiting")
+    assert told() == asked
+    assert BUTTON in board.browser("watcher").get(f"/t/{topic}").text
+
+
+def test_a_command_that_lapsed_has_no_buttons(board: RunningBoard) -> None:
+    topic, _, status = waiting(board)
+    card = {"robot": "quadruped", "state": "expired"}
+    board.client("quadruped").patch(f"/posts/{status}", json={"body": "Too late.", "card": card}).raise_for_status()
+    assert BUTTON not in board.browser("admin").get(f"/t/{topic}").text
+
+
+def test_the_page_of_a_robot_s_own_report_is_that_of_the_command(board: RunningBoard) -> None:
+    _, post, status = waiting(board)
+    browser = board.browser("op")
+    moved = browser.get(f"/c/{status}")
+    assert (moved.status_code, moved.headers["location"]) == (303, f"/c/{post}")
+    page = browser.get(f"/c/{status}", follow_redirects=True).text
+    assert re.search(r"Asked by <a[^>]*>op</a>", page)
+
+
+def test_reading_a_thread_clears_its_notices(board: RunningBoard) -> None:
+    board.add("reading")
+    browser = board.browser("reading")
+    topics = []
+    for _ in range(2):
+        made = board.client("op").post("/topics", json={"board": "talk", "title": "t", "body": "@reading look"}).json()
+        topics.append(made["topic"]["id"])
+    count = lambda: len(board.client("reading").get("/notifications").json()["items"])  # noqa: E731
+    fresh = lambda: [n["read"] for n in board.client("reading").get("/notifications").json()["items"]]  # noqa: E731
+    assert (count(), fresh()) == (2, [False, False])
+    assert ">2<" in browser.get("/notices/count").text
+    assert browser.get(f"/t/{topics[1]}").status_code == 200
+    board.run(board.services.marks.write(board.services.store))  # as every few seconds
+    assert fresh() == [True, False], "of the other thread it is still news"
+    assert ">1<" in browser.get("/notices/count").text

@@ -1,0 +1,276 @@
+"""The page of a command and the robot's page: what agents recorded, shown whatever is in it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from sqlalchemy import text
+
+from agentrob.board.api.admin import erase_content
+from agentrob.board.db.database import open_engine
+from agentrob.board.db.records import Post
+from agentrob.board.robots.command_view import command_view
+from agentrob.board.robots.commands import Told
+from agentrob.model import Account, AccountKind, Role
+from tests.board.web.browser_windows import RUNNING, jpeg
+from tests.board.web.page_world import CARD, World, running_world
+
+RECORD: dict[str, Any] = {
+    "status": "failed",
+    "message": "",
+    "trace_id": "4f1c22aa",
+    "verdict": {"decision": "allow", "rule": "screen.passed", "reason": ""},
+    "steps": [
+        {
+            "op": "move",
+            "asked": {"direction": "forward", "distance_m": 2.0},
+            "measured": {"distance_m": 0.4, "sideways_m": 0.0},
+            "outcome": "failed",
+            "reason": "stalled",
+            "message": "Asked 2 m, measured 0.4 m.",
+            "duration_s": 5.2,
+        }
+    ],
+    "timings_ms": {"seen": 24.0, "first_motion": 140.8},
+    "mind": "clever",
+    "models": [{"mind": "clever", "model": "gpt-x", "input_tokens": 812, "output_tokens": 40, "latency_ms": 640.2}],
+    "looked": {
+        "goal": "the ball",
+        "turns": [{"tool": "act_move", "arguments": {"distance_m": 2}, "words": "<b>near</b>"}],
+    },
+    "pictures": [{"kind": "step", "step": 1}, {"kind": "path"}],
+}
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with running_world(tmp_path_factory.mktemp("board")) as world:
+        yield world
+
+
+def asked(world: World) -> tuple[str, str]:
+    body = {"board": "robots", "title": "Go", "body": "@quadruped walk forward 2 m"}
+    made = world.api("alice").post("/topics", json=body).json()
+    return made["topic"]["id"], made["post"]["id"]
+
+
+def told(world: World, topic: str, command: str, pictures: int = 2) -> str:
+    robot = world.api("quadruped")
+    shown = [
+        robot.post("/images", files={"file": ("a.jpg", jpeg(n), "image/jpeg")}).json()["id"] for n in range(pictures)
+    ]
+    reply = {"body": "Failed.", "reply_to": command, "images": shown, "card": RUNNING | {"state": "failed"}}
+    made = robot.post(f"/topics/{topic}/posts", json=reply).json()["post"]["id"]
+    robot.put(f"/commands/{command}", json={"reply": made, "record": RECORD}).raise_for_status()
+    return str(made)
+
+
+def test_the_page_of_a_command_shows_what_decided_and_what_was_measured(world: World) -> None:
+    topic, command = asked(world)
+    reply = told(world, topic, command)
+    page = world.browser("bob").get(f"/c/{command}").text
+    for shown in (
+        "2.00 m",
+        "0.40 m",
+        "screen.passed",
+        "4f1c22aa",
+        "+0.14\u00a0s",
+        "Asked 2 m, measured 0.4 m.",
+        "812 + 40",
+    ):
+        assert shown in page, shown
+    assert "Photo of step 1" in page
+    assert "Path that was measured" in page
+    assert "&lt;b&gt;near&lt;/b&gt;" in page
+    assert f'href="/p/{reply}"' in page
+    assert f'href="/c/{command}"' in world.browser("bob").get(f"/p/{reply}").text
+    items = world.api("bob").get(f"/commands/{command}").json()["items"]
+    assert [(i["robot"], i["reply"], i["record"]) for i in items] == [("quadruped", reply, RECORD)]
+    assert items[0]["url"] == f"{world.base}/c/{command}"
+
+
+def test_what_strayed_by_nothing_is_left_out_and_no_amount_is_a_negative_nothing(world: World) -> None:
+    _, command = asked(world)
+
+    def said(**measured: float) -> str:
+        steps = [{**RECORD["steps"][0], "measured": measured}]
+        record = RECORD | {"steps": steps, "notes": ["I read `2 metres` as 2 m."]}
+        world.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
+        page = world.browser("bob").get(f"/c/{command}").text
+        assert "I read &#34;2 metres&#34; as 2 m." in page
+        found = re.search(r'<th scope="row">1</th><td>[^<]*</td><td>([^<]*)</td>', page)
+        assert found
+        return found[1]
+
+    assert said(distance_m=1.98, sideways_m=-0.004, heading_deg=0.04, drift_m=0.0049) == "1.98 m"
+    strayed = said(distance_m=1.98, sideways_m=-0.006, heading_deg=-0.06, drift_m=0.0129)
+    assert strayed == "1.98 m, -0.01 m sideways, -0.1° off, 0.01 m drifted"
+    assert said(distance_m=-0.001) == "0.00 m"
+
+
+def test_a_record_can_be_sent_again_and_only_by_a_robot_of_its_own_answer(world: World) -> None:
+    topic, command = asked(world)
+    reply = told(world, topic, command)
+    robot = world.api("quadruped")
+    robot.put(f"/commands/{command}", json={"reply": reply, "record": RECORD | {"status": "done"}}).raise_for_status()
+    items = world.api("bob").get(f"/commands/{command}").json()["items"]
+    assert [i["record"]["status"] for i in items] == ["done"]
+    answers = [
+        world.api("alice").put(f"/commands/{command}", json={"record": RECORD}),
+        robot.put(f"/commands/{command}", json={"reply": command, "record": RECORD}),
+        robot.put("/commands/999999", json={"record": RECORD}),
+        robot.put(f"/commands/{command}", json={"record": {"a": "x" * 70_000}}),
+        robot.put(f"/commands/{command}", json={"record": {"a": 2**60}}),
+        robot.put(f"/commands/{command}", json={"record": RECORD, "robot": "other"}),
+    ]
+    assert [a.status_code for a in answers] == [403, 403, 404, 413, 422, 422]
+
+
+def test_who_stopped_denied_or_approved_is_said_in_words_without_markdown(world: World) -> None:
+    robot, surfer = world.api("quadruped"), world.browser("bob")
+    at = datetime.now(UTC).isoformat()
+
+    def page(**record: object) -> str:
+        _, command = asked(world)
+        robot.put(f"/commands/{command}", json={"record": RECORD | record}).raise_for_status()
+        return surfer.get(f"/c/{command}").text
+
+    stopped = page(status="stopped", message="carol", stopped_by="carol")
+    assert '<dt>Stopped by</dt><dd dir="auto">carol</dd>' in stopped
+    assert stopped.count("carol") == 1, "the handle alone is no sentence"
+    assert ">Expired. Nobody approved it.<" in page(status="expired", message="**Expired.** Nobody approved it.")
+    approved = page(approval={"approved": True, "by": "carol", "at": at})
+    assert "</time> approved <" in approved
+    assert "<dt>Approved by</dt>" in approved
+    assert "</time> denied <" in page(approval={"approved": False, "by": "carol", "at": at})
+    for wrong in ("yesterday", "2026-11-22T10:00:00", 7, None, "0001-01-01T00:00:00+00:00"):
+        page(approval={"approved": True, "by": "carol", "at": wrong})
+
+
+def test_of_a_removed_post_nothing_is_told(world: World) -> None:
+    topic, command = asked(world)
+    told(world, topic, command)
+    world.api("alice").delete(f"/posts/{command}").raise_for_status()
+    page = world.browser("bob").get(f"/c/{command}")
+    assert page.status_code == 200
+    assert "This post was removed" in page.text
+    assert "0.40 m" not in page.text
+    assert world.api("bob").get(f"/commands/{command}").json()["items"] == []
+    assert world.api("quadruped").put(f"/commands/{command}", json={"record": RECORD}).status_code == 404
+
+
+@pytest.mark.parametrize("whose", ["who asked", "the robot"])
+def test_erasing_an_account_deletes_the_records_of_its_commands(world: World, whose: str) -> None:
+    name = "erased1" if whose == "who asked" else "erased2"
+    world.board.add(name, kind=AccountKind.HUMAN if whose == "who asked" else AccountKind.ROBOT_AGENT)
+    by = name if whose == "who asked" else "alice"
+    robot = "quadruped" if whose == "who asked" else name
+    body = {"board": "talk", "title": "Go", "body": f"@{robot} walk on"}
+    command = world.api(by).post("/topics", json=body).json()["post"]["id"]
+    kept = asked(world)[1]
+    record = RECORD | {"message": "axolotl"}
+    for post, sent_by in ((command, robot), (kept, "quadruped")):
+        world.api(sent_by).put(f"/commands/{post}", json={"record": record}).raise_for_status()
+    assert "axolotl" in world.browser("bob").get(f"/c/{command}").text
+    world.board.run(erase_content(world.board.services, "root", name))
+    assert world.api("bob").get(f"/commands/{command}").json()["items"] == []
+    assert "axolotl" not in world.browser("bob").get(f"/c/{command}").text
+    assert len(world.api("bob").get(f"/commands/{kept}").json()["items"]) == 1
+    engine = open_engine(world.settings, writes=False)
+    with engine.connect() as connection:
+        left = connection.execute(
+            text("SELECT post_id FROM commands WHERE post_id IN (:a, :b)"), {"a": int(command), "b": int(kept)}
+        )
+        assert left.scalars().all() == [int(kept)]
+    engine.dispose()
+
+
+def test_a_robot_that_has_not_ended_a_command_can_be_stopped_on_its_page(world: World) -> None:
+    topic, command = asked(world)
+    surfer = world.browser("bob")
+    for path in (f"/c/{command}", f"/c/{command}?part=views"):
+        assert 'action="/robots/quadruped/stop"' in surfer.get(path).text
+    told(world, topic, command)
+    assert "/stop" not in surfer.get(f"/c/{command}").text
+
+
+def test_a_post_without_a_record_says_so_and_what_is_none_is_404(world: World) -> None:
+    _, command = asked(world)
+    surfer = world.browser("bob")
+    assert "No robot has recorded an end" in surfer.get(f"/c/{command}").text
+    assert [surfer.get(f"/c/{wrong}").status_code for wrong in ("999999", "abc", "4f1c22aa")] == [404] * 3
+
+
+def test_what_was_asked_and_never_begun_and_what_is_kept_elsewhere_is_shown_too(world: World) -> None:
+    _, command = asked(world)
+    links = [
+        {"kind": "recording", "step": 0, "url": "https://bucket.example/a?b=c", "until": "2026-11-22T00:00:00+00:00"},
+        {"kind": "data", "step": 0, "url": "javascript:alert(1)", "until": ""},
+    ]
+    plan = [{"op": "move", "direction": "forward", "distance_m": 90.0}]
+    record = RECORD | {"status": "refused", "steps": [], "plan": plan, "links": links}
+    waiting = world.browser("bob").get(f"/c/{command}").text
+    assert f'data-refresh="/c/{command}?part=views"' in waiting
+    world.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
+    page = world.browser("bob").get(f"/c/{command}?part=views").text
+    assert "<html" not in page
+    assert "move forward, 90.00 m" in page
+    assert "not begun" in page
+    assert 'href="https://bucket.example/a?b=c"' in page
+    assert 'until <time datetime="2026-11-22T00:00:00.000Z"' in page
+    assert "javascript:" not in page
+
+
+def test_pictures_of_a_camera_that_is_for_others_are_no_broken_pictures(world: World) -> None:
+    topic, command = asked(world)
+    reply = told(world, topic, command)
+    chief = world.chief()
+    paths = (f"/t/{topic}", f"/c/{command}", f"/p/{reply}/fragment")
+    try:
+        chief.patch("/admin/robots/quadruped", json={"camera_role": "operator"}).raise_for_status()
+        for path in paths:
+            page = world.browser("bob").get(path).text
+            assert "is shown to others only" in page, path
+            assert "/images/" not in page, path
+            assert "/images/" in world.browser("alice").get(path).text, path
+    finally:
+        chief.patch("/admin/robots/quadruped", json={"camera_role": "guest"}).raise_for_status()
+
+
+plain = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    max_leaves=8,
+)
+
+
+@settings(suppress_health_check=list(HealthCheck), max_examples=60)
+@given(st.fixed_dictionaries({}, optional=dict.fromkeys(RECORD, plain)), st.sampled_from(["steps", "models", "looked"]))
+def test_any_record_of_a_robot_has_a_view(record: dict[str, Any], wrapped: str) -> None:
+    author = Account("1", "alice", AccountKind.HUMAN, Role.OPERATOR)
+    post = Post("1", "1", "robots", author, "", "", 1, datetime.now(UTC))
+    for one in (record, record | {wrapped: [record]}, record | {"looked": {"turns": [record], "usage": [record]}}):
+        assert command_view(post, Told("quadruped", post.created_at, None, one)).robot == "quadruped"
+
+
+# -------------------------------------------------------------------- the robot's page
+def test_the_robots_page_has_its_owner_queue_and_last_picture(world: World) -> None:
+    topic, command = asked(world)
+    told(world, topic, command)
+    robot = world.api("quadruped")
+    waiting = asked(world)[1]
+    robot.put("/robots/quadruped", json={"card": CARD | {"line": [waiting, "999999", 7, "x"]}}).raise_for_status()
+    page = world.browser("bob").get("/robots/quadruped").text
+    queue = page.split('class="queue"')[1].split("</ol>")[0]
+    assert queue.count("<li>") == 1
+    assert f'href="/p/{waiting}"' in queue
+    assert "The last picture that quadruped answered with" in page
+    assert 'href="/b/robots"' in page
+    fragment = world.browser("bob").get("/robots/quadruped/fragment").text
+    assert f'href="/p/{waiting}"' in fragment

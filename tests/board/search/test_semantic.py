@@ -1,0 +1,271 @@
+"""Search by meaning: what is found, by whom, and that it follows whatever happens to posts."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+
+import pytest
+from sqlalchemy import func, select, update
+
+from agentrob.board.admin import bootstrap, moderation
+from agentrob.board.api.admin import erase_content
+from agentrob.board.content.writes import add_event, now_us
+from agentrob.board.db import schema as db
+from agentrob.board.db.database import open_engine
+from agentrob.board.db.records import EventKind
+from agentrob.board.db.writer import Transaction
+from agentrob.board.search import embeddings
+from agentrob.semantic.encoder import MODEL
+from tests.board.running_board import LIMIT_S, RunningBoard, running_board
+from tests.board.search.encoder_double import Concepts
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(embeddings, "POLL_S", 0.02)
+    monkeypatch.setattr(embeddings, "AGAIN_S", 0.02)
+
+
+@pytest.fixture(scope="module")
+def talk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
+    with running_board(tmp_path_factory.mktemp("board"), encoder=Concepts) as board:
+        yield board
+
+
+def say(board: RunningBoard, body: str, by: str = "member", title: str = "t", on: str = "talk") -> str:
+    made = board.client(by).post("/topics", json={"board": on, "title": title, "body": body})
+    assert made.status_code == 201, made.text
+    post: str = made.json()["post"]["id"]
+    return post
+
+
+def found(forum: RunningBoard, query: str, by: str = "op", **params: str | int) -> list[str]:
+    answer = forum.client(by).get("/search", params={"q": query, "mode": "meaning", **params})
+    assert answer.status_code == 200, answer.text
+    return [post["id"] for post in answer.json()["items"]]
+
+
+def until(board: RunningBoard, holds: Callable[[], bool]) -> None:
+    """The follower works beside the board: wait for what it makes."""
+    end_s = time.monotonic() + LIMIT_S
+    while not holds():
+        assert time.monotonic() < end_s, "it never came to hold"
+        board.client().get("/me")
+
+
+def vectors(board: RunningBoard) -> dict[int, int]:
+    """The version of which each post has a vector in the database."""
+    engine = open_engine(board.settings, writes=False)
+    m = embeddings.post_meanings.c
+    with engine.connect() as connection:
+        kept = {r.post_id: r.version for r in connection.execute(select(m.post_id, m.version).where(m.model == MODEL))}
+    engine.dispose()
+    return kept
+
+
+# -------------------------------------------------------------------- what is found
+def test_posts_are_found_by_what_they_mean_in_another_language_too_most_alike_first(talk: RunningBoard) -> None:
+    near = say(talk, "a weary hound")
+    far = say(talk, "a hound in the rain")
+    until(talk, lambda: found(talk, "exhausted dog") == [near, far])
+    assert found(talk, "狗累") == [near, far]
+    assert found(talk, "automobile") == []
+    words = talk.client("op").get("/search", params={"q": "exhausted dog"}).json()
+    assert words["items"] == [], "words are looked for unless meaning is asked for"
+
+
+def test_the_first_post_of_a_topic_means_what_its_title_says_too(talk: RunningBoard) -> None:
+    post = say(talk, "look", title="Automobile")
+    until(talk, lambda: found(talk, "vehicle") == [post])
+
+
+def test_pages_go_on_where_the_last_ended(talk: RunningBoard) -> None:
+    posts = {say(talk, f"电池 {n}") for n in range(5)}
+    until(talk, lambda: set(found(talk, "power")) == posts)
+    client, pages, cursor = talk.client("op"), list[list[str]](), ""
+    while cursor is not None:
+        asked = {"q": "power", "mode": "meaning", "limit": 2, **({"cursor": cursor} if cursor else {})}
+        page = client.get("/search", params=asked).json()
+        pages.append([p["id"] for p in page["items"]])
+        cursor = page["next"]
+    assert [len(p) for p in pages] == [2, 2, 1]
+    assert {i for p in pages for i in p} == posts
+    assert client.get("/search", params={"q": "power", "mode": "meaning", "cursor": "ffffff"}).json()["items"] == []
+
+
+@pytest.mark.parametrize("query", ["", "  ", '"', "😀", "\0", "x" * 200])
+def test_what_means_nothing_finds_nothing(talk: RunningBoard, query: str) -> None:
+    assert found(talk, query) == []
+
+
+# -------------------------------------------------------------------- whatever happens to posts
+def test_an_edited_post_is_found_by_its_new_meaning_and_at_once_no_more_by_its_old_one(
+    fresh_board: Callable[..., RunningBoard],
+) -> None:
+    made: list[Concepts] = []
+    board = fresh_board(encoder=lambda: made.append(Concepts()) or made[-1])
+    post = say(board, "a puppy")
+    until(board, lambda: found(board, "dog") == [post])
+    made[0].asked.clear()
+    board.client("member").patch(f"/posts/{post}", json={"body": "a car"}).raise_for_status()
+    assert found(board, "dog") == []
+    until(board, lambda: found(board, "vehicle") == [post])
+    until(board, lambda: vectors(board) == {int(post): 2})
+    assert found(board, "dog") == []
+
+
+def test_hidden_posts_are_not_found_until_they_are_shown_again(talk: RunningBoard) -> None:
+    post = say(talk, "hike hike hike")
+    until(talk, lambda: post in found(talk, "stroll"))
+    talk.client("admin").post(f"/posts/{post}/hide", json={}).raise_for_status()
+    assert post not in found(talk, "stroll")
+    talk.client("admin").post(f"/posts/{post}/show", json={}).raise_for_status()
+    until(talk, lambda: post in found(talk, "stroll"))
+    talk.client("member").delete(f"/posts/{post}").raise_for_status()
+    assert post not in found(talk, "stroll")
+
+
+def test_erased_posts_leave_no_meaning_behind(talk: RunningBoard) -> None:
+    talk.add("carol")
+    post = say(talk, "puppy puppy", by="carol")
+    until(talk, lambda: int(post) in vectors(talk))
+    talk.run(erase_content(talk.services, "admin", "carol"))
+    assert int(post) not in vectors(talk)
+    assert post not in found(talk, "dog")
+
+
+def test_a_post_erased_while_its_vector_is_made_gets_none(fresh_board: Callable[..., RunningBoard]) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    class Slow(Concepts):
+        def encode(self, texts: Sequence[str]) -> list[bytes]:
+            begun.set()
+            assert go_on.wait(LIMIT_S)
+            return super().encode(texts)
+
+    board = fresh_board(encoder=Slow)
+    say(board, "a puppy")
+    assert begun.wait(LIMIT_S)
+    with bootstrap.writing(board.settings) as connection:
+        moderation.erase(Transaction(connection), "shell", "member")
+    go_on.set()
+    other = say(board, "a car", by="op")
+    until(board, lambda: found(board, "vehicle") == [other])
+    assert list(vectors(board)) == [int(other)]
+
+
+def test_what_is_on_a_board_one_may_not_read_is_not_found(talk: RunningBoard) -> None:
+    token = bootstrap.issue_token(
+        talk.settings, bootstrap.find_account(talk.settings, "admin"), scopes=("read", "write", "admin")
+    )
+    staff = {"id": "staff", "name": "Staff", "read_role": "operator", "post_role": "operator"}
+    made = talk.client().post("/admin/boards", json=staff, headers={"Authorization": f"Bearer {token}"})
+    assert made.status_code < 300, made.text
+    secret, shown = say(talk, "automobile automobile", by="op", on="staff"), say(talk, "a vehicle for everybody")
+    until(talk, lambda: {secret, shown} <= set(found(talk, "car")))
+    assert secret in found(talk, "car", board="staff")
+    assert shown not in found(talk, "car", board="staff")
+    assert secret not in found(talk, "car", by="member")
+    assert shown in found(talk, "car", by="member")
+    assert found(talk, "car", by="member", board="staff") == []
+    assert talk.client().get("/search", params={"q": "car", "mode": "meaning"}).status_code == 401
+
+
+def test_posts_of_other_processes_and_of_before_are_found_and_vectors_are_not_made_twice(
+    fresh_board: Callable[..., RunningBoard], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("again")
+    with running_board(folder) as board:  # as long as nobody wanted it
+        old = say(board, "an old hound")
+        database = board.settings.database
+        assert vectors(board) == {}
+    with running_board(folder, encoder=Concepts, database=database) as board:
+        until(board, lambda: found(board, "dog") == [old])
+        until(board, lambda: list(vectors(board)) == [int(old)])
+    made: list[Concepts] = []
+    with running_board(folder, encoder=lambda: made.append(Concepts()) or made[-1], database=database) as board:
+        until(board, lambda: found(board, "dog") == [old])
+        assert set(made[0].asked) == {"dog"}
+        with bootstrap.writing(board.settings) as connection:  # what the command line does
+            connection.execute(update(db.posts).values(raw="a car", version=db.posts.c.version + 1))
+            add_event(Transaction(connection), EventKind.POST_EDITED, now_us(), topic_id=1, post_id=int(old))
+        until(board, lambda: found(board, "vehicle") == [old])
+
+
+# -------------------------------------------------------------------- beside everything else
+def test_a_forum_without_it_says_what_it_needs_and_offers_words(board: RunningBoard) -> None:
+    refused = board.client("op").get("/search", params={"q": "dog", "mode": "meaning"})
+    assert (refused.status_code, refused.json()["code"]) == (404, "no_meaning")
+    assert "agentrob[semantic]" in refused.json()["hint"]
+    assert board.client("op").get("/search/modes").json() == {"items": ["words"]}
+    assert 'name="by"' not in board.browser("op").get("/search").text
+    assert board.client("op").get("/search", params={"q": "dog", "mode": "smell"}).status_code == 422
+
+
+def test_the_page_offers_it_where_it_is_there(talk: RunningBoard) -> None:
+    post = say(talk, "power power")
+    until(talk, lambda: post in found(talk, "battery"))
+    assert talk.client("op").get("/search/modes").json() == {"items": ["words", "meaning"]}
+    page = talk.browser("op").get("/search", params={"q": "battery", "by": "meaning"}).text
+    assert 'value="meaning" checked' in page
+    assert f'href="/p/{post}"' in page
+    assert f'href="/p/{post}"' not in talk.browser("op").get("/search", params={"q": "battery"}).text
+
+
+def test_a_model_that_fails_is_said_and_nothing_else_minds(fresh_board: Callable[..., RunningBoard]) -> None:
+    model = Concepts()
+    board = fresh_board(encoder=lambda: model)
+    model.out.set()
+    post = say(board, "a puppy")
+    refused = board.client("op").get("/search", params={"q": "dog", "mode": "meaning"})
+    assert (refused.status_code, refused.json()["code"]) == (503, "model_out")
+    assert board.client("op").get("/search", params={"q": "puppy"}).json()["items"][0]["id"] == post
+    model.out.clear()
+    until(board, lambda: found(board, "dog") == [post])
+
+
+def test_law_15_who_writes_and_who_stops_waits_for_no_model(fresh_board: Callable[..., RunningBoard]) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    class Stuck(Concepts):
+        def encode(self, texts: Sequence[str]) -> list[bytes]:
+            begun.set()
+            assert go_on.wait(LIMIT_S)
+            return super().encode(texts)
+
+    board = fresh_board(encoder=Stuck)
+    post = say(board, "a puppy")
+    assert begun.wait(LIMIT_S)
+    say(board, "another")
+    assert board.client("op").post("/robots/quadruped/stop").status_code < 300
+    assert vectors(board) == {}
+    go_on.set()
+    until(board, lambda: found(board, "dog") == [post])
+
+
+def test_all_that_are_alike_are_looked_at_until_enough_may_be_seen(
+    talk: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from agentrob.board.search import semantic
+
+    monkeypatch.setattr(semantic, "_ASKED", 3)
+    hidden = [say(talk, "weary " * 9) for _ in range(7)]
+    shown = say(talk, "weary of rain")
+    until(talk, lambda: {shown, *hidden} <= set(found(talk, "tired", limit=100)))
+    for post in hidden:
+        talk.client("member").delete(f"/posts/{post}").raise_for_status()
+    assert found(talk, "tired", limit=1)[:1] != []
+    assert shown in found(talk, "tired", limit=100)
+    assert not set(hidden) & set(found(talk, "tired", limit=100))
+
+
+def test_there_is_one_vector_for_each_post_however_many_there_are(talk: RunningBoard) -> None:
+    posts = [say(talk, f"number {n}") for n in range(20)]
+    until(talk, lambda: {int(p) for p in posts} <= vectors(talk).keys())
+    engine = open_engine(talk.settings, writes=False)
+    with engine.connect() as connection:
+        count = connection.execute(select(func.count()).select_from(embeddings.post_meanings)).scalar_one()
+    engine.dispose()
+    assert count == len(vectors(talk))

@@ -1,0 +1,240 @@
+"""Every endpoint of the OpenAPI document, asked by everybody: who may is written down here, and all others may not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import httpx2
+import pytest
+
+from agentrob.board.admin import bootstrap
+from agentrob.model import AccountKind, Role
+from tests.board.auth.test_rights import jpeg, topic_on
+from tests.board.running_board import RunningBoard
+
+#: Rising: who may, those behind may too. `account` is any that is signed in, also a suspended one.
+RISING = ("account", "guest", "member", "operator", "moderator", "admin")
+#: The least who may: a word of `RISING`; with `+robot` robots' agents may too; `robot` only the robot's own; `author`
+#: nobody but who wrote it; `owner` who owns the robot, and admins.
+LEAST = {
+    "GET /me": "account",
+    "GET /notifications": "guest",  # one's own: whoever has none gets none
+    "GET /unread": "guest",
+    "PUT /unread": "guest",
+    "PUT /topics/{topic_id}/read": "guest",
+    "GET /accounts/{name}": "guest",
+    "GET /boards": "guest",
+    "GET /boards/{board_id}/topics": "guest",
+    "GET /topics/{topic_id}": "guest",
+    "POST /topics": "member+robot",
+    "GET /topics/{topic_id}/posts": "guest",
+    "POST /topics/{topic_id}/posts": "member+robot",
+    "GET /posts": "guest",
+    "GET /posts/{post_id}": "guest",
+    "PATCH /posts/{post_id}": "author",
+    "DELETE /posts/{post_id}": "moderator",
+    "GET /posts/{post_id}/hidden": "moderator",
+    "POST /posts/{post_id}/hide": "moderator",
+    "POST /posts/{post_id}/show": "moderator",
+    "POST /topics/{topic_id}/lock": "moderator",
+    "POST /topics/{topic_id}/move": "moderator",
+    "GET /search": "guest",
+    "GET /search/modes": "guest",
+    "GET /tags": "guest",
+    "PUT /topics/{topic_id}/tags": "moderator",  # of a topic that somebody else began
+    "GET /commands/{post_id}": "guest",
+    "POST /commands/{post_id}/approve": "approver",
+    "PUT /commands/{post_id}": "robot+robot",  # of whatever post, under its own name
+    "GET /changes": "guest",
+    "GET /events": "guest",
+    "GET /robots": "guest",
+    "GET /robots/{name}": "guest",
+    "PUT /robots/{name}": "robot",
+    "PUT /robots/{name}/frame": "robot",
+    "GET /robots/{name}/frame.jpg": "guest",
+    "GET /robots/{name}/camera.mjpg": "guest",
+    "GET /robots/{name}/rights": "guest",
+    "POST /robots/{name}/stop": "guest",
+    "POST /robots/{name}/estop": "guest",
+    "POST /robots/{name}/release": "releaser",
+    "POST /robots/{name}/home": "releaser",
+    "POST /robots/{name}/reset": "operator",
+    "POST /images": "operator+robot",
+    "GET /admin/robots/{name}": "owner",
+    "PATCH /admin/robots/{name}": "owner",
+}
+#: What is sent, where something must be.
+BODIES: dict[str, Any] = {
+    "POST /topics": {"board": "talk", "title": "t", "body": "b"},
+    "POST /topics/{topic_id}/posts": {"body": "b"},
+    "PATCH /posts/{post_id}": {"body": "mine now"},
+    "POST /topics/{topic_id}/lock": {"locked": False},
+    "POST /topics/{topic_id}/move": {"board": "talk"},
+    "PUT /topics/{topic_id}/tags": {"tags": ["mine"]},
+    "PUT /unread": {"up_to": "0"},
+    "PUT /robots/{name}": {"card": {}},
+    "PUT /commands/{post_id}": {"record": {}},
+    "POST /commands/{post_id}/approve": {"robot": "quadruped"},
+    "POST /admin/accounts": {"name": "op"},
+    "POST /admin/boards": {"id": "talk", "name": "Talk"},
+}
+#: What asking may change is of this account, which nobody here uses.
+NAMES = {"name": "victim", "board_id": "talk", "token_id": "0" * 16, "invite_id": "0" * 16}
+WITH_SCOPE = ("member", "operator", "moderator", "admin", "robot", "owner")
+
+
+@pytest.fixture(scope="module")
+def everybody(board: RunningBoard) -> dict[str, httpx2.Client]:
+    """A client of each role and kind, and admins' tokens of narrower scopes."""
+    found = {"nobody": board.client()}
+    for role in Role:
+        account = board.add(f"a-{role}", role=role)
+        token = bootstrap.issue_token(board.settings, account, "all", ("read", "write", "admin"))
+        found[str(role)] = bearer(board, token)
+    for name, options in {
+        "suspended": {"role": Role.ADMIN},
+        "monitor": {"kind": AccountKind.MONITORING_AGENT, "role": Role.ADMIN},
+        "other-robot": {"kind": AccountKind.ROBOT_AGENT, "role": Role.MEMBER},
+        "victim": {},
+        "owner": {"role": Role.MEMBER},
+    }.items():
+        board.add(name, **options)  # type: ignore[arg-type]
+        found[name] = board.client(name)
+    bootstrap.change_account(board.settings, bootstrap.find_account(board.settings, "suspended"), suspended=True)
+    found["robot"] = board.client("quadruped")
+    agent = board.add("agent", kind=AccountKind.COMMANDING_AGENT, role=Role.ADMIN)
+    found["agent"] = bearer(board, bootstrap.issue_token(board.settings, agent, "all", ("read", "write", "admin")))
+    chief = bootstrap.find_account(board.settings, "a-admin")
+    found["admin, read only"] = bearer(board, bootstrap.issue_token(board.settings, chief, "r", ("read",)))
+    found["admin, no admin"] = bearer(board, bootstrap.issue_token(board.settings, chief, "w", ("read", "write")))
+    found["admin"].patch("/admin/robots/quadruped", json={"owner": "owner"}).raise_for_status()
+    found["robot"].put(
+        "/robots/quadruped/frame", content=jpeg(), headers={"Content-Type": "image/jpeg"}
+    ).raise_for_status()
+    return found
+
+
+def bearer(board: RunningBoard, token: str) -> httpx2.Client:
+    client = board.client()
+    client.headers["Authorization"] = f"Bearer {token}"
+    return client
+
+
+def operations(board: RunningBoard) -> Iterator[tuple[str, dict[str, Any]]]:
+    for path, methods in board.client("op").get("/openapi.json").json()["paths"].items():
+        for method, operation in methods.items():
+            yield f"{method.upper()} {path.removeprefix('/api/v1')}", operation
+
+
+def least(name: str) -> str:
+    return LEAST.get(name) or ("admin" if " /admin/" in name else "not written down")
+
+
+def may(who: str, name: str) -> bool:
+    """What the table says, for somebody who did not write the post that is asked about."""
+    wanted, _, also = least(name).partition("+")
+    reading = name.startswith("GET") and wanted in ("account", "guest", "member")
+    looks = wanted in ("account", "guest")
+    match who:
+        case "nobody":
+            return False
+        case "suspended":
+            return wanted == "account"
+        case "robot":
+            return looks or also == "robot" or wanted == "robot"
+        case "other-robot":
+            return looks or also == "robot"
+        case "monitor":  # an admin by role, and a machine that only watches
+            return reading or looks or wanted in ("member", "operator")
+        case "agent":  # an admin by role: but only people administer, and own robots
+            return looks or wanted in ("member", "operator", "moderator")
+        case "owner":
+            return looks or wanted in ("member", "owner", "releaser")
+        case "admin, read only":
+            return looks
+        case "admin, no admin":
+            return looks or wanted in ("member", "operator", "approver", "releaser")
+    if wanted in ("owner", "releaser"):  # a releaser's token need only be good for writing
+        return who == "admin"
+    if wanted == "approver":  # a person, as the robot's rights are when nothing is set
+        return who in ("moderator", "admin")
+    return wanted in RISING and RISING.index(who if who != "victim" else "member") >= RISING.index(wanted)
+
+
+def ask(client: httpx2.Client, name: str, ids: dict[str, str]) -> int:
+    method, _, path = name.partition(" ")
+    robots = "/robots/" in path
+    path = path.format(**(NAMES | ids | ({"name": "quadruped"} if robots else {})))
+    params = {"key": "x", "q": "x"} if name in ("GET /posts", "GET /search") else {}
+    params |= {"board": "talk"} if path.endswith("/rights") else {}
+    options: dict[str, Any] = {"params": params}
+    if name == "POST /images":
+        options["files"] = {"file": ("x.jpg", jpeg(), "image/jpeg")}
+    elif path.endswith("/frame"):
+        options |= {"content": jpeg(), "headers": {"Content-Type": "image/jpeg"}}
+    elif method in ("POST", "PATCH", "PUT"):
+        options["json"] = BODIES.get(name, {})
+    with client.stream(method, path, **options) as answer:
+        return answer.status_code
+
+
+def test_every_endpoint_is_written_down(board: RunningBoard) -> None:
+    names = [name for name, _ in operations(board)]
+    assert [name for name in names if least(name) == "not written down"] == []
+    assert [name for name in LEAST if name not in names] == []
+    assert len(names) > 40
+
+
+def test_nobody_does_what_is_for_others(board: RunningBoard, everybody: dict[str, httpx2.Client]) -> None:
+    wrong = []
+    topic, post = topic_on(board, "talk")
+    for name, _ in operations(board):
+        for who, client in everybody.items():
+            status = ask(client, name, {"topic_id": topic, "post_id": post})
+            if name == "DELETE /posts/{post_id}" and status < 300:
+                topic, post = topic_on(board, "talk")
+            refused = status in (401, 403)
+            if refused is may(who, name) or status >= 500 or (who == "nobody" and status != 401):
+                wrong.append(f"{who}: {name}: {status}")
+    assert wrong == []
+
+
+def test_nothing_of_others_was_changed(board: RunningBoard, everybody: dict[str, httpx2.Client]) -> None:
+    topic, post = topic_on(board, "talk", "as it was")
+    picture = {"file": ("x.jpg", jpeg(), "image/jpeg")}
+    theirs = board.client("author").post("/images", files=picture).json()["id"]
+    for who, client in everybody.items():
+        assert client.patch(f"/posts/{post}", json={"body": f"{who} was here"}).status_code in (401, 403)
+        reply = {"body": "x", "images": [theirs]}
+        if who not in ("nobody", "suspended", "guest", "admin, read only"):
+            answer = client.post(f"/topics/{topic}/posts", json=reply)
+            assert (answer.status_code, answer.json()["code"]) == (404, "no_such_image"), who
+    assert board.client("op").get(f"/posts/{post}").json()["raw"] == "as it was"
+
+
+#: What no body may set, wherever it is not a field of its own.
+FOREIGN = {
+    **{"author": "op", "author_id": "1", "removed": True, "created_at": "2020-01-01T00:00:00Z", "is_admin": 1},
+    **{"account_id": "1", "key": "x", "html": "<b>", "mentions": ["op"], "password_hash": "x", "version": 9},
+}
+
+
+def test_law_1_no_body_sets_what_is_not_its_to_set(board: RunningBoard, everybody: dict[str, httpx2.Client]) -> None:
+    """Mass assignment: each JSON body of the document, with each foreign field beside valid ones."""
+    topic, post = topic_on(board, "talk")
+    ids, tried = NAMES | {"topic_id": topic, "post_id": post}, 0
+    for name, operation in operations(board):
+        if "application/json" not in operation.get("requestBody", {}).get("content", {}):
+            continue
+        method, _, path = name.partition(" ")
+        path = path.format(**(ids | ({"name": "quadruped"} if "/robots/" in path else {})))
+        client = everybody["robot" if name == "PUT /robots/{name}" else "admin"]
+        for field, value in (FOREIGN | {"role": "owner", "kind": "robot_agent", "suspended": "no"}).items():
+            body = BODIES.get(name, {}) | {field: value}
+            if name in ("POST /admin/accounts",) and field == "kind":
+                continue
+            answer = client.request(method, path, json=body)
+            assert answer.status_code == 422, (name, field, answer.text)
+            tried += 1
+    assert tried > 150

@@ -1,0 +1,276 @@
+"""What is kept of hot topics is never older than the forum: no cache outlives an edit, a hiding or a lost right."""
+
+from __future__ import annotations
+
+import threading
+import tracemalloc
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import httpx2
+import pytest
+
+from agentrob.board import response_cache
+from agentrob.board.admin import administration, bootstrap, moderation
+from agentrob.board.api.models import Paged, Shaper
+from agentrob.board.auth import accounts, visibility
+from agentrob.board.content import writes
+from agentrob.board.db.database import open_engine
+from agentrob.board.db.reader import Reader
+from agentrob.board.db.writer import Transaction
+from agentrob.board.response_cache import Topics
+from agentrob.model import AccountKind, Role
+from tests.board.auth.test_rights import chief, jpeg, new_board, topic_on
+from tests.board.events.test_streams import now, stream, until
+from tests.board.running_board import LIMIT_S, RunningBoard
+from tests.board.security.test_every_endpoint import bearer
+
+
+def elsewhere(board: RunningBoard, job: Callable[[Transaction], Any]) -> Any:
+    """As another process does it, which tells this server nothing."""
+    with bootstrap.writing(board.settings) as connection:
+        return job(Transaction(connection))
+
+
+def fresh(board: RunningBoard, topic: str, viewer: str) -> dict[str, Any]:
+    """What the database says now, read by nobody who keeps anything."""
+    engine = open_engine(board.settings, writes=False)
+    with engine.connect() as connection:
+        reader = Reader(connection)
+        shape = Shaper(board.settings.base_url, reader.account(viewer))
+        page = reader.posts(topic, None, 50)
+        made = Paged(items=tuple(map(shape.post, page.items)), next=page.next).model_dump(mode="json")
+    engine.dispose()
+    return made
+
+
+def test_whatever_changes_what_a_topic_shows_is_shown_at_once(board: RunningBoard) -> None:
+    """Each deed by the server and by another process, after the topic was read by API and page until it was hot."""
+    boss = chief(board)
+    topic, first = topic_on(board, "talk", "as it was")
+    author = board.client("author")
+    robot = board.client("quadruped")
+    image = robot.post("/images", files={"file": ("x.jpg", jpeg(77), "image/jpeg")}).json()["id"]
+    card = {"robot": "quadruped", "state": "running"}
+    status = robot.post(f"/topics/{topic}/posts", json={"body": "on it", "card": card, "images": [image]}).json()
+    status_id = status["post"]["id"]
+    shell = bootstrap.find_account(board.settings, "admin")
+    board.add("talker", display_name="Tal Ker")
+    said = board.client("talker").post(f"/topics/{topic}/posts", json={"body": "my words"}).json()["post"]["id"]
+    later = datetime.now(UTC) + timedelta(days=3)
+
+    def promoted(t: Transaction) -> Any:
+        return administration.change_account(t.connection, "shell", "talker", role=Role.OPERATOR)
+
+    deeds: list[Callable[[], Any]] = [
+        lambda: author.patch(f"/posts/{first}", json={"body": "changed"}).raise_for_status(),
+        lambda: author.post(f"/topics/{topic}/posts", json={"body": "and more"}).raise_for_status(),
+        lambda: robot.patch(f"/posts/{status_id}", json={"body": "done", "card": card | {"state": "done"}}),
+        lambda: boss.post(f"/posts/{said}/hide", json={"reason": "x"}).raise_for_status(),
+        lambda: boss.post(f"/posts/{said}/show", json={}).raise_for_status(),
+        lambda: elsewhere(board, lambda t: writes.remove(t, shell, said)),
+        lambda: elsewhere(board, lambda t: moderation.show(t, shell, said)),
+        lambda: boss.patch("/admin/accounts/talker", json={"display_name": "Other"}).raise_for_status(),
+        lambda: elsewhere(board, promoted),
+        lambda: boss.patch("/admin/accounts/talker", json={"suspended": True}).raise_for_status(),
+        lambda: boss.post(f"/topics/{topic}/move", json={"board": "robots"}).raise_for_status(),
+        lambda: boss.patch("/admin/robots/quadruped", json={"camera_days": 1}).raise_for_status(),
+        lambda: elsewhere(board, lambda t: moderation.expire_pictures(t, later)),
+        lambda: boss.delete("/admin/accounts/talker/content").raise_for_status(),
+        lambda: author.delete(f"/posts/{first}").raise_for_status(),
+    ]  # fmt: skip
+    readers = {name: board.client(name) for name in ("op", "author", "quadruped")}
+    seen = []
+    for n, deed in enumerate(deeds):
+        for name, client in readers.items():
+            for _ in range(3):
+                assert client.get(f"/topics/{topic}/posts").json() == fresh(board, topic, name), n
+        deed()
+        seen.append(readers["op"].get(f"/topics/{topic}/posts").text)
+        for name, client in readers.items():
+            assert client.get(f"/topics/{topic}/posts").json() == fresh(board, topic, name), n
+    unchanged = [n for n in range(1, len(seen)) if seen[n] == seen[n - 1]]
+    assert unchanged == [11], "each deed but the setting of the days changes what is shown"
+
+
+def test_a_hot_page_shows_what_changed_and_to_each_only_what_is_theirs(board: RunningBoard) -> None:
+    topic, post = topic_on(board, "talk", "first words")
+    page = lambda name: board.browser(name).get(f"/t/{topic}").text  # noqa: E731
+    for name in ("op", "author", "op", "author"):
+        assert "first words" in page(name)
+    edit = f'href="/p/{post}/edit"'
+    assert (edit in page("author"), edit in page("op")) == (True, False)
+    board.client("author").patch(f"/posts/{post}", json={"body": "second words"}).raise_for_status()
+    assert [("<p>first words" in page(n), "<p>second words" in page(n)) for n in ("op", "author")] == [
+        (False, True)
+    ] * 2
+    shell = bootstrap.find_account(board.settings, "admin")
+    elsewhere(board, lambda t: writes.remove(t, shell, post))
+    assert not [n for n in ("op", "author") if "<p>second words" in page(n)]
+
+
+def test_a_robot_s_posts_say_whose_it_is_also_after_it_changed_hands(board: RunningBoard) -> None:
+    topic, _ = topic_on(board, "talk", "whose is it?")
+    board.client("quadruped").post(f"/topics/{topic}/posts", json={"body": "mine"}).raise_for_status()
+    browser = board.browser("op")
+    for owner in ("op", "member"):
+        chief(board).patch("/admin/robots/quadruped", json={"owner": owner}).raise_for_status()
+        assert f'class="owner">of <a class="quiet" href="/u/{owner}">' in browser.get(f"/t/{topic}").text
+
+
+def test_the_stop_buttons_of_a_hot_page_are_each_viewer_s_own(board: RunningBoard) -> None:
+    topic, _ = topic_on(board, "talk", "go")
+    card = {"robot": "quadruped", "state": "running"}
+    board.client("quadruped").post(f"/topics/{topic}/posts", json={"body": "on it", "card": card}).raise_for_status()
+    pages = [board.browser("op").get(f"/t/{topic}").text for _ in range(2)]
+    tokens = [{part.split('"')[0] for part in page.split('name="csrf" value="')[1:]} for page in pages]
+    assert all(len(found) == 1 for found in tokens)
+    assert tokens[0] != tokens[1]
+
+
+@pytest.mark.parametrize("by_page", [False, True], ids=["api", "page"])
+@pytest.mark.parametrize("lost", ["suspended", "closed board", "moved away", "revoked", "signed out"])
+def test_a_lost_right_is_lost_at_once_on_the_hottest_topic(board: RunningBoard, lost: str, by_page: bool) -> None:
+    name = f"{lost.replace(' ', '-')}-{'page' if by_page else 'api'}"
+    account = board.add(name, role=Role.OPERATOR)
+    where = new_board(board, f"hot-{len(name)}", read_role="operator", post_role="operator")
+    closed = new_board(board, "admins-only", read_role="admin", post_role="admin")
+    topic, _ = topic_on(board, where, "not for everybody")
+    shell = bootstrap.find_account(board.settings, "admin")
+    if by_page:
+        client, path = board.browser(name), f"/t/{topic}"
+    else:
+        client, path = board.client(name), f"/topics/{topic}/posts"
+    for _ in range(3):
+        assert client.get(path).status_code == 200
+    deed: dict[str, Callable[[Transaction], Any]] = {
+        "suspended": lambda t: administration.change_account(t.connection, "shell", name, suspended=True),
+        "closed board": lambda t: administration.change_board(
+            t.connection, "shell", where, read_role=Role.ADMIN, post_role=Role.ADMIN
+        ),
+        "moved away": lambda t: moderation.move(t, shell, topic, closed),
+        "revoked": lambda t: accounts.revoke_tokens(t.connection, account),
+        "signed out": lambda t: accounts.end_sessions(t.connection, account),
+    }
+    elsewhere(board, deed[lost])
+    answer = client.get(path)
+    if (lost, by_page) in (("revoked", True), ("signed out", False)):
+        assert answer.status_code == 200, "a session is no token, and a token no session"
+    else:
+        assert answer.status_code in (303, 401, 403, 404)
+        assert "not for everybody" not in answer.text
+
+
+def test_a_session_that_has_run_out_shows_no_hot_topic(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    topic, _ = topic_on(board, "talk")
+    browser = board.browser("op")
+    assert browser.get(f"/api/v1/topics/{topic}/posts").status_code == 200
+    monkeypatch.setattr(response_cache, "REPEAT_S", 0.0)
+    browser = board.browser("op")
+    assert [browser.get(f"/api/v1/topics/{topic}/posts").status_code for _ in range(2)] == [200, 200]
+    late = accounts.now_us() + (accounts.SESSION_DAYS + 1) * 86_400_000_000
+    monkeypatch.setattr(accounts, "now_us", lambda: late)
+    assert browser.get(f"/api/v1/topics/{topic}/posts").status_code == 401
+
+
+def test_nobody_gets_the_answer_to_somebody_else_s_question(board: RunningBoard) -> None:
+    topic, _ = topic_on(board, "talk", "for those inside")
+    path, good = f"/topics/{topic}/posts", board.client("op")
+    assert [good.get(path).status_code for _ in range(3)] == [200] * 3
+    assert board.client().get(path).status_code == 401
+    assert bearer(board, "agentrob_" + "x" * 43).get(path).status_code == 401
+    key = {"Idempotency-Key": "mine"}
+    board.client("op").post(f"/topics/{topic}/posts", json={"body": "keyed"}, headers=key).raise_for_status()
+    keys = {n: board.client(n).get(path).json()["items"][-1]["key"] for n in ("op", "author", "op")}
+    assert keys == {"op": "mine", "author": None}
+    assert [good.get(path, params={"limit": n}).status_code for n in (1, 0, 1, 101)] == [200, 422, 200, 422]
+    assert len(good.get(path, params={"limit": 1}).json()["items"]) == 1
+
+
+def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
+    topic, _ = topic_on(board, "talk")
+    kept = Topics(max_kept=100 + 3 * response_cache.ENTRY_BYTES)  # three of 30, and what it takes to find them
+    reader = board.services.store.everything  # read on the board's own loop
+    made: list[int] = []
+
+    def ask(n: int, size: int = 30) -> int:
+        return board.run(_of(kept, reader, topic, n, lambda: (made.append(n) or n, size)))
+
+    assert [ask(n) for n in (1, 2, 3, 1, 4)] == [1, 2, 3, 1, 4]
+    assert made == [1, 2, 3, 4], "1 was kept"
+    assert [ask(1), ask(2)] == [1, 2]
+    assert made == [1, 2, 3, 4, 2], "2 was the least lately used"
+    ask(9, size=1000 + 3 * response_cache.ENTRY_BYTES)
+    assert len(kept._kept) == 0, "what is too large by itself is not kept"
+
+
+async def _of(kept: Topics, reader: Reader, topic: str, asked: int, make: Any) -> int:
+    visibility.let_see(frozenset({"talk"}))
+    return kept.of(reader, topic, asked, make)
+
+
+def test_what_another_process_writes_is_told_to_open_streams(board: RunningBoard) -> None:
+    """Law 4: a robot's agent hears of a command that was hidden at the shell, without anything else happening."""
+    _topic, post = topic_on(board, "talk", "hidden soon")
+    client: httpx2.Client = board.client("op")
+    account = bootstrap.find_account(board.settings, "admin")
+    with stream(client, after=now(client), heartbeat=30) as events:
+        later = threading.Timer(0.2, elsewhere, (board, lambda t: writes.remove(t, account, post)))
+        later.start()
+        (told,) = until(events, 1)
+        later.join(LIMIT_S)
+    assert (told["event"], told["data"]["post"]["id"], told["data"]["post"]["raw"]) == ("post.removed", post, "")
+    assert told["data"]["post"]["author"]["kind"] == AccountKind.HUMAN
+
+
+@pytest.mark.sqlite  # where several processes may serve the database, no answers are kept
+def test_what_is_kept_of_answers_has_a_bound_whatever_is_asked_with(fresh_board: Callable[..., RunningBoard]) -> None:
+    """Cookies, queries and sessions of any size and number: keys are kept too, and count."""
+    board = fresh_board(public_read=True)
+    topic, _ = topic_on(board, "talk")
+    stranger, path = httpx2.Client(base_url=board.url, timeout=60), f"/api/v1/topics/{topic}/posts"
+    kept = kept_answers(board)
+
+    def ask(n: int, **headers: str) -> None:
+        assert stranger.get(path, params={"limit": 1, "x": f"{n}" * 500}, headers=headers).status_code == 200
+
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        for n in range(400):
+            ask(n, Cookie=f"{board.settings.cookie}={n:043}; other={'x' * 30_000}")
+        grown = tracemalloc.get_traced_memory()[0] - before
+    finally:
+        tracemalloc.stop()
+    assert len(kept._answers) == 400, "each was kept"
+    assert grown < 400 * response_cache.ENTRY_BYTES + 2_000_000
+    assert kept._size >= 400 * response_cache.ENTRY_BYTES
+
+
+@pytest.mark.parametrize("cursor", ["0" * 60_000 + "1", " 1", "+1", "0x1", "1_0", "A"])
+def test_a_cursor_that_was_never_given_out_is_none(board: RunningBoard, cursor: str) -> None:
+    """It is part of what pages are kept by, and would take as much memory as somebody likes."""
+    topic, _ = topic_on(board, "talk")
+    assert board.browser("op").get(f"/t/{topic}", params={"after": cursor}).status_code == 422
+
+
+@pytest.mark.sqlite  # where several processes may serve the database, no answers are kept
+def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBoard) -> None:
+    topic, _ = topic_on(board, "talk")
+    browser, path = board.browser("op"), f"/api/v1/topics/{topic}/posts"
+    session = browser.cookies[board.settings.cookie]
+    kept = kept_answers(board)
+    for n in range(3):
+        cookie = f"{board.settings.cookie}={session}; other={n}"
+        assert httpx2.get(board.url + path, headers={"Cookie": cookie}, timeout=60).status_code == 200
+    assert len(kept._answers) == 1
+
+
+def kept_answers(board: RunningBoard) -> response_cache.Hot:
+    """What the running server keeps before its app, empty."""
+    layer: Any = board.server.app.middleware_stack
+    while not isinstance(layer, response_cache.Hot):
+        layer = layer.app
+    layer._answers, layer._size = {}, 0
+    return layer

@@ -1,0 +1,90 @@
+"""Windows of a real Chromium on the forum, and what a robot posts there, for the tests of its pages."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from PIL import Image
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+
+from tests.board.web.page_world import World
+
+CHROMIUM_ARGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+WATCH = (
+    "addEventListener('securitypolicyviolation', e => console.error('policy: ' + e.violatedDirective + e.blockedURI))"
+)
+expect.set_options(timeout=60_000)
+RUNNING = {"robot": "quadruped", "state": "running", "step": 2, "steps": 4, "doing": "turning", "trace_id": "4f1c"}
+
+
+@contextmanager
+def running_chromium() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=CHROMIUM_ARGS)
+        yield chromium
+        chromium.close()
+
+
+@dataclass
+class Windows:
+    """Opens windows of Chromium and notes everything that it complains of."""
+
+    world: World
+    chromium: Browser
+    contexts: list[BrowserContext] = field(default_factory=list)
+    complaints: list[str] = field(default_factory=list)
+
+    def open(self, name: str | None = None, **how: Any) -> Page:
+        """A window of its own, of that account."""
+        how.setdefault("viewport", {"width": 1280, "height": 800})
+        how.setdefault("reduced_motion", "reduce")
+        context = self.chromium.new_context(base_url=self.world.base, **how)
+        context.set_default_timeout(60_000)
+        context.add_init_script(WATCH)
+        self.contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None)
+        page.on("pageerror", lambda e: self.complaints.append(str(e)))
+        if name:
+            page.goto(self.world.link(name))
+            page.get_by_role("button", name="Enter").click()
+            expect(page.get_by_role("heading", name="Boards", exact=True)).to_be_visible()
+        return page
+
+
+@contextmanager
+def open_windows(world: World, chromium: Browser) -> Iterator[Windows]:
+    """Closes them at the end; then nothing may have been complained of."""
+    windows = Windows(world, chromium)
+    yield windows
+    for context in windows.contexts:
+        context.close()
+    assert windows.complaints == []
+
+
+def new_topic(world: World, replies: int = 0) -> str:
+    api = world.api("alice")
+    made = api.post("/topics", json={"board": "robots", "title": "A walk", "body": "@quadruped walk forward 1 metre"})
+    topic = made.json()["topic"]["id"]
+    for n in range(replies):
+        api.post(f"/topics/{topic}/posts", json={"body": f"number {n}\n\nwith a second line"}).raise_for_status()
+    return str(topic)
+
+
+def robot_posts(world: World, topic: str, body: str, card: dict[str, Any] | None = None) -> str:
+    answer = world.api("quadruped").post(f"/topics/{topic}/posts", json={"body": body, "card": card})
+    return str(answer.json()["post"]["id"])
+
+
+def robot_edits(world: World, post: str, body: str, card: dict[str, Any] | None = None) -> None:
+    world.api("quadruped").patch(f"/posts/{post}", json={"body": body, "card": card}).raise_for_status()
+
+
+def jpeg(shade: int) -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", (64, 48), (shade, 90, 90)).save(file, "JPEG")
+    return file.getvalue()

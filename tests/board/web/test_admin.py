@@ -1,0 +1,121 @@
+"""What admins, owners and moderators do by pages and forms, without scripts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+
+from agentrob.board.admin import bootstrap
+from agentrob.board.robots import rights
+from tests.board.web.page_world import PASSWORD, World, running_world
+
+SECRET = re.compile(r'<textarea id="secret"[^>]*>([^<]*)</textarea>')
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with running_world(tmp_path_factory.mktemp("board"), sign_up=False) as world:
+        yield world
+
+
+def kept(world: World) -> rights.RobotSettings:
+    return rights.settings_of(world.board.services.store.everything, "quadruped")
+
+
+def test_an_account_from_its_making_to_its_password(world: World) -> None:
+    root = world.browser("root")
+    page = root.send("/admin/accounts", name="newbie", display_name="New B.", role="operator", kind="human")
+    link = SECRET.search(page.text)
+    assert link
+    assert page.headers["cache-control"] == "no-store"
+    newbie = world.browser()
+    path = link[1].removeprefix(world.base)
+    assert newbie.send(path, password=PASSWORD).url.path == "/"
+    assert "newbie" in newbie.get("/").text
+    assert root.get("/admin/accounts/newbie").text.count("selected") == 1
+    root.send("/admin/accounts/newbie/change", "/admin/accounts/newbie", role="member", display_name="", suspended="on")
+    found = bootstrap.find_account(world.settings, "newbie")
+    assert (found.role, found.suspended) == ("member", True)
+
+
+def test_what_cannot_be_says_so_on_the_page_and_keeps_what_was_typed(world: World) -> None:
+    root = world.browser("root")
+    page = root.send("/admin/accounts", name="quadrup3d", display_name="Tidy", role="member", kind="human")
+    assert page.status_code == 422
+    assert "looks like the robot @quadruped" in page.text
+    assert 'value="Tidy"' in page.text
+    page = root.send("/admin/robots/quadruped", closed="sometimes", camera_days="0", camera_role="guest")
+    assert page.status_code == 422
+    assert "are no maintenance hours" in page.text
+    assert ">sometimes</textarea>" in page.text
+
+
+def test_a_token_is_shown_once_and_can_be_revoked(world: World) -> None:
+    root, page = world.browser("root"), "/admin/accounts/alice"
+    shown = root.send(f"{page}/token", page, label="sensor", write="on")
+    secret = SECRET.search(shown.text)
+    assert secret
+    account = root.get(page).text
+    assert secret[1] not in account
+    assert "sensor" in account
+    token_id = re.findall(r'name="token" value="([0-9a-f]{16})"', account)[0]
+    csrf = root.csrf(page)
+    root.client.post(f"{page}/revoke", data={"csrf": csrf, "token": token_id})
+    assert f'value="{token_id}"' not in root.get(page).text
+
+
+def test_boards_and_invites(world: World) -> None:
+    root = world.browser("root")
+    fields = {"name": "The lab", "description": "", "read_role": "operator", "post_role": "operator"}
+    root.send("/admin/boards", id="lab", command_role="operator", **fields)
+    assert "The lab" in world.browser("alice").get("/").text
+    assert "The lab" not in world.browser("bob").get("/").text
+    shown = root.send("/admin/invites", role="member", uses="1", days="3")
+    link = SECRET.search(shown.text)
+    assert link
+    path = link[1].removeprefix(world.base)
+    assert world.browser().send(path, name="invited", password=PASSWORD).url.path == "/"
+    late = world.browser()
+    assert "was used up" in late.send(path, name="late", password=PASSWORD).text
+
+
+def test_the_owner_sets_what_a_robot_may_be_asked_and_nobody_else_does(world: World) -> None:
+    root, path = world.browser("root"), "/admin/robots/quadruped"
+    fields = {f"command_{c}": "operator" for c in ("photo", "gesture", "move")} | {"command_risky": "nobody"}
+    fields |= {"approve": "moderator", "release": "owner", "camera_role": "member", "camera_days": "7"}
+    root.send(path, owner="@alice", closed="mon-fri 22:00-06:00", **fields)
+    assert (kept(world).owner, kept(world).camera_days, kept(world).command["risky"]) == ("alice", 7, "nobody")
+    owner = world.browser("alice")
+    owner.send(path, owner="bob", closed="", **fields)
+    assert (kept(world).owner, kept(world).closed) == ("alice", ()), "the owner gives it to nobody"
+    assert world.browser("bob").get(path).status_code == 403
+
+
+def test_hiding_showing_locking_and_moving_by_forms(world: World) -> None:
+    made = world.api("alice").post("/topics", json={"board": "talk", "title": "A topic", "body": "rude words"}).json()
+    topic, post = made["topic"]["id"], made["post"]["id"]
+    root, bob = world.browser("root"), world.browser("bob")
+    root.send(f"/p/{post}/moderate", reason="rude")
+    assert "rude words" not in bob.get(f"/t/{topic}").text
+    assert "rude words" in root.get(f"/p/{post}/moderate").text
+    assert bob.get(f"/p/{post}/moderate").status_code == 403
+    root.send(f"/p/{post}/moderate")
+    assert "rude words" in bob.get(f"/t/{topic}").text
+    root.send(f"/t/{topic}/lock", f"/t/{topic}/moderate", reason="late")
+    assert "This topic is locked" in bob.get(f"/t/{topic}").text
+    root.send(f"/t/{topic}/move", f"/t/{topic}/moderate", board="robots")
+    assert "A topic" in bob.get("/b/robots").text
+    log = root.get("/admin/audit").text
+    assert all(word in log for word in ("post.hide", "post.show", "topic.lock", "topic.move", "rude"))
+
+
+def test_erasing_asks_for_the_name_first(world: World) -> None:
+    world.board.add("gone")
+    world.api("gone").post("/topics", json={"board": "talk", "title": "Soon gone", "body": "b"}).raise_for_status()
+    root, page = world.browser("root"), "/admin/accounts/gone"
+    assert root.send(f"{page}/erase", page, sure="").status_code == 422
+    assert "Soon gone" in root.get("/").text
+    root.send(f"{page}/erase", page, sure="gone")
+    assert "Soon gone" not in root.get("/").text

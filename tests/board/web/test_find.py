@@ -1,0 +1,290 @@
+"""Search, latest, notices and feeds: what is found, by whom, and that nothing hidden shows."""
+
+from __future__ import annotations
+
+import threading
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+
+import pytest
+from sqlalchemy import text
+
+from agentrob.board.api.admin import erase_content
+from agentrob.board.content.store import MAX_SEARCHES
+from agentrob.board.db.database import open_engine
+from agentrob.board.db.records import Page, Post
+from agentrob.board.search import search
+from agentrob.board.search.fulltext import create_index, drop_index, expression, indexed
+from agentrob.board.search.search import around, terms
+from agentrob.model import Role
+from tests.board.running_board import LIMIT_S, RunningBoard
+from tests.board.web.page_world import World, running_world
+
+ATOM = "{http://www.w3.org/2005/Atom}"
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with running_world(tmp_path_factory.mktemp("board")) as world:
+        yield world
+
+
+def topic(world: World, title: str, body: str, board: str = "talk", by: str = "alice") -> tuple[str, str]:
+    made = world.api(by).post("/topics", json={"board": board, "title": title, "body": body}).json()
+    return made["topic"]["id"], made["post"]["id"]
+
+
+def found(world: World, query: str, by: str = "bob") -> list[str]:
+    page = world.browser(by).client.get("/search", params={"q": query}).text
+    return [part.split('"')[0] for part in page.split('class="row-title" href="/p/')[1:]]
+
+
+# -------------------------------------------------------------------- search
+def test_chinese_of_one_two_and_more_characters_is_found(world: World) -> None:
+    _, post = topic(world, "记录", "机器人向前走了两米，然后挥手。")
+    for query in ("手", "机器", "前走", "两米", "向前走了两米", "机器人", "记录", "两米 挥手"):
+        assert post in found(world, query), query
+    for query in ("器机", "前米", "两米机器", '"手 挥"', "鲸"):
+        assert post not in found(world, query), query
+
+
+def test_chinese_between_letters_and_numbers_is_found_as_it_is_written(world: World) -> None:
+    _, post = topic(world, "n", "请让go2机器狗前进2米然后转90度，再后退3米。")
+    for query in ("前进2米", "go2机", "go2机器狗", "前进2米然后转90", "转90度", "后退3米", "进2", "退3米。", '"2米然"'):
+        assert post in found(world, query), query
+    for query in ("前进3米", "前2米", "go2狗", "2然", "90米", "前进2米后"):
+        assert post not in found(world, query), query
+
+
+def test_words_are_found_whatever_their_case_accents_and_endings(world: World) -> None:
+    _, post = topic(world, "Zebra crossing", "The café's robot WALKED past 13 tulips at 2.5 m")
+    for query in ("zebra", "Cafe", "walks", "tulip", "zebra tulips", '"past 13"', "2.5", "ｗａｌｋｅｄ"):
+        assert post in found(world, query), query
+    assert post not in found(world, "zebra giraffe")
+    assert post not in found(world, '"13 past"')
+
+
+@pytest.mark.parametrize(
+    "query", ['"', "AND", "NEAR(", "a* OR b", "words:x", "^x", "-", "'; DROP TABLE posts", "😀", "*" * 199]
+)
+def test_what_is_no_query_is_answered_with_a_page(world: World, query: str) -> None:
+    assert world.browser("bob").client.get("/search", params={"q": query}).status_code == 200
+
+
+def test_words_that_must_stand_together_are_found_however_far_into_a_post(world: World) -> None:
+    _, post = topic(world, "Long", " ".join(f"word{n} 第{n}次前进" for n in range(2000)) + " the very last words")
+    for query in ('"very last words"', '"word1998 第1998次"', "1999次前进", f"last {'word1997'}"):
+        assert post in found(world, query), query
+    for query in ('"words very last"', '"word1998 第1997次"', "前进次", f"last {'x' * 150}"):
+        assert post not in found(world, query), query
+
+
+def test_very_long_words_are_taken_and_found(world: World) -> None:
+    long, wide = "abcdefghij" * 18, "x" * 5000
+    _, post = topic(world, "n", f"see {long} and {wide} here")
+    for query in (long, f'"see {long} and"', "here"):
+        assert post in found(world, query), query
+
+
+def test_edits_and_removals_are_followed(world: World) -> None:
+    _, post = topic(world, "Heron", "an ostrich")
+    world.api("alice").patch(f"/posts/{post}", json={"body": "a pelican"}).raise_for_status()
+    assert found(world, "ostrich") == []
+    assert found(world, "pelican") == found(world, "heron") == [post]
+    world.api("alice").delete(f"/posts/{post}").raise_for_status()
+    assert found(world, "pelican") == []
+
+
+def test_newest_are_first_and_pages_go_on_where_the_last_ended(world: World) -> None:
+    posts = [topic(world, "n", f"quokka number {n}")[1] for n in range(23)]
+    browser = world.browser("bob")
+    assert found(world, "quokka") == posts[:2:-1]
+    page = browser.get("/search?q=quokka").text
+    older = page.split('rel="next" href="')[1].split('"')[0].replace("&amp;", "&")
+    rest = browser.get(older).text
+    assert [p.split('"')[0] for p in rest.split('class="row-title" href="/p/')[1:]] == posts[2::-1]
+
+
+def test_what_is_on_a_board_one_may_not_read_is_not_found_told_or_fed(world: World) -> None:
+    staff = {"id": "staff", "name": "Staff", "read_role": "operator", "post_role": "operator"}
+    made = world.chief().post("/admin/boards", json=staff)
+    assert made.status_code < 300, made.text
+    _, post = topic(world, "Secret narwhal", "@bob a narwhal", board="staff")
+    assert post in found(world, "narwhal", by="alice")
+    bob = world.browser("bob")
+    assert found(world, "narwhal") == []
+    for words, here in (("narwhal", "staff"), ("narwhal", "nowhere"), ("narwhal", "talk")):
+        answer = world.api("bob").get("/search", params={"q": words, "board": here})
+        assert (answer.status_code, answer.json()["items"]) == (200, []), here
+    for path in ("/latest", "/notices", "/feed.atom", "/u/alice"):
+        assert "narwhal" not in bob.get(path).text, path
+    assert bob.get("/b/staff/feed.atom").status_code == 404
+    assert bob.get(f"/c/{post}").status_code == 404
+    assert bob.client.get("/notices/count").text.strip() == "Notices"
+
+
+def test_erased_posts_leave_no_words_behind(world: World) -> None:
+    world.board.add("carol")
+    _, post = topic(world, "Axolotl", "an axolotl", by="carol")
+    world.board.run(erase_content(world.board.services, "root", "carol"))
+    assert found(world, "axolotl", by="root") == []
+    engine = open_engine(world.settings, writes=False)
+    with engine.connect() as connection:
+        column = "rowid" if engine.dialect.name == "sqlite" else "post_id"
+        left = connection.execute(text(f"SELECT count(*) FROM post_words WHERE {column} = :id"), {"id": int(post)})
+        assert left.scalar_one() == 0
+    engine.dispose()
+
+
+def test_posts_from_before_there_was_an_index_are_in_it(fresh_board: Callable[..., RunningBoard]) -> None:
+    board = fresh_board()
+    body = {"board": "talk", "title": "Okapi", "body": "两米"}
+    board.client("op").post("/topics", json=body).raise_for_status()
+    engine = open_engine(board.settings, writes=True)
+    with engine.begin() as connection:
+        drop_index(connection)
+        create_index(connection)
+    engine.dispose()
+    browser = board.browser("op")
+    for query in ("两米", "okapi"):
+        assert "Okapi" in browser.get("/search", params={"q": query}).text
+    assert "<mark>两米</mark>" in browser.get("/search", params={"q": "两米"}).text
+
+
+@pytest.mark.sqlite
+def test_a_search_that_takes_too_long_is_given_up_and_the_page_says_what_to_do(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    topic(world, "Lemur", "a lemur")
+    monkeypatch.setattr(search, "MOST_S", -1.0)
+    monkeypatch.setattr(search, "STEPS", 1)
+    answer = world.browser("bob").client.get("/search", params={"q": "lemur"})
+    assert answer.status_code == 503
+    assert "Add a rarer word" in answer.text
+    assert 'value="lemur"' in answer.text
+    refused = world.api("bob").get("/search", params={"q": "lemur"})
+    assert (refused.status_code, refused.json()["code"]) == (503, "too_broad")
+    monkeypatch.undo()
+    assert found(world, "lemur")
+
+
+def test_law_15_nothing_waits_for_a_search_least_of_all_a_stop(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(*_: object) -> Page[Post]:
+        begun.set()
+        assert go_on.wait(LIMIT_S)
+        return Page(())
+
+    monkeypatch.setattr(search, "find", slow)
+    with ThreadPoolExecutor(MAX_SEARCHES + 1) as others:
+        searching = [others.submit(world.api("bob").get, "/search", params={"q": "x"}) for _ in range(MAX_SEARCHES + 1)]
+        assert begun.wait(LIMIT_S)
+        assert world.api("bob").post("/robots/quadruped/stop").status_code < 300
+        refused = next(as_completed(searching, LIMIT_S)).result()
+        assert (refused.status_code, refused.json()["code"]) == (503, "overloaded")
+        go_on.set()
+        assert sorted(s.result(LIMIT_S).status_code for s in searching) == [200] * MAX_SEARCHES + [503]
+
+
+def test_programs_search_too_page_by_page(world: World) -> None:
+    _, first = topic(world, "n", "an aardvark 土豚")
+    _, second = topic(world, "n", "two aardvarks 土豚")
+    bob = world.api("bob")
+    page = bob.get("/search", params={"q": "aardvark 土豚", "limit": 1}).json()
+    assert [p["id"] for p in page["items"]] == [second]
+    page = bob.get("/search", params={"q": "aardvark 土豚", "limit": 1, "cursor": page["next"]}).json()
+    assert ([p["id"] for p in page["items"]], page["next"]) == ([first], None)
+    assert bob.get("/search", params={"q": "x" * 201}).status_code == 422
+    assert world.board.client().get("/search", params={"q": "aardvark"}).status_code == 401
+
+
+def test_indexing_keeps_every_character_of_a_run_findable() -> None:
+    words, chars = indexed("走路go走")
+    assert (words.split(), chars.split()) == (["走路", "路", "go", "走"], ["走", "路"])
+    assert expression(terms("路")) == 'chars : "路"'
+    assert expression(terms("走路 go")) == 'words : "走路" AND words : "go"'
+    assert expression(terms("走路2米")) == 'words : "走路 路 2 米" *'
+    assert around("a photo to print", "to") == (("a photo ", False), ("to", True), (" print", False))
+    assert around("it walked", "walk") == (("it ", False), ("walk", True), ("ed", False))
+    assert around("四足机器人", "机器") == (("四足", False), ("机器", True), ("人", False))
+    assert around("a **bold** word here", "word") == (("a bold ", False), ("word", True), (" here", False))
+
+
+# -------------------------------------------------------------------- notices
+def count(world: World, name: str) -> str:
+    return world.browser(name).get("/notices/count").text
+
+
+def test_people_are_told_of_mentions_answers_and_their_topics_once_each(world: World) -> None:
+    world.board.add("dora", role=Role.OPERATOR)
+    world.board.add("emil")
+    number, first = topic(world, "Mine", "hello", by="dora")
+    emil = world.api("emil")
+    emil.post(f"/topics/{number}/posts", json={"body": "in your topic"}).raise_for_status()
+    emil.post(f"/topics/{number}/posts", json={"body": "an answer", "reply_to": first}).raise_for_status()
+    emil.post(f"/topics/{number}/posts", json={"body": "@dora you", "reply_to": first}).raise_for_status()
+    emil.post(f"/topics/{number}/posts", json={"body": "`@dora` as code"}).raise_for_status()
+    page = world.browser("dora").get("/notices").text
+    assert page.count("names you") == 1
+    assert page.count("answers you") == 1
+    assert page.count("is in your topic") == 2
+    assert "4<span" in count(world, "dora")
+    assert "new" not in count(world, "emil")
+
+
+def test_what_was_seen_is_no_longer_counted_and_comes_back_never(world: World) -> None:
+    world.board.add("fritz")
+    number, _ = topic(world, "T", "@fritz look")
+    surfer = world.browser("fritz")
+    assert "1<span" in surfer.get("/notices/count").text
+    assert surfer.send("/notices/seen", page="/notices").status_code == 200
+    assert surfer.get("/notices/count").text.strip() == "Notices"
+    csrf = surfer.csrf(f"/t/{number}")
+    surfer.client.post("/notices/seen", data={"csrf": csrf, "up_to": "0"})
+    assert surfer.get("/notices/count").text.strip() == "Notices"
+    surfer.client.post("/notices/seen", data={"csrf": csrf, "up_to": "9" * 18})
+    world.api("alice").post(f"/topics/{number}/posts", json={"body": "@fritz again"}).raise_for_status()
+    assert "1<span" in surfer.get("/notices/count").text, "a number of the future hides nothing"
+
+
+def test_nobody_else_and_no_form_of_elsewhere_marks_them_as_seen(world: World) -> None:
+    surfer = world.browser("alice")
+    assert surfer.client.post("/notices/seen", data={"up_to": "9"}).status_code == 403
+    assert world.browser().client.get("/notices").url.path == "/sign-in"
+
+
+# -------------------------------------------------------------------- feeds
+def test_feeds_of_site_board_topic_and_robot_are_atom(world: World) -> None:
+    number, post = topic(world, "Feed & <b>", "one **two** \x0b three", board="robots")
+    world.api("quadruped").post(f"/topics/{number}/posts", json={"body": "robots answer"}).raise_for_status()
+    browser = world.browser("bob").client
+    for path in ("/feed.atom", "/b/robots/feed.atom", f"/t/{number}/feed.atom", "/robots/quadruped/feed.atom"):
+        answer = browser.get(path)
+        assert answer.headers["content-type"].startswith("application/atom+xml")
+        feed = ET.fromstring(answer.content)
+        titles = [entry.findtext(f"{ATOM}title") for entry in feed.iter(f"{ATOM}entry")]
+        assert "Feed & <b>" in titles, path
+        assert feed.findtext(f"{ATOM}updated")
+    entries = {
+        e.findtext(f"{ATOM}id"): e for e in ET.fromstring(browser.get("/feed.atom").content).iter(f"{ATOM}entry")
+    }
+    entry = entries[f"{world.base}/p/{post}"]
+    assert "<strong>two</strong>" in (entry.findtext(f"{ATOM}content") or "")
+    assert entry.find(f"{ATOM}author/{ATOM}name").text == "alice"  # type: ignore[union-attr]
+    topic_feed = ET.fromstring(browser.get(f"/t/{number}/feed.atom").content)
+    assert len(list(topic_feed.iter(f"{ATOM}entry"))) == 2
+
+
+def test_a_program_reads_a_feed_with_its_token_and_strangers_do_not(world: World) -> None:
+    token = {"Authorization": f"Bearer {world.board.tokens['bob']}"}
+    assert world.board.browser().get("/feed.atom", headers=token).status_code == 200
+    assert world.board.browser().get("/feed.atom").status_code == 303
+
+
+def test_latest_shows_posts_newest_first(world: World) -> None:
+    _, old = topic(world, "Older", "x")
+    _, new = topic(world, "Newer", "y")
+    page = world.browser("bob").get("/latest").text
+    assert page.index(f'href="/p/{new}"') < page.index(f'href="/p/{old}"')

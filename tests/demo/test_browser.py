@@ -1,0 +1,223 @@
+"""What the README promises, in a real browser: open the address, write a post, watch the robot, read the report."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx2
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+
+from tests.demo.running import ROOT, RUNNING, RunningDemo, end_left, start_demo
+
+pytestmark = [pytest.mark.sim, pytest.mark.browser]
+
+expect.set_options(timeout=60_000)
+
+SENTENCE = "@quadruped walk forward 1 metre, turn left, wave and take a photo"
+MOTION_MS = 60_000
+#: Screenshots are kept here; the README's picture is one of them.
+SCREENSHOTS = Path(os.environ.get("AGENTROB_SCREENSHOTS") or ROOT / "var/screenshots")
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningDemo]:
+    before = len(RUNNING)
+    yield start_demo(tmp_path_factory.mktemp("demo") / "data", through_make=True)
+    end_left(before)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    assert chromium, "the browser tests need Debian's package chromium (make test installs it when it may)"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=chromium,
+            args=["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"],
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def visitor(browser: Browser, demo: RunningDemo) -> Iterator[BrowserContext]:
+    context = browser.new_context(viewport={"width": 1180, "height": 900})
+    page = context.new_page()
+    page.goto(demo.link)
+    page.get_by_role("button", name="Enter").click()
+    page.wait_for_url(lambda url: "/enter/" not in url)
+    page.close()
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def page(visitor: BrowserContext) -> Iterator[Page]:
+    """Closed at the end: a browser has six connections to a server, and each page that is live holds one."""
+    page = visitor.new_page()
+    yield page
+    page.close()
+
+
+def shot(page: Page, name: str, element: str | None = None) -> None:
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    page.evaluate("window.scrollTo(0, 0)")
+    path = SCREENSHOTS / f"{name}.png"
+    if element:
+        page.locator(element).first.screenshot(path=path)
+    else:
+        page.screenshot(path=path, full_page=True)
+
+
+def listen_for_errors(page: Page) -> list[str]:
+    wrong: list[str] = []
+    page.on("console", lambda m: wrong.append(m.text) if m.type == "error" else None)
+    page.on("pageerror", lambda e: wrong.append(str(e)))
+    return wrong
+
+
+def write_post(page: Page, url: str, title: str, body: str) -> None:
+    """From the home page to the new thread, as a person goes."""
+    page.goto(url)
+    page.get_by_role("main").get_by_role("link", name="Robots", exact=True).first.click()
+    page.get_by_role("link", name="New topic").first.click()
+    page.get_by_label("Title").fill(title)
+    page.get_by_label("Post", exact=True).fill(body)
+    page.get_by_role("button", name="Post", exact=True).click()
+    page.wait_for_url(re.compile("/t/"))
+
+
+#: Collects each text that the newest status chip shows, as it changes.
+WATCH_CHIP = """() => {
+  window.chips = [];
+  const look = () => {
+    const all = document.querySelectorAll("[data-post] .status .chip");
+    const text = all.length ? all[all.length - 1].innerText.trim().toLowerCase() : "";
+    if (text && window.chips[window.chips.length - 1] !== text) window.chips.push(text);
+  };
+  new MutationObserver(look).observe(document.body, {subtree: true, childList: true, characterData: true});
+  look();
+}"""
+
+
+def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(page: Page, demo: RunningDemo) -> None:
+    wrong = listen_for_errors(page)
+    write_post(page, demo.url, "First steps", SENTENCE)
+    page.evaluate(WATCH_CHIP)
+    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    chips = page.evaluate("window.chips")
+    assert chips[-1] == "done"
+    assert "running" in chips, f"the thread must tell what the robot is doing; it showed {chips}"
+    answer = page.locator("article.by-robot").last
+    expect(answer.locator("table")).to_be_visible()
+    expect(answer).to_contain_text("1 m")
+    expect(answer).to_contain_text("90")
+    pictures = answer.locator(".pictures img")
+    expect(pictures).not_to_have_count(0)
+    pictures.last.scroll_into_view_if_needed()
+    widths = pictures.evaluate_all(
+        "async (all) => { for (const i of all) await i.decode(); return all.map(i => i.naturalWidth); }"
+    )
+    assert len(widths) >= 2, "a photo and the plot of the path"
+    assert min(widths) >= 400
+    shot(page, "thread")
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    shot(page, "thread-phone")
+    page.emulate_media(color_scheme="dark")
+    shot(page, "thread-phone-dark")
+    assert not wrong
+
+
+def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_robot(
+    page: Page, demo: RunningDemo
+) -> None:
+    wrong = listen_for_errors(page)
+    write_post(page, demo.url, "Turn and be stopped", "@quadruped turn right 360 degrees")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("running", re.IGNORECASE), timeout=MOTION_MS)
+    thread = page.url
+    page.goto(f"{demo.url}/robots/quadruped")
+    picture = page.locator(".camera img")
+    expect(picture).to_be_visible(timeout=60_000)
+    width = picture.evaluate(
+        "async (i) => { while (!i.naturalWidth) await new Promise(requestAnimationFrame); return i.naturalWidth; }"
+    )
+    assert width >= 320
+    shot(page, "robot")
+    page.get_by_role("button", name=re.compile("Stop")).first.click()
+    page.goto(thread)
+    expect(page.locator(".status .chip")).to_have_text(re.compile("stopped", re.IGNORECASE), timeout=60_000)
+    expect(page.locator("article.by-robot").last).to_contain_text("ms")
+    shot(page, "thread-stopped")
+    assert not wrong
+
+
+def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(page: Page, demo: RunningDemo) -> None:
+    wrong = listen_for_errors(page)
+    page.goto(f"{demo.url}/robots")
+    for name, model in (("quadruped", "go2"), ("humanoid", "g1")):
+        card = page.get_by_role("main").locator(".robot-card", has_text=f"@{name}")
+        expect(card).to_contain_text(model)
+        expect(card).to_contain_text("simulated")
+    write_post(page, demo.url, "Both of you", "@quadruped turn left 30 degrees. @humanoid wave.")
+    answers = page.locator("article.by-robot")
+    expect(answers).to_have_count(2, timeout=60_000)
+    for name, deed in (("quadruped", "30"), ("humanoid", "wave")):
+        answer = answers.filter(has_text=re.compile(name, re.IGNORECASE))
+        expect(answer.locator(".chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+        expect(answer).to_contain_text(deed)
+    shot(page, "thread-both")
+    assert not wrong
+
+
+def test_a_question_is_asked_back_in_chinese(page: Page, demo: RunningDemo) -> None:
+    write_post(page, demo.url, "向前走", "@quadruped 向前走")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("ask", re.IGNORECASE), timeout=MOTION_MS)
+    expect(page.locator("article.by-robot").last).to_contain_text(re.compile("[\u4e00-\u9fff]"))
+    shot(page, "thread-chinese")
+
+
+def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(page: Page, demo: RunningDemo) -> None:
+    write_post(page, demo.url, "Away from the start", "@quadruped walk backward 50 cm")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    truth = json.loads((demo.data / "demo.json").read_text())["room"] + "/truth"
+    away = position(truth)
+    page.goto(f"{demo.url}/robots/quadruped")
+    page.get_by_role("button", name="Reset the room").click()
+    expect(page.get_by_role("status").first).to_contain_text("put back")
+    deadline = time.monotonic() + 60
+    while math.dist(position(truth), away) < 0.3:
+        assert time.monotonic() < deadline, "the robot was not put back"
+    write_post(page, demo.url, "After the reset", "@quadruped turn left 45 degrees")
+    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+
+
+def position(truth: str) -> tuple[float, float]:
+    """Where the world says that the robot stands, in metres."""
+    robot = httpx2.get(truth, timeout=60).json()["robots"]["go2"]
+    return robot["x_m"], robot["y_m"]
+
+
+def test_law_17_the_visitor_releases_on_the_page_what_an_emergency_stop_locked(page: Page, demo: RunningDemo) -> None:
+    write_post(page, demo.url, "Emergency", "@quadruped emergency stop")
+    answer = page.locator("article.by-robot").last
+    expect(answer).to_contain_text("It refuses all motion until its owner releases it.", timeout=MOTION_MS)
+    expect(answer).to_contain_text("agentrob release quadruped")
+    answer.get_by_role("link", name="my page").click()
+    expect(page.locator(".lock")).to_contain_text("Locked by visitor since")
+    shot(page, "locked")
+    page.get_by_role("link", name="Release @quadruped").click()
+    page.get_by_role("button", name="Release @quadruped").click()
+    expect(page.get_by_text("Released (visitor, ")).to_be_visible()
+    expect(page.locator(".lock")).to_have_count(0)
+    write_post(page, demo.url, "Afterwards", "@quadruped walk forward 0.3 metres")
+    chip = page.locator("article.by-robot").last.locator(".status .chip")
+    expect(chip).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)

@@ -1,0 +1,31 @@
+"""Programs that choose a DDS domain at the same moment choose different ones."""
+
+from __future__ import annotations
+
+import contextlib
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from agentrob.demo import run as demo
+from agentrob.demo.run import DemoError, OwnDomain
+from agentrob.process import host_lock
+
+
+def test_all_who_choose_a_domain_at_once_have_one_of_their_own_until_they_give_it_back() -> None:
+    with ThreadPoolExecutor(8) as pool, contextlib.ExitStack() as kept:
+        chosen = list(pool.map(lambda _: OwnDomain(), range(16)))
+        for domain in chosen:
+            kept.enter_context(contextlib.closing(domain))
+        assert len({domain.number for domain in chosen}) == 16
+        assert {f"domain/lo/{domain.number}" for domain in chosen} <= set(host_lock.held("domain/"))
+    assert not {f"domain/lo/{domain.number}" for domain in chosen} & set(host_lock.held("domain/"))
+
+
+@pytest.mark.parametrize("who", ["world/lo", "driver/lo", "domain/lo"])
+def test_a_domain_that_somebody_uses_is_not_chosen(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
+    monkeypatch.setattr(demo, "DOMAINS", range(231, 233))  # beyond those of DDS: nobody is there
+    with host_lock.HostLock(f"{who}/231", "the test"), contextlib.closing(OwnDomain()) as domain:
+        assert domain.number == 232
+        with pytest.raises(DemoError, match="all DDS domains from 231 to 232 are taken"):
+            OwnDomain()

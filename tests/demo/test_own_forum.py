@@ -1,0 +1,84 @@
+"""The page that leads from nothing to an own forum with an own moving robot, followed to the letter."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from agentrob.config.load import Config
+from agentrob.demo.run import OwnDomain, free_port
+from agentrob.model import Post
+from agentrob.wiring import app
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs/own-forum.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```sh\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+LIMIT_S = 100
+
+
+@pytest.mark.sim
+def test_its_commands_lead_to_a_robot_that_walks(tmp_path: Path) -> None:
+    setup, *blocks = BLOCKS
+    assert setup == "make setup\n. .venv/bin/activate\n", "what the tests run in already"
+    domain, port = OwnDomain(), free_port()
+    script = "".join(blocks).replace("8099", str(port)).replace("domain = 1", f"domain = {domain.number}")
+    script = script.replace("go2=1", f"go2={domain.number}")
+    env = {**os.environ, "HOME": str(tmp_path), "XDG_RUNTIME_DIR": str(tmp_path)}
+    env["PATH"] = f"{Path(sys.executable).parent}:{env['PATH']}"
+    shell = subprocess.Popen(
+        ["bash", "-e"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=env, start_new_session=True
+    )
+    try:
+        assert shell.stdin
+        assert shell.stdout
+        shell.stdin.write(script + "\necho all done\n")
+        shell.stdin.close()
+        said = []
+        while not said or said[-1] not in ("all done\n", ""):
+            said.append(shell.stdout.readline())
+        assert said[-1] == "all done\n", "".join(said)
+        assert f"http://127.0.0.1:{port}/password/" in "".join(said), "the link that sets the admin's password"
+        topic = next(json.loads(line)["topic"]["id"] for line in said if line.startswith('{"topic"'))
+        token = (tmp_path / "my-robots/chief.token").read_text().strip()
+        config = app.load(tmp_path / "my-robots/agentrob.toml")
+        report = asyncio.run(final_report(config, token, topic))
+    finally:
+        os.killpg(shell.pid, signal.SIGTERM)
+        shell.wait(60)
+        domain.close()
+    assert report.card
+    assert report.card.state == "done", report.raw
+    assert "walk forward 1 m" in report.raw
+    assert report.images
+
+
+async def final_report(config: Config, token: str, topic_id: str) -> Post:
+    """The robot's post in that topic once its card tells an end."""
+    states = {"done", "failed", "refused", "asks_back", "expired", "interrupted"}
+    forum = app.make_forum(config, token)
+    try:
+        async with asyncio.timeout(LIMIT_S):
+            async for event in forum.stream("0"):
+                post = event.post
+                if post and post.topic_id == topic_id and post.card and post.card.state in states:
+                    return post
+    finally:
+        await forum.close()
+    raise AssertionError("the forum ended the stream")
+
+
+def test_every_page_that_types_agentrob_says_where_the_command_comes_from() -> None:
+    """Only `.venv/bin/agentrob` exists after `make setup`; a reader who starts on any page must find that out."""
+    typed = re.compile(r"^(?: {4}|```sh\n)agentrob ", re.MULTILINE)
+    pages = [page for page in sorted((ROOT / "docs").glob("*.md")) if typed.search(page.read_text(encoding="utf-8"))]
+    assert len(pages) > 3
+    silent = [page.name for page in pages if ".venv/bin/activate" not in page.read_text(encoding="utf-8")]
+    assert not silent

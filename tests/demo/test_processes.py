@@ -1,0 +1,280 @@
+"""The demo as a process: it starts once, says clearly why not, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import signal
+import socket
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import httpx2
+import pytest
+
+from agentrob.process import host_lock
+from tests.demo.running import AGENTROB, RUNNING, RunningDemo, end_left, start_demo
+
+pytestmark = pytest.mark.sim
+
+
+def descendants(pid: int) -> set[int]:
+    """All processes below `pid`."""
+    found = set()
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            found |= {int(child)} | descendants(int(child))
+    return found
+
+
+def ledger_of(data: Path, robot: str) -> list[dict[str, Any]]:
+    """What a robot really did, by the world's own record."""
+    events = map(json.loads, (data / "world.jsonl").read_text().splitlines())
+    return [event for event in events if event["robot"] == robot]
+
+
+def true_ways(data: Path, robot: str) -> list[tuple[float, float]]:
+    """Metres and degrees from each motion's begin to its stop."""
+    ways, start = [], None
+    for event in ledger_of(data, robot):
+        if event["event"] == "move_begin" and start is None:
+            start = event["pose"]
+        elif event["event"] == "stop_move" and start is not None:
+            pose = event["pose"]
+            metres = math.hypot(pose["x_m"] - start["x_m"], pose["y_m"] - start["y_m"])
+            ways.append((metres, (pose["yaw_deg"] - start["yaw_deg"] + 180) % 360 - 180))
+            start = None
+    return ways
+
+
+@pytest.mark.alone  # it counts all locks of the machine
+def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(tmp_path: Path) -> None:
+    before = set(host_lock.held())
+    demo = start_demo(tmp_path / "data")
+    children = descendants(demo.process.pid)
+    assert len(children) >= 6, "the forum, the world, and a driver and an agent for each robot"
+    locks = set(host_lock.held()) - before
+    kinds = [name.split("/")[0] for name in sorted(locks)]
+    assert kinds == ["board", "domain", "domain", "driver", "driver", "world", "world"]
+    port = urlsplit(demo.url).port
+    began = time.monotonic()
+    os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
+    assert demo.process.wait(60) == 0
+    assert time.monotonic() - began < 3.0
+    assert not [c for c in children if Path(f"/proc/{c}").exists()]
+    assert not locks & set(host_lock.held())
+    with socket.socket() as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        s.bind(("127.0.0.1", port))
+    assert (tmp_path / "data/agentrob.toml").exists(), "the data folder is kept"
+    assert str(tmp_path / "data") in "".join(demo.said), "and named"
+
+
+def test_a_second_demo_with_the_same_data_is_refused_in_one_line(demo: RunningDemo) -> None:
+    second = subprocess.run(
+        [AGENTROB, "demo", "--port", "0", "--data", str(demo.data)],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert second.returncode == 1
+    assert f"a demo already runs at {demo.url}" in second.stderr.splitlines()[-1]
+    assert "Traceback" not in second.stderr
+
+
+def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        s.listen()
+        port = s.getsockname()[1]
+        refused = subprocess.run(
+            [AGENTROB, "demo", "--port", str(port), "--data", str(tmp_path / "data")],
+            capture_output=True,
+            text=True,
+            timeout=100,
+            check=False,
+        )
+    assert refused.returncode == 1
+    assert f"port {port} is taken; choose another with --port" in refused.stderr.splitlines()[-1]
+
+
+def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
+    printed = demo.agentrob("demo", "link", "--data", str(demo.data))
+    assert printed.returncode == 0, printed.stderr
+    link = printed.stdout.strip()
+    assert link.startswith(demo.url + "/enter/")
+    with httpx2.Client(timeout=60) as browser, httpx2.Client(timeout=60) as thief:
+        for _ in range(2):  # a prefetch does not spend it
+            page = browser.get(link)
+            assert page.status_code == 200
+        assert browser.post(link, data={"csrf": form_token(page.text)}).status_code == 303
+        assert "visitor" in browser.get(demo.url).text
+        stolen = thief.post(link, data={"csrf": form_token(thief.get(demo.url + "/sign-in").text)})
+        assert stolen.status_code == 404
+
+
+def test_the_visitor_owns_the_demo_and_a_restart_works_whatever_was_changed(tmp_path: Path) -> None:
+    config = str(tmp_path / "data/agentrob.toml")
+    demo = start_demo(tmp_path / "data")
+    assert "visitor\thuman\tadmin\n" in demo.agentrob("board", "account", "list", "--config", config).stdout
+    for robot in ("quadruped", "humanoid"):
+        assert "owner: visitor\n" in demo.agentrob("board", "robot", "show", robot, "--config", config).stdout
+    for change in (
+        ("board", "account", "add", "olga", "--role", "operator"),
+        ("board", "account", "change", "visitor", "--role", "member", "--suspend"),
+        ("board", "account", "change", "humanoid", "--suspend"),
+        ("board", "robot", "change", "quadruped", "--owner", "olga"),
+    ):
+        changed = demo.agentrob(*change, "--config", config)
+        assert changed.returncode == 0, changed.stderr
+    end_left(RUNNING.index(demo))
+    again = start_demo(tmp_path / "data")
+    accounts = again.agentrob("board", "account", "list", "--config", config).stdout
+    assert "visitor\thuman\tadmin\n" in accounts
+    assert "suspended" not in accounts
+    owned = again.agentrob("board", "robot", "show", "quadruped", "--config", config).stdout
+    assert "owner: olga\n" in owned, "an owner whom somebody chose stays"
+    with httpx2.Client(timeout=60) as browser:
+        page = browser.get(again.link)
+        assert browser.post(again.link, data={"csrf": form_token(page.text)}).status_code == 303
+        assert browser.get(again.url + "/admin/accounts").status_code == 200
+
+
+def test_the_doctor_knows_the_robots_of_the_demo_that_runs_beside_it(demo: RunningDemo) -> None:
+    found = demo.agentrob("doctor", "quadruped", "--json")
+    assert found.returncode == 0, found.stdout + found.stderr
+    told = json.loads(found.stdout)
+    assert (told["robot"], told["model"]) == ("quadruped", "go2")
+    assert "its driver holds it" in told["findings"][1]["found"]
+    unnamed = demo.agentrob("doctor")
+    assert "Name one of: humanoid, quadruped" in unnamed.stderr
+
+
+def form_token(page: str) -> str:
+    found = re.search(r'name="csrf" value="([^"]+)"', page)
+    assert found
+    return found[1]
+
+
+@pytest.mark.slow
+def test_a_demo_that_was_killed_leaves_no_process_and_gives_no_link(tmp_path: Path) -> None:
+    demo = start_demo(tmp_path / "data")
+    children = descendants(demo.process.pid)
+    demo.process.kill()
+    demo.process.wait(60)
+    deadline = time.monotonic() + 60
+    while left := [c for c in children if alive(c)]:
+        assert time.monotonic() < deadline, left
+    link = demo.agentrob("demo", "link", "--data", str(demo.data))
+    assert link.returncode == 1
+    assert "no demo runs" in link.stderr
+    again = start_demo(tmp_path / "data")
+    os.killpg(again.process.pid, signal.SIGINT)
+    assert again.process.wait(60) == 0
+
+
+def alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def test_without_a_demo_the_link_command_says_how_to_start_one(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [AGENTROB, "demo", "link", "--data", str(tmp_path)], capture_output=True, text=True, timeout=100, check=False
+    )
+    assert done.returncode == 1
+    assert "start one with: agentrob demo" in done.stderr
+
+
+def test_one_post_is_done_and_told_as_json(tmp_path: Path) -> None:
+    sentence = "@quadruped walk forward 1 metre, turn left, wave and take a photo"
+    done = subprocess.run(
+        [AGENTROB, "demo", "--post", sentence, "--json", "--data", str(tmp_path / "data")],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = json.loads(done.stdout.splitlines()[-1])
+    assert told["status"] == "done"
+    assert [s["op"] for s in told["steps"]] == ["move", "turn", "hello", "get_front_image"]
+    assert all(s["outcome"] == "done" for s in told["steps"])
+    move, turn = told["steps"][:2]
+    assert move["asked"]["distance_m"] == 1.0
+    assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
+    assert turn["asked"]["degrees"] == 90
+    assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
+    ways = true_ways(tmp_path / "data", "go2")
+    assert ways[0][0] == pytest.approx(1.0, abs=0.05), "by the simulator's truth, which nothing that drives may read"
+    assert ways[1][1] == pytest.approx(90, abs=4)
+    assert {"seen", "first_motion", "done"} <= set(told["timings_ms"])
+    assert 0 < told["timings_ms"]["seen"] < told["timings_ms"]["first_motion"] < told["timings_ms"]["done"]
+    assert told["topic_url"].startswith("http://127.0.0.1:")
+    assert "1.0" in told["reply_markdown"] or "1 m" in told["reply_markdown"]
+    assert [Path(p).read_bytes()[:2] for p in told["images"]].count(b"\xff\xd8") >= 1
+
+
+def post_once(data: Path, sentence: str) -> dict[str, Any]:
+    done = subprocess.run(
+        [AGENTROB, "demo", "--post", sentence, "--json", "--data", str(data)],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    told: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return told
+
+
+@pytest.mark.slow
+def test_the_humanoid_walks_turns_and_waves(tmp_path: Path) -> None:
+    told = post_once(tmp_path / "data", "@humanoid walk forward 1 metre, turn left, wave")
+    assert told["status"] == "done"
+    assert [s["op"] for s in told["steps"]] == ["move", "turn", "hello"]
+    assert told["steps"][0]["measured"]["distance_m"] == pytest.approx(1.0, abs=0.06)
+    assert told["steps"][1]["measured"]["degrees"] == pytest.approx(90, abs=4.5)
+    did = ledger_of(tmp_path / "data", "g1")
+    begun = next(e["pose"] for e in did if e["event"] == "move_begin")
+    waved = next(e["pose"] for e in did if e.get("action") == "high wave")
+    metres = math.hypot(waved["x_m"] - begun["x_m"], waved["y_m"] - begun["y_m"])
+    assert metres == pytest.approx(1.0, abs=0.09), "the move's tolerance and the turn's"
+    assert (waved["yaw_deg"] - begun["yaw_deg"]) % 360 == pytest.approx(90, abs=8)
+    other = {e["event"] for e in ledger_of(tmp_path / "data", "go2")}
+    assert not other & {"move_begin", "action_begin"}, "the other robot did nothing"
+
+
+@pytest.mark.slow
+def test_a_post_that_mentions_both_robots_makes_each_do_its_own_part(tmp_path: Path) -> None:
+    told = post_once(tmp_path / "data", "@quadruped turn left 45 degrees. @humanoid wave.")
+    assert told["status"] == "done"
+    ops = {name: [s["op"] for s in answer["steps"]] for name, answer in told["robots"].items()}
+    assert ops == {"quadruped": ["turn"], "humanoid": ["hello"]}
+    assert all(answer["reply_markdown"] for answer in told["robots"].values())
+    go2, g1 = (ledger_of(tmp_path / "data", robot) for robot in ("go2", "g1"))
+    assert [e["action"] for e in g1 if e["event"] == "action_begin"] == ["high wave"]
+    assert not [e for e in g1 if e["event"] == "move_begin"]
+    assert [e for e in go2 if e["event"] == "move_begin"]
+    assert not [e for e in go2 if e["event"] == "action_begin"]
+
+
+@pytest.mark.slow
+def test_what_is_asked_back_ends_with_exit_code_one(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [AGENTROB, "demo", "--post", "@quadruped walk forward", "--json", "--data", str(tmp_path / "data")],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert json.loads(done.stdout.splitlines()[-1])["status"] == "asks_back"

@@ -1,0 +1,104 @@
+"""The whole job with NodeBB as the forum, by configuration alone: the driver and the agent as processes."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from agentrob.model import Post
+from tests.agent.agent_scene import FINAL, ROBOT
+from tests.forums.nodebb.nodebb_world import GROUPS, NodeBBWorld
+
+_CONFIG = """
+data = "{data}"
+
+[forum]
+kind = "nodebb"
+url = "{url}"
+
+[forum.options]
+operators = {operators}
+moderators = {moderators}
+robot_agents = {robot_agents}
+
+[robots.{robot}]
+model = "fake"
+domain = {domain}
+simulated = true
+home_on_start = true
+owner = "alice"
+fence = {{ x_min_m = -1000.0, x_max_m = 1000.0, y_min_m = -1000.0, y_max_m = 1000.0 }}
+rates = {{ cooldown_s = 0 }}
+approval = {{ classes = ["gesture"] }}
+options = {{ room = [-1000, 1000, -1000, 1000] }}
+"""
+
+
+@contextmanager
+def working_robot(world: NodeBBWorld, secret: str, folder: Path) -> Iterator[Path]:
+    """A fake robot's driver and agent, as their owner starts them; the file that configures them."""
+    config = folder / "agentrob.toml"
+    domain = os.environ["AGENTROB_TEST_DOMAIN"]
+    names = {k: json.dumps(GROUPS[k]) for k in ("operators", "moderators", "robot_agents")}
+    config.write_text(_CONFIG.format(data=folder / "data", url=world.url, robot=ROBOT, domain=domain, **names))
+    env = {**os.environ, "AGENTROB_TOKEN": secret, "AGENTROB_RUNTIME": str(folder)}
+    with ExitStack() as stack:
+        for what in (("driver",), ("agent", "run")):
+            stack.enter_context(_process(what, config, env, folder))
+        yield config
+
+
+@contextmanager
+def _process(what: tuple[str, ...], config: Path, env: dict[str, str], folder: Path) -> Iterator[None]:
+    command = [sys.executable, "-m", "agentrob", *what, ROBOT, "--config", str(config)]
+    said = folder / f"{what[0]}.log"
+    with said.open("w") as log:
+        process = subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=log, text=True)
+        assert process.stdout is not None
+        try:
+            assert json.loads(process.stdout.readline() or "{}").get("ready"), said.read_text()
+            yield
+        finally:
+            process.terminate()
+            process.wait(60)
+            process.stdout.close()
+
+
+async def final(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
+    """The robot's final answer to a post, read as anybody would."""
+    reader = world.forums[0]
+    async with asyncio.timeout(limit_s):
+        while True:
+            for reply in (await reader.posts(post.topic_id)).items:
+                if reply.reply_to == post.id and reply.card and reply.card.state in FINAL:
+                    return reply
+            await asyncio.sleep(0.3)
+
+
+async def answer(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
+    """What the robot replied to a post that is no command."""
+    reader = world.forums[0]
+    async with asyncio.timeout(limit_s):
+        while True:
+            for reply in (await reader.posts(post.topic_id)).items:
+                if reply.reply_to == post.id and reply.author.name == ROBOT:
+                    return reply
+            await asyncio.sleep(0.3)
+
+
+async def state(world: NodeBBWorld, post: Post, wanted: str, limit_s: float = 60.0) -> float:
+    """Wait until the robot's status shows a state; when, in monotonic seconds."""
+    reader = world.forums[0]
+    async with asyncio.timeout(limit_s):
+        while True:
+            replies = (await reader.posts(post.topic_id)).items
+            if any(r.reply_to == post.id and r.card and r.card.state == wanted for r in replies):
+                return time.monotonic()
+            await asyncio.sleep(0.1)

@@ -1,0 +1,109 @@
+"""The whole job on NodeBB, against what a real one answered: a post comes in, the robot moves, a reply goes out.
+
+The agent runs here as it does in the field; of the forum there is what it said when this was recorded. So asserted is
+what the robot did and what the agent sent. `test_forums_nodebb_job_live.py` is the same with a NodeBB that is there.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agentrob.agent.agent import RobotAgent
+from agentrob.forums.nodebb.markers import Marked, unmark
+from agentrob.minds.rules import RulesMind
+from agentrob.model import AccountKind, Role
+from tests.agent.agent_scene import FINAL, ROBOT, Driver, robot_settings, serving
+from tests.forums.nodebb.nodebb_world import NodeBBWorld
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
+    # Slower than other tests' robot: on a busy machine a step of that one looks like a jump of the odometry.
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 2}))
+    yield made
+    made.end()
+
+
+@asynccontextmanager
+async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path, **more: Any) -> AsyncIterator[None]:
+    forum = await nodebb.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
+    agent = RobotAgent(ROBOT, robot_settings(**more), forum, driver.client(), RulesMind(), folder)
+    async with serving(agent):
+        yield
+
+
+async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:
+    """What the robot's account wrote when it told one of those states."""
+    return await _written(nodebb, lambda told: told.card is not None and told.card.state in states)
+
+
+async def _written(nodebb: NodeBBWorld, wanted: Callable[[Marked], bool]) -> Marked:
+    """The first of what the robot's account wrote that is wanted."""
+    async with asyncio.timeout(60):
+        while True:
+            for who, what, body in nodebb.server.sent:
+                if (
+                    who == ROBOT
+                    and b"content" in body
+                    and what.startswith(("PUT /api/v3/posts/", "POST /api/v3/topics/"))
+                    and wanted(told := unmark(json.loads(body)["content"]))
+                ):
+                    return told
+            await asyncio.sleep(0.05)
+
+
+async def _final(nodebb: NodeBBWorld) -> Marked:
+    return await _told(nodebb, *FINAL)
+
+
+async def test_a_post_moves_the_robot_and_the_report_is_sent(
+    nodebb: NodeBBWorld, driver: Driver, tmp_path: Path
+) -> None:
+    alice = await nodebb.sign_in("alice", role=Role.OPERATOR)
+    async with serving_robot(nodebb, driver, tmp_path), driver.client() as body:
+        before = (await body.state()).pose
+        post = (await alice.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")).post
+        claim = await _told(nodebb, "seen")
+        done = await _final(nodebb)
+        after = (await body.state()).pose
+    assert (done.card and done.card.state) == "done", done.text
+    assert claim.key == f"claim:{post.id}"
+    assert "| walk forward 1 m |" in done.text
+    assert done.key == claim.key, "the status post is edited in place"
+    assert done.pictures, "the path is shown"
+    assert before is not None
+    assert after is not None
+    assert 0.8 < abs(after.x_m - before.x_m) + abs(after.y_m - before.y_m) < 1.3
+
+
+async def test_law_2_on_nodebb_a_member_moves_nothing(nodebb: NodeBBWorld, driver: Driver, tmp_path: Path) -> None:
+    bob = await nodebb.sign_in("bob")
+    async with serving_robot(nodebb, driver, tmp_path), driver.client() as body:
+        before = (await body.state()).pose
+        await bob.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")
+        told = await _final(nodebb)
+        assert (await body.state()).pose == before
+    assert "rights.operator" in told.text
+
+
+async def test_law_7_a_moderator_of_nodebb_approves_what_an_operator_asked(
+    nodebb: NodeBBWorld, driver: Driver, tmp_path: Path
+) -> None:
+    alice = await nodebb.sign_in("alice", role=Role.OPERATOR)
+    bob = await nodebb.sign_in("bob", role=Role.OPERATOR)
+    carol = await nodebb.sign_in("carol", role=Role.MODERATOR)
+    async with serving_robot(nodebb, driver, tmp_path, approval={"classes": ["gesture"]}):
+        post = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
+        await _told(nodebb, "waiting")
+        await bob.reply(post.topic_id, f"@{ROBOT} approve", key="no")
+        await _written(nodebb, lambda told: told.card is None and "approve" in told.text)
+        await carol.reply(post.topic_id, f"@{ROBOT} approve", key="yes")
+        done = await _told(nodebb, "done")
+    assert "Approved by `carol`" in done.text

@@ -1,0 +1,135 @@
+"""What HTTP to every forum has in common: waits that end, and whose certificates are believed."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
+from datetime import UTC, datetime, timedelta
+from email.utils import format_datetime
+from ipaddress import ip_address
+from pathlib import Path
+
+import httpx2
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import NameOID
+
+from agentrob.config.load import ForumConfig
+from agentrob.errors import ForumLimited, ForumUnreachable
+from agentrob.forums import http as wire
+from agentrob.forums.agentrob.forum import BoardForum
+from agentrob.forums.discourse.forum import DiscourseForum
+from agentrob.forums.nodebb.forum import NodeBBForum
+from agentrob.forums.protocol import Forum
+from agentrob.process.tls import tls
+
+THERE = datetime(2031, 5, 6, 7, 8, 9, tzinfo=UTC)
+
+
+def _answer(retry_after: str | None, date: bool = True) -> httpx2.Response:
+    headers = {"retry-after": retry_after} if retry_after is not None else {}
+    return httpx2.Response(429, headers={**headers, **({"date": format_datetime(THERE, usegmt=True)} if date else {})})
+
+
+@pytest.mark.parametrize(
+    ("told", "wait_s"),
+    [
+        ("7", 7.0),
+        ("0.5", 0.5),
+        ("0", 0.1),
+        ("-3", 0.1),
+        ("inf", 3600.0),
+        ("1e300", 3600.0),
+        ("99999999", 3600.0),
+        ("nan", 1.0),
+        ("soon", 1.0),
+        ("", 1.0),
+        (None, 1.0),
+        ("Tue, 06 May 2031 07:08:51 GMT", 42.0),
+        ("Tue, 06 May 2031 07:08:51 -0000", 42.0),
+        ("Tue, 06 May 2031 09:08:51 +0200", 42.0),
+        ("Tue, 06 May 2031 07:00:00 GMT", 0.1),
+        ("Tue, 31 Dec 9999 23:59:59 GMT", 3600.0),
+        ("Tue, 99 May 2031 07:08:51 GMT", 1.0),
+    ],
+)
+def test_a_wait_is_a_number_or_a_date_by_the_forums_clock_and_it_ends(told: str | None, wait_s: float) -> None:
+    assert wire.retry_after_s(_answer(told)) == wait_s
+
+
+def test_without_a_clock_of_the_forum_a_date_is_held_against_ours() -> None:
+    ends = format_datetime(datetime.now(UTC) + timedelta(seconds=60), usegmt=True)
+    assert 55 < wire.retry_after_s(_answer(ends, date=False)) <= 60
+
+
+# ---------------------------------------------------------------------- certificates
+@pytest.fixture
+def fresh_certificates() -> Iterator[None]:
+    """They are read once in a process: before and after these tests anew."""
+    tls.cache_clear()
+    yield
+    tls.cache_clear()
+
+
+def _authority(folder: Path) -> Path:
+    """A certificate of 127.0.0.1 that only who knows it believes, with its key, in one file."""
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "a lab's own")])
+    now = datetime.now(UTC)
+    made = (
+        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
+        .not_valid_before(now - timedelta(minutes=1))
+        .not_valid_after(now + timedelta(hours=1))
+        .add_extension(x509.SubjectAlternativeName([x509.IPAddress(ip_address("127.0.0.1"))]), critical=False)
+        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+        .sign(key, hashes.SHA256())
+    )
+    private = key.private_bytes(
+        serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
+    )
+    path = folder / "lab.pem"
+    path.write_bytes(private + made.public_bytes(serialization.Encoding.PEM))
+    return path
+
+
+@asynccontextmanager
+async def _limiting(pem: Path) -> AsyncIterator[str]:
+    """A server behind TLS that has one answer: later."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.readuntil(b"\r\n\r\n")
+        writer.write(b"HTTP/1.1 429 Too Many\r\nRetry-After: 7\r\nContent-Length: 0\r\nConnection: close\r\n\r\n")
+        await writer.drain()
+        writer.close()
+
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(pem)
+    server = await asyncio.start_server(serve, "127.0.0.1", 0, ssl=context)
+    yield f"https://127.0.0.1:{server.sockets[0].getsockname()[1]}"
+    server.close()
+
+
+@pytest.mark.usefixtures("fresh_certificates")
+@pytest.mark.parametrize("kind", [BoardForum, NodeBBForum, DiscourseForum])
+async def test_a_forum_with_a_certificate_of_its_own_is_believed_where_ssl_cert_file_names_it(
+    kind: Callable[[ForumConfig, str], Forum], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pem = _authority(tmp_path)
+    monkeypatch.delenv("SSL_CERT_FILE", raising=False)
+    monkeypatch.delenv("SSL_CERT_DIR", raising=False)
+    async with _limiting(pem) as url:
+        stranger = kind(ForumConfig(url=url), "token")
+        with pytest.raises(ForumUnreachable, match=r"(?i)certificate"):
+            await stranger.boards()
+        await stranger.close()
+        tls.cache_clear()
+        monkeypatch.setenv("SSL_CERT_FILE", str(pem))
+        believed = kind(ForumConfig(url=url), "token")
+        with pytest.raises(ForumLimited) as told:
+            await believed.boards()
+        assert told.value.retry_after_s == 7
+        await believed.close()

@@ -1,0 +1,94 @@
+"""docs/faults.md is held to the code: each kind of fault has a row, its tests exist, and its words are really said."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from agentrob.agent.reporting.messages import _SENTENCES
+
+ROOT = Path(__file__).parents[2]
+#: What must have a row, by words that its first cell begins with.
+KINDS = (
+    "no robot on the network", "robot appears later", "frozen robot", "state topic stops", "robot's computer dies",
+    "command dropped", "pushed off course", "tipped over", "low battery", "path blocked before", "path blocked during",
+    "odometry jump", "odometry not a number", "camera dead", "camera black", "wrong network interface", "wrong domain",
+    "two drivers for one robot", "clock jump", "forum unreachable for ten minutes", "cable to the robot pulled",
+)  # fmt: skip
+#: A template with fewer letters of its own would match anything.
+LEAST_LETTERS = 12
+
+
+def table() -> list[list[str]]:
+    lines = [line for line in (ROOT / "docs/faults.md").read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+ROWS = table()
+IDS = [row[0].split(":")[0] for row in ROWS]
+
+
+def pattern(node: ast.expr) -> str:
+    """A string of the code as a pattern: what is put in may be anything."""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(pattern(value) for value in node.values)
+    if isinstance(node, ast.Constant):
+        return re.sub(r"\\\{[^{}]*\\\}", ".+", re.escape(str(node.value)))
+    return ".+"
+
+
+def templates() -> list[str]:
+    """Every string and f-string of the rooms whose words reach people."""
+    files = [*(ROOT / "src/agentrob/robots").glob("*.py"), ROOT / "src/agentrob/hostlock.py"]
+    found = {value for pair in _SENTENCES.values() for value in pair}
+    patterns = {re.sub(r"\\\{[^{}]*\\\}", ".+", re.escape(text)) for text in found}
+    for path in files:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str)):
+                patterns.add(pattern(node))
+    return [p for p in patterns if sum(c.isalpha() for c in p) >= LEAST_LETTERS]
+
+
+TEMPLATES = templates()
+
+
+def said(words: str) -> bool:
+    """Whether a template says this: all of it, or, of longer ones, a whole sentence."""
+    return any(re.fullmatch(t, words) for t in TEMPLATES) or any(
+        re.escape(words) in t for t in TEMPLATES if len(words) >= LEAST_LETTERS
+    )
+
+
+def test_every_kind_of_fault_has_one_row() -> None:
+    for kind in KINDS:
+        assert sum(row[0].startswith(kind) for row in ROWS) == 1, kind
+    assert all(len(row) == 5 and all(row) for row in ROWS)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_the_tests_of_a_fault_are_there(row: list[str]) -> None:
+    named = re.findall(r"`(tests/[^`]+)`", row[4])
+    assert named
+    for name in named:
+        path, _, test = name.partition("::")
+        tree = ast.parse((ROOT / path).read_text(encoding="utf-8"))
+        tests = [n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+        assert test in tests, name
+
+
+@pytest.mark.parametrize("row", ROWS, ids=IDS)
+def test_the_words_of_a_fault_are_really_said(row: list[str]) -> None:
+    for words in re.findall(r"“([^”]+)”", " ".join(row)):
+        assert said(words), words
+    chinese = [zh for _, zh in _SENTENCES.values()]
+    for words in re.findall(r"「([^」]+)」", " ".join(row)):
+        assert any(words in zh for zh in chinese), words
+
+
+def test_words_that_nobody_says_are_found_out() -> None:
+    assert not said("The robot is perfectly well and did everything.")
+    assert not said("The battery is at 9 volts.")
+    assert said("The battery is at 9 %, and below 15 % no motion begins (least_battery_percent).")

@@ -1,0 +1,116 @@
+"""Commands within sentences that make no command of them: denied, conditional, asked, told, delayed, withdrawn.
+
+None of them may move the robot, in a thread in which something was done before too.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from agentrob.language.parser.grammar import parse
+from agentrob.language.parser.repetition import Background
+from agentrob.model import Direction, Intent, Plan
+from tests.language.saying import OPS, read, walk
+
+THREAD = Background(history=(Plan((walk(Direction.LEFT, 3.0),)),))
+COMMANDS = """
+walk forward 1 m|turn left 90 degrees|go back 2 feet|sit down|wave twice|do a backflip|turn around|come back
+do it again|walk for two seconds|strafe left 30 cm|turn left
+"""
+COMMANDS_ZH = """
+前进一米|左转九十度|后退两米|坐下|挥手两次|来个后空翻|掉头|回来|再来一次|走两秒|向左平移30厘米|左转
+"""
+FRAMES = """
+don't {}|do not {}|never {}|please don't {}|you must not {}|you should not {}|you shouldn't {}
+I told you not to {}|if you can see me, {}|if it is free {}|{} if it is free|{} when I say so
+{} unless there is a cat|unless I say so {}|until noon {}|once I am there {}|did you {}?|did you {}|will it {}
+he told me to {}|she said {}|yesterday I saw you {}|why did you {}|I saw it {}|I {} every day|we {} tomorrow
+what if you {}|what would happen if you {}|do you think you should {}|I don't think you should {}
+I doubt you can {}|avoid to {}|stop before you {}|no need to {}|there is no need to {}|it is forbidden to {}
+it's not safe to {}|imagine you {}|pretend to {}|let's not {}|can you not {}|please never {}|nobody said {}
+I would never {}|I wouldn't {}|you can't {}|you cannot {}|he can {}|they want you to {}|he wants you to {}
+my cat can {}|is it ok to {}|is it possible to {}|should I {}|should you {}|may I {}|how do I make you {}
+how do you {}|the manual says {}|as the manual says, {}|the command was {}|for example {}|e.g. {}|like {}?
+{} or not|{} or sit|either {} or sit|maybe {}|perhaps {}|later {}|in an hour {}|in 5 minutes {}|tomorrow {}
+at noon {}|{} tomorrow|{} later|{} in an hour|{} in 5 minutes|{} at noon|after lunch {}|{} after lunch
+before you go {}|without moving {}|instead of sitting {}|rather than {}|don't ever {}|under no circumstances {}
+refuse to {}|cancel {}|undo {}|forget {}|ignore {}|not {}|{} not|{}, not|{} never|{}, just kidding
+{} just kidding|{}, no|{}. No.|{}? no|no {}|{} no|{} never mind|{} - never mind
+"""
+FRAMES_ZH = """
+不要{}|别{}|不许{}|请不要{}|千万别{}|你不能{}|我没让你{}|如果安全就{}|要是可以，{}|{}，如果安全的话|等我说了再{}
+除非我说，否则{}|你昨天{}了吗|你{}了吗|他说{}|他让你{}|我看见它{}|我每天{}|为什么你要{}|会不会{}|是不是要{}
+能不能不{}|不用{}|没必要{}|不应该{}|禁止{}|假如你{}|比如{}|例如{}|{}或者坐下|要么{}要么坐下|也许{}|可能{}|明天{}
+一会儿{}|五分钟后{}|等五秒{}|饭后{}|取消{}|忘了{}|不{}|{}，算了|{}，不|{}？不|{}就算了|你为什么{}|它会{}
+我想知道怎么{}|怎么让你{}|谁让你{}的|是谁{}的
+"""
+PLAIN = """
+walk forward 1 m|turn left 90 degrees|go back 2 feet|sit down|wave twice|do a backflip|turn around
+strafe left 30 cm|take a photo|back up half a metre|move forward one and a half metres
+"""
+PLAIN_ZH = """
+前进一米|左转九十度|后退两米|坐下|挥手两次|来个后空翻|掉头|向左平移30厘米|拍张照片|往前走一米五
+"""
+POLITE = """
+please {}|{} please|{}, please!|could you {}?|could you please {}?|can you {}|would you {} please|will you {}?
+hey robot, {}|Hey @robot, {}|@robot {}|@robot: {}|@robot, please {}|robot {}|ok {}|okay now {}|now {}
+alright, {}|so {}|well, {}|um {}|uh, {}|{} thanks|{}, thank you!|thanks! {}|good job! {}|great, now {}
+perfect. {}|I want you to {}|I'd like you to {}|I would like you to {}|I need you to {}|let's {}|we should {}
+you should {}|try to {}|go ahead and {}|just {}|simply {}|kindly {}|first {}|then {}|and then {}|next, {}
+finally, {}|{} now|{} right now|{} immediately|{} for me|{} if you can|{} when you're ready|**{}**|*{}*|- {}
+1. {}|“{}”|{}.|{}!|{} 🙂|🐕 {}|hello! {}|hi there, {}|good morning robot, {}|yes {}|yes, {}|sure, {}|actually {}
+oh and {}|also {}|do me a favor and {}|would you be so kind to {}|feel free to {}|be a good dog and {}
+good boy, {}|carefully {}|I think you should {}|maybe you could {}|you can {} now|time to {}|your task: {}
+command: {}|task: {}|please, robot, {}|ok robot please {} thank you|can you please {} for us?|{} pls|pls {}
+plz {}|{} asap|quickly {}|{} again|it's time to {}|do this: {}|do the following: {}|here is your command: {}
+"""
+POLITE_ZH = """
+请{}|请你{}|麻烦{}|麻烦你{}|{}，谢谢|谢谢，{}|{}吧|{}！|{}。|能{}吗|能不能{}|可以{}吗？|你能{}吗|帮我{}|帮忙{}
+机器人，{}|小狗{}|好的，{}|好，{}|现在{}|那就{}|先{}|然后{}|再{}|接着{}|最后{}|你好，{}|嗯，{}|我想让你{}
+我要你{}|我希望你{}|你应该{}|快{}|赶快{}|马上{}|立刻{}|慢慢{}|**{}**|“{}”|- {}|1. {}|{}，好吗|{}好不好|{}行吗
+{}就行|{}就可以了|直接{}|只要{}|请问可以{}吗|辛苦了，{}|任务：{}|命令：{}|拜托{}|给我{}|你{}|你给我{}|来，{}
+喂，{}|@robot {}|@robot，{}|@robot请{}
+"""
+
+
+def _rows(text: str) -> list[str]:
+    return [row for line in text.strip().splitlines() for row in line.split("|")]
+
+
+def _moved(frame: str, commands: str) -> list[str]:
+    posts = [frame.format(command) for command in _rows(commands)]
+    return [post for post in posts if read(post, THREAD).plan.moves]
+
+
+@pytest.mark.parametrize("frame", _rows(FRAMES))
+def test_what_makes_no_command_of_a_command_moves_nothing(frame: str) -> None:
+    assert _moved(frame, COMMANDS) == []
+
+
+@pytest.mark.parametrize("frame", _rows(FRAMES_ZH))
+def test_what_makes_no_command_of_a_chinese_command_moves_nothing(frame: str) -> None:
+    assert _moved(frame, COMMANDS_ZH) == []
+
+
+@pytest.mark.parametrize("command", [*_rows(COMMANDS), *_rows(COMMANDS_ZH)])
+def test_the_same_commands_alone_move(command: str) -> None:
+    assert parse(command, ["quadruped"], [], OPS, THREAD).intent is Intent.COMMAND
+
+
+def _changed(frame: str, commands: str) -> list[str]:
+    posts = {command: frame.replace("@robot", "@quadruped").format(command) for command in _rows(commands)}
+    return [post for command, post in posts.items() if _deeds(post) != _deeds(command)]
+
+
+def _deeds(text: str) -> list[tuple[object, ...]]:
+    return [(step.op, step.direction, step.distance_m, step.degrees) for step in read(text).plan.steps]
+
+
+@pytest.mark.parametrize("frame", _rows(POLITE))
+def test_manners_and_hesitations_change_nothing(frame: str) -> None:
+    assert _changed(frame, PLAIN) == []
+
+
+@pytest.mark.parametrize("frame", _rows(POLITE_ZH))
+def test_manners_and_hesitations_change_nothing_in_chinese(frame: str) -> None:
+    assert _changed(frame, PLAIN_ZH) == []

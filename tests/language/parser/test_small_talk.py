@@ -1,0 +1,140 @@
+"""What commands nothing is told apart: never mind, questions, the past."""
+
+from __future__ import annotations
+
+import pytest
+
+from agentrob.language.addressing import addresses
+from agentrob.language.parser.grammar import MAX_CHARS, parse, talk_of
+from agentrob.language.parser.small_talk import Talk
+from agentrob.model import Direction, Intent, Op
+from tests.language.saying import read
+
+POSTS = {
+    Talk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
+        |算了|不用了|算了吧""",
+    Talk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
+    Talk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
+    Talk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
+    Talk.THANKS: "thanks, good job!|谢谢|ok|@quadruped 👍",
+    None: "well done @dog2, and @quadruped|@dog2 wave, @quadruped?",
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"), [(k, t) for k, texts in POSTS.items() for t in texts.replace("\n        |", "|").split("|")]
+)
+def test_talk_is_told_apart_and_moves_nothing(kind: Talk | None, text: str) -> None:
+    assert talk_of(text, ["quadruped"], ["dog2"]) is kind
+    assert read(text).intent is Intent.NOTHING
+
+
+STATUS = """is your battery full?|how full is your battery|what about your battery|do you need charging?
+|are you charged|how's the battery doing?|does it need a recharge|电充满了吗|你的电池满了吗|还有电吗|电够不够用
+|你现在电量怎么样"""
+
+
+@pytest.mark.parametrize("text", STATUS.strip().replace("\n", "").split("|"))
+def test_a_question_about_the_battery_is_one_of_the_robots_state(text: str) -> None:
+    assert read(text).intent is Intent.STATUS
+
+
+@pytest.mark.parametrize("text", ["I charged the phone", "what is in charge of the state", "charge forward 1 m"])
+def test_words_of_the_state_elsewhere_move_nothing(text: str) -> None:
+    assert not read(text).plan.steps
+
+
+def test_a_command_after_a_cancel_is_a_command() -> None:
+    assert read("Never mind, turn left 90 degrees").intent is Intent.COMMAND
+    assert talk_of("Never mind, turn left 90 degrees", ["quadruped"], []) is Talk.CANCEL
+
+
+def test_stops_and_what_is_for_others_are_no_talk() -> None:
+    assert talk_of("stop", ["quadruped"], []) is None
+    assert talk_of("cancel that", ["quadruped"], []) is None
+    assert talk_of("@quadruped wave @dog2 never mind", ["quadruped"], ["dog2"]) is None
+    assert talk_of("never mind " * MAX_CHARS, ["quadruped"], []) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "metres"),
+    [
+        ("前面五米是墙", []),
+        ("你后面两米是沙发", []),
+        ("你後邊2.5米有人站著", []),
+        ("前面五米是墙。向前走三米", [3.0]),
+        ("左边一米有人，向前走两米", [2.0]),
+        ("前面五米是墙向后退两米", [-2.0]),
+        ("现在前方三米处有障碍物，后退一米", [-1.0]),
+        ("向前三米，左转90度", [3.0, None]),
+        ("there is a wall five metres ahead", []),
+    ],
+)
+def test_what_is_said_to_be_somewhere_is_no_command(text: str, metres: list[float | None]) -> None:
+    plan = parse(text, ["quadruped"], [], frozenset(Op)).plan
+    asked = [s.distance_m and s.distance_m * (-1 if s.direction is Direction.BACKWARD else 1) for s in plan.steps]
+    assert asked == metres
+
+
+@pytest.mark.parametrize(
+    "text", ["前面五米是墙吗", "前面五米是墙？", "如果前面五米是墙，左转90度", "前面五米有墙的话左转90度"]
+)
+def test_what_is_asked_or_supposed_to_be_somewhere_moves_nothing(text: str) -> None:
+    found = parse(text, ["quadruped"], [], frozenset(Op))
+    assert found.intent is not Intent.COMMAND
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "走在你前面",
+        "走在你前面一米",
+        "走在您後面兩米",
+        "走在你前面2米的人",
+        "跑在你左边三米",
+        "坐在你前面",
+        "站在你前面两米",
+    ],
+)
+def test_who_is_near_the_robot_is_no_command_although_nobody_is_named(text: str) -> None:
+    assert parse(text, ["quadruped"], [], frozenset(Op)).intent is Intent.NOTHING
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "走在你前面。向前走1米",
+        "向前走1米。走在你前面",
+        "向前走5米，走在你前面2米",
+        "走在你前面2米，向前走5米",
+        "走在你前面，然后拍张照",
+        "左转90度，走在你前面",
+        "请走在你前面一米",
+    ],
+)
+def test_a_command_beside_somebody_near_the_robot_is_asked_back(text: str) -> None:
+    assert parse(text, ["quadruped"], [], frozenset(Op)).intent is Intent.ASK_BACK
+
+
+@pytest.mark.parametrize("text", ["你走在前面两米", "走在前面两米", "在你前面走两米", "往你前面走两米"])
+def test_a_walk_ahead_is_a_command(text: str) -> None:
+    assert [s.distance_m for s in parse(text, ["quadruped"], [], frozenset(Op)).plan.steps] == [2.0]
+
+
+@pytest.mark.parametrize(
+    ("spoken_to", "text"),
+    [
+        (True, "@rex you did well"),
+        (True, "Look, @rex, over there"),
+        (True, "hey @rex nice work"),
+        (True, "well done @rex"),
+        (True, "你好 @rex"),
+        (True, "@max @rex hello"),
+        (False, "I like how @rex looks."),
+        (False, "Yesterday I showed @rex to my class"),
+        (False, "@max, wave at @rex"),
+        (False, "nobody is named here"),
+    ],
+)
+def test_who_speaks_to_a_robot_is_told_from_who_speaks_about_it(spoken_to: bool, text: str) -> None:
+    assert addresses(text, ("rex",)) is spoken_to

@@ -1,0 +1,56 @@
+"""A forum's MCP server within the test process, on the SDK's engine, before a memory forum."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from agentrob.config.load import ForumConfig
+from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
+from agentrob.mcp.client import ForumClient
+from agentrob.mcp.forum.identity import Accounts, Identity, Rights
+from agentrob.mcp.forum.server import ForumServer
+from agentrob.model import AccountKind, Role
+
+ALL = frozenset({"core", "social", "admin"})
+
+
+def server_of(world: MemoryWorld, name: str, rights: Rights = Rights(True, ALL)) -> tuple[ForumServer, Accounts]:
+    """The server of one client, signed in as an account of the world."""
+    accounts = Accounts(Identity(name, world.sign_in(name), rights), lambda token: MemoryForum(world, token), {})
+    return ForumServer(lambda _: accounts.current, accounts), accounts
+
+
+@asynccontextmanager
+async def client_of(
+    world: MemoryWorld, name: str = "alice", rights: Rights = Rights(True, ALL), mode: str = "auto"
+) -> AsyncIterator[ForumClient]:
+    """A typed client of such a server; `mode` is `legacy` for the protocol of before 2026."""
+    from mcp.client.client import Client
+
+    server, accounts = server_of(world, name, rights)
+
+    def connect() -> Any:
+        return Client(server.engine, mode=mode, cache=None)
+
+    async with ForumClient(connect) as client:
+        yield client
+    await server.close()
+    await accounts.close()
+
+
+def a_world() -> MemoryWorld:
+    """A forum with an operator, a member, an admin, a commanding agent and a robot."""
+    world = MemoryForum.world()
+    world.sign_in("alice", role=Role.OPERATOR)
+    world.sign_in("bob")
+    world.sign_in("admin", role=Role.ADMIN)
+    world.sign_in("planner", kind=AccountKind.COMMANDING_AGENT, role=Role.OPERATOR)
+    world.sign_in("watcher", kind=AccountKind.MONITORING_AGENT)
+    world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
+    return world
+
+
+def settings() -> ForumConfig:
+    return ForumConfig(kind="mcp", url="stdio:none")

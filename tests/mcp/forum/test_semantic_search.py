@@ -1,0 +1,63 @@
+"""The search by meaning as a tool: its mode is there where the forum has a model, and nowhere else."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from mcp.client.client import Client
+
+from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
+from agentrob.mcp.forum.identity import Rights
+from tests.board.search.encoder_double import Concepts
+from tests.mcp.forum.inside import ALL, server_of
+
+
+async def asked(world: MemoryWorld, *calls: dict[str, Any]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """The arguments that search_posts takes, and what it answers."""
+    server, accounts = server_of(world, "alice", Rights(True, ALL))
+    async with Client(server.engine, cache=None) as client:
+        listed = (await client.list_tools()).tools
+        size = len(json.dumps([t.model_dump(by_alias=True, exclude_none=True, mode="json") for t in listed]))
+        assert size <= 9_000, f"{size} bytes"
+        (tool,) = (t for t in listed if t.name == "search_posts")
+        answers = [(await client.call_tool("search_posts", call)).structured_content for call in calls]
+    await accounts.close()
+    return tool.input_schema["properties"], answers
+
+
+@pytest.fixture
+async def post() -> tuple[MemoryWorld, str]:
+    world = MemoryForum.world()
+    world.encoder = Concepts()
+    alice = world.sign_in("alice")
+    written = (await alice.create_topic("robots", "a", "a weary hound", key="1")).post
+    await alice.reply(written.topic_id, "a hound in the rain", key="2")
+    return world, written.id
+
+
+async def test_where_the_forum_has_a_model_posts_are_found_by_meaning(post: tuple[MemoryWorld, str]) -> None:
+    world, near = post
+    query = {"query": "tired dog", "limit": 1}
+    takes, (words, alike) = await asked(world, query, {**query, "mode": "meaning"})
+    assert takes["mode"]["enum"] == ["words", "meaning"]
+    assert words["data"]["posts"] == []
+    assert [p["id"] for p in alike["data"]["posts"]] == [near]
+    _, (rest, wrong) = await asked(
+        world,
+        {**query, "mode": "meaning", "cursor": alike["data"]["next"]},
+        {**query, "cursor": alike["data"]["next"]},
+    )
+    assert len(rest["data"]["posts"]) == 1
+    assert rest["data"]["posts"][0]["id"] != near
+    assert not wrong["ok"], "the cursor of one mode is none of the other"
+
+
+async def test_where_it_has_none_there_is_no_such_argument(post: tuple[MemoryWorld, str]) -> None:
+    world, _ = post
+    world.encoder = None
+    takes, (refused, words) = await asked(world, {"query": "dog", "mode": "meaning"}, {"query": "hound"})
+    assert "mode" not in takes
+    assert refused["error"]["code"] == "invalid_arguments"
+    assert len(words["data"]["posts"]) == 2

@@ -1,0 +1,129 @@
+"""Words of a model for what was done: only what was measured, or none at all."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agentrob.minds.extraction.summary import MOST_CHARS, summarise, unfounded
+from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
+from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
+from tests.minds.brain import Brain, running_brain
+
+
+@pytest.fixture
+def brain() -> Iterator[Brain]:
+    with running_brain() as made:
+        yield made
+
+
+def did(op: Op, direction: Direction | None = None, **measured: float) -> ActionResult:
+    asked = {key: round(value) for key, value in measured.items()}
+    return ActionResult(Primitive(op, direction, **asked), Outcome.DONE, measured)  # type: ignore[arg-type]
+
+
+WALK = did(Op.MOVE, Direction.FORWARD, distance_m=0.98)
+TURN = did(Op.TURN, Direction.LEFT, degrees=89.2)
+DONE = [WALK, TURN, did(Op.HELLO), did(Op.HELLO)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "I walked forward 0.98 m, turned left 89.2 degrees and waved twice.",
+        "I moved ahead by 98 cm, then I rotated left by 89.2°, and waved two times.",
+        "I did all 4 steps, a short walk forward first and a wave last.",
+        "All done.",
+        "我向前走了0.98米，向左转了89.2度，然后挥手两次。",
+    ],
+)
+def test_words_that_say_what_was_measured_stay(text: str) -> None:
+    assert unfounded(text, DONE, "zh" if "我" in text else "en") == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("I walked forward 1 m.", "not measured: 1 m"),
+        ("I walked forward 0.98 km.", "not measured: 0.98 km"),
+        ("I turned left 360 degrees.", "not measured: 360 degrees"),
+        ("I walked at 0.5 m/s.", "not measured: 0.5 m/s"),
+        ("I walked backward.", "not this way: backward"),
+        ("I waved three times.", "not counted: three times"),
+        ("I waved and sat down.", "not done: sit down"),
+        ("I met 7 people.", "not counted: 7"),
+        ("I walked 1,000 m forward.", "a number that cannot be read: 1,000"),
+        ("I walked between 0.98-5 m forward.", "a number that cannot be read"),
+        ("I walked forward and hit nobody, not even the cat.", "no plain statement of what was done: not"),
+        ("我向前走了5米。", "another language"),
+        ("I walked forward. @bob [see](http://x.example)", "empty, too long or more than words"),
+        ("", "empty, too long or more than words"),
+        ("word " * 100, "empty, too long or more than words"),
+    ],
+)
+def test_law_18_words_that_do_not_follow_from_the_results_are_thrown_away(text: str, problem: str) -> None:
+    assert unfounded(text, DONE, "en").startswith(problem)
+
+
+@pytest.mark.parametrize("outcome", [o for o in Outcome if o is not Outcome.DONE])
+def test_law_18_nothing_is_worded_of_what_was_not_done(outcome: Outcome) -> None:
+    failed = ActionResult(WALK.primitive, outcome, WALK.measured)
+    assert unfounded("I walked forward 0.98 m.", [WALK, failed], "en") == "not everything was done"
+    assert unfounded("All done.", [], "en") == "not everything was done"
+
+
+@settings(max_examples=150)
+@given(
+    measured=st.floats(0.05, 20),
+    told=st.decimals(0, 50, places=2),
+    unit=st.sampled_from(["m", "metres", "cm", "ft", "米"]),
+    frame=st.sampled_from(["I walked forward {}.", "So {} it was, forward.", "{}!"]),
+)
+def test_law_18_no_text_with_another_distance_than_measured_passes(
+    measured: float, told: object, unit: str, frame: str
+) -> None:
+    factor = {"cm": 0.01, "ft": 0.3048}.get(unit, 1.0)
+    text = frame.format(f"{told} {unit}")
+    language = "zh" if unit == "米" and frame == "{}!" else "en"
+    result = [did(Op.MOVE, Direction.FORWARD, distance_m=measured)]
+    if abs(float(str(told)) * factor - measured) > 0.011 * max(measured, float(str(told)) * factor) + 0.006:
+        assert unfounded(text, result, language)
+
+
+async def test_the_model_gets_figures_and_no_words_of_people_and_no_amounts_that_were_only_asked(
+    brain: Brain, tmp_path: Path
+) -> None:
+    brain.says = "I walked forward 0.98 m."
+    model = brain.model(tmp_path)
+    summary = await summarise(model, [WALK, TURN], "en")
+    assert (summary.text, summary.failed, summary.mind) == (brain.says, "", "clever")
+    assert len(summary.usage) == 1
+    (told,) = brain.questions("summary")
+    assert set(re.findall(r"\d[\d.]*", told)) == {"0.98", "89.2"}
+    assert "Write in English." in told
+    (body,) = brain.server.requests
+    assert "tools" not in body
+    brain.says = "我向前走了0.98米。"
+    assert (await summarise(model, [WALK], "zh")).text == brain.says
+    assert "Write in Chinese." in brain.questions("summary")[1]
+    await model.close()
+
+
+async def test_a_model_that_is_down_slow_or_lies_gives_no_words(brain: Brain, tmp_path: Path) -> None:
+    model = brain.model(tmp_path, retries=0)
+    brain.says = lambda handler: handler.send(500, b"{}")
+    assert (await summarise(model, [WALK], "en")).failed == "server"
+    brain.says = lambda handler: handler.hang()
+    late = await summarise(model, [WALK], "en", limit_s=0.2)
+    assert (late.failed, late.text, [u.failed for u in late.usage]) == ("timeout", "", ["timeout"])
+    brain.says = "I walked forward 3 m."
+    lied = await summarise(model, [WALK], "en")
+    assert (lied.failed, lied.text, lied.problem) == ("unfounded", "", "not measured: 3 m")
+    brain.says = "x" * 100 * MOST_CHARS
+    assert (await summarise(model, [WALK], "en")).failed == "unfounded"
+    await model.close()

@@ -1,0 +1,166 @@
+"""A model's second look: it can only take away, says it in our words, and is fooled by nothing in its form."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agentrob.language.registry import known
+from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
+from agentrob.minds.llm.prompt import system_prompt
+from agentrob.minds.safety_review import Judgement, Screened, harms, narrowed, refusal_of, screen_by_model
+from agentrob.model import Capabilities, Decision, Direction, Op, Plan, Primitive, Verdict
+from tests.minds.brain import Brain, running_brain
+
+GO2 = Capabilities("go2", frozenset(Op))
+PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
+ALLOWED = Verdict(Decision.ALLOW, "screen.passed")
+#: Everything that a model can say in the schema.
+JUDGEMENTS = st.builds(
+    Judgement,
+    decision=st.sampled_from(["fine", "refuse"]),
+    harm=st.none() | st.sampled_from(harms()),
+    words=st.text(max_size=60),
+    why=st.text(max_size=60),
+)
+
+
+@pytest.fixture
+def brain() -> Iterator[Brain]:
+    with running_brain() as made:
+        yield made
+
+
+@settings(max_examples=300)
+@given(
+    by_rules=st.builds(Verdict, st.sampled_from(Decision), st.sampled_from(["harm.collide", "limit.speed"]), st.text()),
+    judgement=JUDGEMENTS,
+    failed=st.sampled_from(["", "timeout", "malformed"]),
+    required=st.booleans(),
+    language=st.sampled_from(["en", "zh"]),
+    asked=st.booleans(),
+)
+def test_law_7_no_model_turns_what_the_rules_do_not_allow_into_something_else(
+    by_rules: Verdict, judgement: Judgement, failed: str, required: bool, language: str, asked: bool
+) -> None:
+    refusal = refusal_of(judgement, "walk forward 1 m", language)
+    screened = Screened("clever", None if failed else refusal, failed) if asked else None
+    verdict = narrowed(by_rules, screened, language, required)
+    if by_rules.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+        assert verdict == by_rules
+    if verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+        assert verdict == by_rules
+        assert refusal is None or failed or not asked
+        assert not required or (asked and not failed)
+
+
+@given(decision=st.sampled_from(Decision), rule=st.text(max_size=9))
+def test_law_7_not_even_a_verdict_of_its_own_lifts_a_refusal(decision: Decision, rule: str) -> None:
+    refused = Verdict(Decision.REFUSE, "harm.collide")
+    assert narrowed(refused, Screened("clever", Verdict(decision, rule)), "en") == refused
+    assert narrowed(ALLOWED, Screened("clever", Verdict(Decision.ALLOW, rule)), "en") == ALLOWED
+
+
+@pytest.mark.parametrize("language", list(known()))
+@pytest.mark.parametrize("harm", harms())
+def test_each_kind_of_harm_has_a_rule_and_a_sentence(harm: Any, language: str) -> None:
+    verdict = refusal_of(Judgement(decision="refuse", harm=harm), "", language)
+    assert verdict is not None
+    assert verdict.rule == f"model.{harm}"
+    assert verdict.reason
+
+
+def test_who_names_a_harm_refuses_and_who_refuses_without_one_does_too() -> None:
+    assert refusal_of(Judgement(decision="fine"), "", "en") is None
+    assert refusal_of(Judgement(decision="fine", harm="people"), "", "en") is not None
+    other = refusal_of(Judgement(decision="refuse"), "", "en")
+    assert other is not None
+    assert other.rule == "model.other"
+
+
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [
+        ("to  The BABY", "`to the baby`"),
+        ("to the dragon", None),
+        ("", None),
+        ("`@bob` walk", None),
+    ],
+)
+def test_law_3_only_words_of_the_post_are_shown(words: str, shown: str | None) -> None:
+    judgement = Judgement(decision="refuse", harm="people", words=words, why="<b>@bob</b>")
+    verdict = refusal_of(judgement, "walk 1 m to the baby", "en")
+    assert verdict is not None
+    assert "bob" not in verdict.reason
+    if shown is None:
+        assert "`" not in verdict.reason
+    else:
+        assert shown in verdict.reason
+
+
+async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_answer(
+    brain: Brain, tmp_path: Path
+) -> None:
+    model = brain.model(tmp_path)
+    before = [Plan((Primitive(Op.TURN, Direction.LEFT, degrees=90.0),))]
+    screened = await screen_by_model(
+        model, "walk forward\u202e 1 m", PLAN, GO2, "en", before, scene="A sleeping cat, 0.5 m ahead."
+    )
+    assert screened == Screened("clever", usage=screened.usage)
+    (told,) = brain.questions("screen")
+    facts, _, post = told.partition("\n")
+    assert json.loads(facts) == {
+        "robot": "go2",
+        "it understood": "walk forward 1 m",
+        "done before in this thread, oldest first": ["turn left 90 degrees"],
+        "its speed is at most": "0.5 m/s",
+        "around it": "A sleeping cat, 0.5 m ahead.",
+    }
+    mark = post.splitlines()[1].split()[-1]
+    assert post.splitlines()[1:] == [f"<<<post {mark}", "walk forward 1 m", f"post {mark}>>>"]
+    (body,) = brain.server.requests
+    assert [t["function"]["name"] for t in body["tools"]] == ["answer"]
+    assert "walk forward" not in body["messages"][0]["content"]
+    await model.close()
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [{"decision": "allow"}, {"decision": "perhaps", "override": True}, {"harm": None}, {}],
+)
+async def test_an_answer_outside_of_the_schema_is_none(brain: Brain, tmp_path: Path, answer: dict[str, Any]) -> None:
+    model = brain.model(tmp_path)
+    brain.screens = answer
+    screened = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en")
+    assert (screened.refusal, screened.failed) == (None, "malformed")
+    assert len(screened.usage) == 2, "it is told once what is wrong"
+    await model.close()
+
+
+async def test_a_model_that_hangs_is_waited_for_so_long(brain: Brain, tmp_path: Path) -> None:
+    model = brain.model(tmp_path)
+    brain.screens = lambda handler: handler.hang()
+    screened = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en", limit_s=0.2)
+    assert (screened.refusal, screened.failed) == (None, "timeout")
+    await model.close()
+
+
+async def test_what_the_command_used_up_before_counts(brain: Brain, tmp_path: Path) -> None:
+    model = brain.model(tmp_path, limits={"command_tokens": 5_000})
+    first = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en")
+    assert first.failed == ""
+    again = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en", spent=first.usage * 30)
+    assert again.failed == "budget"
+    await model.close()
+
+
+def test_the_prompts_of_screening_and_summaries_are_no_robots() -> None:
+    other = system_prompt(Capabilities("robot", frozenset(Op)))
+    assert system_prompt(Capabilities("screen", frozenset(Op))) == other
+    assert system_prompt(Capabilities("summary", frozenset(Op))) == other

@@ -1,0 +1,102 @@
+"""Laws 9 and 12: a home that is void, and somebody else's hand on the robot."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
+from agentrob.robots.contract import go_on
+from agentrob.robots.safety.odometry import Hands, Odometry
+from tests.robots.guard_scene import Make, Pusher, fake_of, homes, move, turn, until
+
+
+def test_law_9_a_jump_at_rest_voids_home_and_only_a_simulation_homes_itself_again(make: Make) -> None:
+    for simulated in (True, False):
+        guard = make(simulated=simulated)
+        until(lambda guard=guard: homes(guard))
+        fake_of(guard).carry(Pose(3.0, 1.0, 1.0))
+        until(lambda guard=guard: not guard.state().homed or guard._fence.home.x_m > 2)
+        if simulated:
+            until(lambda guard=guard: guard.state().homed)
+            assert guard.step(move(0.3), go_on).ok
+        else:
+            assert guard.step(move(0.3), go_on).reason == "not_homed"
+
+
+@pytest.mark.parametrize(("silent_s", "void"), [(5, False), (9, False), (11, True), (15, True), (19, True), (60, True)])
+def test_law_9_a_silence_in_which_a_robot_may_restart_voids_home(silent_s: float, void: bool) -> None:
+    odometry, here = Odometry(), Pose(0.0, 0.0, 0.0)
+    told = list[str]()
+    for i in range(20 * (int(silent_s) + 2)):  # looked at 20 times a second, all the while
+        now_s = i / 20
+        age_s = now_s % silent_s  # the first state at 0, the next after the silence, at the very same place
+        if why := odometry.see(now_s, RobotState(age_s=age_s, pose=here)):
+            told.append(why)
+    assert bool(told) is void
+    assert not void or "restarted" in told[0]
+
+
+def test_law_12_a_mode_that_we_did_not_command_is_a_halt(make: Make) -> None:
+    guard = make()
+    assert guard.step(move(0.3), go_on).ok
+    guard._hands._ours_until_s = 0.0  # our own step is long ago
+    until(lambda: guard._hands._mode == "idle")
+    fake_of(guard).faults.mode = "locked"
+    until(lambda: guard.state().halted)
+    fake_of(guard).faults.mode = ""
+    result = guard.step(move(0.3), go_on)
+    assert result.reason == "halted"
+    assert "locked" in result.message
+    guard.release("owner")
+    assert guard.step(move(0.3), go_on).ok
+
+
+def test_law_12_damping_during_a_gesture_is_a_halt(make: Make) -> None:
+    guard = make({"time_scale": 1})
+    until(lambda: guard.state().homed)
+
+    def damp(_: RobotState) -> str | None:
+        fake_of(guard).faults.mode = "damping"
+        return None
+
+    result = guard.step(Primitive(Op.HELLO), damp)
+    assert result.outcome is Outcome.STOPPED
+    assert result.reason in ("halted", "stop")  # whether the step or the observer saw it first
+    assert guard.state().halted
+    assert "damping" in guard.step(move(0.3), go_on).message
+
+
+def test_law_12_damping_right_after_our_own_step_is_a_halt(make: Make) -> None:
+    guard = make()
+    assert guard.step(move(0.3), go_on).ok
+    fake_of(guard).faults.mode = "damping"
+    until(lambda: guard.state().halted)
+    fake_of(guard).faults.mode = ""
+    assert guard.step(move(0.3), go_on).reason == "halted"
+
+
+@pytest.mark.parametrize("primitive", [move(0.3), turn(30), Primitive(Op.STAND)])
+def test_law_12_a_robot_that_was_damped_before_we_came_is_not_moved(make: Make, primitive: Primitive) -> None:
+    guard = make({"faults": {"mode": "damping"}})
+    result = guard.step(primitive, go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "posture")
+    assert not guard.state().halted
+    assert fake_of(guard).commanded == (0, 0, 0)
+    fake_of(guard).faults.mode = ""  # somebody made it stand up
+    assert guard.step(primitive, go_on).ok
+
+
+def test_a_mode_that_is_there_when_the_first_state_comes_is_nobodys_change() -> None:
+    hands = Hands()
+    for now_s, state in enumerate([RobotState(age_s=math.inf), RobotState(age_s=0.0, mode="locked")]):
+        assert hands.see(now_s, state, walking=False, gesturing=False) is None
+
+
+def test_law_12_a_robot_that_somebody_else_walks_is_halted(make: Make) -> None:
+    guard = make({"time_scale": 1})
+    until(lambda: guard.state().homed)
+    with Pusher(fake_of(guard)):
+        until(lambda: guard.state().halted)
+    assert "did not command" in guard.step(move(0.3), go_on).message

@@ -1,0 +1,110 @@
+"""The door to the Unitree SDK and to DDS, and what a stop says of a robot by its states."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import pytest
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.topic import Topic
+
+import agentrob.process.dds
+from agentrob.model import Pose, RobotState
+from agentrob.robots.unitree.robot import UnitreeRobot
+
+DOMAIN = 201 + int(os.environ["AGENTROB_TEST_NUMBER"])
+
+
+def test_topics_are_created_one_at_a_time_for_two_at_once_may_hang_the_process() -> None:
+    from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_
+
+    participant = DomainParticipant(DOMAIN)
+    made = threading.Event()
+    thread = threading.Thread(target=lambda: (Topic(participant, "rt/one", Request_), made.set()), daemon=True)
+    with agentrob.process.dds._one_topic:
+        thread.start()
+        assert not made.wait(0.3)
+    assert made.wait(60)
+    thread.join(60)
+
+
+AT_REST = RobotState(
+    age_s=0.01, pose=Pose(0, 0, math.pi), velocity_mps=(0.0, 0.0), yaw_rate_rps=0.0, mode="idle", battery_percent=None,
+    ranges_m=(None,) * 4, upright=True, error_code=0,
+)  # fmt: skip
+
+
+class Told(UnitreeRobot):
+    """Says the states it is given, and then the last of them for ever."""
+
+    def __init__(self, *states: RobotState, recent: Sequence[tuple[float, Pose]] = ()) -> None:
+        super().__init__()
+        self._recent = lambda: tuple(recent)  # type: ignore[method-assign]
+        self._states = itertools.chain(states, itertools.repeat(states[-1]))
+
+    def state(self) -> RobotState:
+        return next(self._states)
+
+    def _send_stop(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "was_moving"),
+    [
+        ({}, Pose(0, 0, math.pi), False),
+        ({}, Pose(0.02, 0.01, -math.pi + 0.03), False),  # a sway
+        ({"velocity_mps": (0.3, 0.0)}, Pose(0, 0, math.pi), True),
+        ({"yaw_rate_rps": -0.5}, Pose(0, 0, math.pi), True),
+        ({}, Pose(0.08, 0, math.pi), True),  # between two strides, and it came on
+        ({}, Pose(0, 0, -math.pi + 0.15), True),
+    ],
+)
+def test_a_stop_says_whether_the_robot_was_moving(before: dict[str, object], after: Pose, was_moving: bool) -> None:
+    stopped = Told(replace(AT_REST, **before), replace(AT_REST, pose=after)).stop()  # type: ignore[arg-type]
+    assert stopped.confirmed, stopped.message
+    assert stopped.was_moving is was_moving
+
+
+def lately(path: Callable[[float], Pose]) -> list[tuple[float, Pose]]:
+    """Where it was in the last half second; `path` tells it of the seconds since then."""
+    return [(100.0 + k / 50, path(k / 50)) for k in range(26)]
+
+
+@pytest.mark.parametrize(
+    ("before", "path", "was_moving"),
+    [
+        # a body that stands and sways shows the speed of a walk for a moment, and comes back
+        ({"velocity_mps": (0.28, 0.0)}, lambda t: Pose(0.008 * math.sin(30 * t), 0, math.pi), False),
+        ({"yaw_rate_rps": 0.5}, lambda t: Pose(0, 0, math.pi - 0.01 * math.sin(30 * t)), False),
+        # one that turns or walks shows none for a moment, between two strides
+        ({"yaw_rate_rps": 0.04}, lambda t: Pose(0, 0, math.pi - 0.5 * (0.5 - t)), True),
+        ({"velocity_mps": (0.02, 0.0)}, lambda t: Pose(-0.15 * (0.5 - t), 0, math.pi), True),
+        # and one whose odometry jumped came nowhere
+        ({}, lambda t: Pose(0 if t > 0.2 else 1.5, 0, math.pi), False),
+    ],
+)
+def test_a_sway_is_no_motion_and_a_moment_of_standing_within_a_stride_is_no_rest(
+    before: dict[str, object], path: Callable[[float], Pose], was_moving: bool
+) -> None:
+    at = replace(AT_REST, **before)  # type: ignore[arg-type]
+    stopped = Told(at, AT_REST, recent=lately(path)).stop()
+    assert stopped.confirmed, stopped.message
+    assert stopped.was_moving is was_moving
+
+
+def test_law_18_a_stop_tells_no_way_across_a_jump_of_the_odometry() -> None:
+    stopped = Told(AT_REST, AT_REST, replace(AT_REST, pose=Pose(1.0, 0, math.pi))).stop()
+    assert stopped.confirmed, stopped.message
+    assert (stopped.was_moving, stopped.coasted_m) == (False, None)
+
+
+def test_law_18_a_stop_that_is_not_confirmed_tells_no_way() -> None:
+    gone = replace(AT_REST, pose=Pose(math.nan, 0, 0))
+    stopped = Told(AT_REST, *[replace(AT_REST, pose=Pose(0.01 * k, 0, math.pi)) for k in range(5)], gone).stop()
+    assert (stopped.confirmed, stopped.coasted_m) == (False, None)

@@ -1,0 +1,140 @@
+"""Parts of the simulated world by themselves: merged meshes, the clock, the ledger, assets."""
+
+import json
+import threading
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from agentrob.errors import SimError
+from agentrob.sim.bodies.go2_gestures import STAND_RAD, Frame, Motion
+from agentrob.sim.event_log import Ledger
+from agentrob.sim.realtime_loop import Clockwork
+from agentrob.sim.world import assets
+from agentrob.sim.world.meshes import merge_vertices, read_obj
+
+pytestmark = pytest.mark.sim
+
+
+@given(
+    vertices=hnp.arrays(np.float64, (12, 3), elements=st.floats(-0.05, 0.05)),
+    faces=hnp.arrays(np.int64, (20, 3), elements=st.integers(0, 11)),
+)
+def test_merged_meshes_have_valid_distinct_faces_and_move_no_vertex_far(vertices, faces):
+    merged, kept = merge_vertices(vertices, faces, cell_m=0.02)
+    assert len(merged) <= len(vertices)
+    assert len(kept) <= len(faces)
+    assert ((kept >= 0) & (kept < len(merged))).all()
+    assert all(len(set(face)) == 3 for face in kept.tolist())
+    for vertex in vertices:
+        assert np.linalg.norm(merged - vertex, axis=1).min() <= 0.02 * np.sqrt(3) + 1e-9
+
+
+def test_obj_polygons_become_triangles(tmp_path):
+    path = tmp_path / "square.obj"
+    path.write_text("# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1/1 2/2/2 3/3/3 4/4/4\n")
+    vertices, faces = read_obj(path)
+    assert vertices.shape == (4, 3)
+    assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
+def test_a_missing_package_is_named():
+    with pytest.raises(SimError, match="needs the package some-models"):
+        assets.package_folder("no_such_package_here", "some-models")
+
+
+def test_a_motion_begins_at_the_joints_and_ends_at_its_last_pose():
+    start = STAND_RAD + 0.1
+    motion = Motion(start, [Frame(1.0, STAND_RAD), Frame(0.5, STAND_RAD, stiffness=2.0)])
+    assert motion.seconds == 1.5
+    first, nearly_last = motion(0.0), motion(1.49)
+    assert first is not None
+    assert nearly_last is not None
+    assert np.allclose(first[0], start)
+    assert np.allclose(nearly_last[0], STAND_RAD)
+    assert nearly_last[1] == 2.0
+    assert motion(1.5) is None
+
+
+def run_clock(clock, tick):
+    thread = threading.Thread(target=clock.run, args=(tick,))
+    thread.start()
+    return thread
+
+
+def test_the_clock_does_work_at_once_not_at_the_next_tick():
+    clock, done, ticked = Clockwork(period_s=0.5), threading.Event(), threading.Event()
+    thread = run_clock(clock, ticked.set)
+    assert ticked.wait(60)
+    began = time.monotonic()
+    clock.later(done.set)
+    assert done.wait(60)
+    assert time.monotonic() - began < 0.3
+    clock.stop()
+    thread.join(60)
+    assert not thread.is_alive()
+
+
+def test_a_slow_machine_shows_in_the_real_time_factor():
+    clock, enough = Clockwork(period_s=0.01), threading.Event()
+    ticks = 0
+
+    def slow_tick() -> None:
+        nonlocal ticks
+        ticks += 1
+        threading.Event().wait(0.02)
+        if ticks == 40:
+            enough.set()
+
+    thread = run_clock(clock, slow_tick)
+    assert enough.wait(60)
+    assert clock.real_time_factor < 0.8
+    clock.stop()
+    thread.join(60)
+
+
+def test_a_fast_machine_runs_in_real_time():
+    clock, enough = Clockwork(period_s=0.01), threading.Event()
+    ticks = 0
+
+    def tick() -> None:
+        nonlocal ticks
+        ticks += 1
+        if ticks == 100:
+            enough.set()
+
+    began = time.monotonic()
+    thread = run_clock(clock, tick)
+    assert enough.wait(60)
+    assert time.monotonic() - began > 0.9
+    assert 0.9 < clock.real_time_factor < 1.1
+    clock.stop()
+    thread.join(60)
+
+
+def test_the_ledger_is_there_line_by_line(tmp_path):
+    path = tmp_path / "ledger.jsonl"
+    ledger = Ledger(path)
+    ledger.write(1.5, "go2", "move_begin", {"x_m": 0.0}, {"velocity": [0.5, 0, 0]})
+    line = json.loads(path.read_text())
+    assert (line["time_s"], line["robot"], line["event"], line["velocity"]) == (1.5, "go2", "move_begin", [0.5, 0, 0])
+    ledger.close()
+
+
+def test_a_ledger_on_a_full_disk_says_so_once_and_does_not_stop_the_world(capsys):
+    from pathlib import Path
+
+    ledger = Ledger(Path("/dev/full"))
+    for _ in range(3):
+        ledger.write(0.0, "go2", "move_begin", {}, {})
+    assert "No space" in ledger.trouble
+    assert capsys.readouterr().err.count("incomplete") == 1
+
+
+def test_a_ledger_that_cannot_be_opened_is_refused(tmp_path):
+    with pytest.raises(SimError, match="cannot write the ledger"):
+        Ledger(tmp_path / "no" / "such" / "folder")

@@ -1,0 +1,222 @@
+"""The calls that the paper names, on a fake robot: from scripts, threads and running event loops."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import subprocess
+import sys
+import threading
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import pytest
+
+from agentrob.config.load import Config, RobotConfig, parse, runtime_dir
+from agentrob.errors import ConfigError, RobotError
+from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
+from agentrob.model import ActionResult, Capabilities, Op, Outcome
+from agentrob.robots.fake import FakeRobot
+from agentrob.wiring.drive import Driven, robot_command_driver
+from tests.agent.execution.visual_model import DONE, driving_brain
+from tests.minds.brain import move
+from tests.robots.driver_scene import Drivers
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> tuple[Config, str]:
+    """A configuration with one fake robot of a name that nobody else uses."""
+    name = f"d{uuid4().hex[:8]}"
+    options = {"time_scale": 30, "obstacles": [[2.0, 0.0, 0.3]]}
+    robot = {"model": "fake", "simulated": True, "home_on_start": True, "options": options, "mentions": ["robô 🤖"]}
+    return parse({"data": str(tmp_path / "data"), "robots": {name: robot}}), name
+
+
+def test_a_command_is_driven_and_each_step_is_heard_of(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    heard: list[ActionResult] = []
+    driven = robot_command_driver("walk forward 50 cm and take a photo", name, config=config, on_step=heard.append)
+    assert driven.status == "done"
+    assert [r.primitive.op for r in driven.results] == [Op.MOVE, Op.GET_FRONT_IMAGE]
+    assert driven.results[0].measured["distance_m"] == pytest.approx(0.5, abs=0.05)
+    assert tuple(heard) == driven.results
+
+
+def test_after_a_failed_step_nothing_more_is_done(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    driven = robot_command_driver("walk forward 4 m, then wave", name, config=config)
+    assert driven.status == "failed"
+    assert driven.results[0].outcome in (Outcome.STOPPED, Outcome.REFUSED, Outcome.FAILED)
+    assert driven.results[1].outcome is Outcome.SKIPPED
+
+
+@pytest.mark.parametrize(
+    ("text", "status", "says"),
+    [
+        ("walk forward", "asks_back", "how far"),
+        ("walk forward 30 m", "refused", "limit"),
+        ("good morning", "asks_back", ""),
+        ("You are parked at the rim of the quarry. Go forward 2 m.", "asks_back", "quarry"),
+    ],
+)
+def test_what_is_not_clear_or_not_allowed_moves_nothing(
+    lab: tuple[Config, str], text: str, status: str, says: str
+) -> None:
+    config, name = lab
+    driven = robot_command_driver(text, name, config=config)
+    assert driven.status == status
+    assert says in driven.message.lower()
+    assert driven.results == ()
+
+
+def test_law_17_a_halt_that_is_kept_holds_for_drive_too(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    halt = Path(config.data) / "drivers" / f"{name}.halt"
+    halt.parent.mkdir(parents=True)
+    halt.write_text("{}")
+    driven = robot_command_driver("walk forward 50 cm", name, config=config)
+    assert driven.status == "failed"
+    assert driven.results[0].reason == "halted"
+
+
+def test_it_works_from_a_thread_and_inside_a_running_loop(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    found: list[Driven] = []
+    thread = threading.Thread(target=lambda: found.append(robot_command_driver("wave", name, config=config)))
+    thread.start()
+    thread.join(60)
+
+    async def inside() -> None:
+        found.append(robot_command_driver("wave", name, config=config))
+
+    asyncio.run(inside())
+    assert [d.status for d in found] == ["done", "done"]
+
+
+def test_another_interface_than_the_configured_one_is_refused(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    with pytest.raises(ConfigError, match="is configured on interface 'lo', not 'eth0'"):
+        robot_command_driver("wave", name, "eth0", config)
+
+
+def test_law_7_a_mind_with_eyes_looks_and_steers(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    with driving_brain() as brain:
+        brain.drives = [("act_move", {"direction": "forward", "distance_m": 0.5}), DONE]
+        address = {"provider": "compatible", "model": "m", "base_url": f"{brain.server.url}/v1"}
+        config = config.model_copy(update={"minds": parse({"minds": {"clever": address}}).minds})
+        heard: list[ActionResult] = []
+        driven = robot_command_driver("walk to the box", name, config=config, on_step=heard.append, mind="clever")
+    assert driven.status == "done", driven.message
+    assert [r.primitive.op for r in driven.results] == [Op.GET_FRONT_IMAGE, Op.MOVE]
+    assert tuple(heard) == driven.results
+    assert "The model `clever` says that it saw `a blue box`." in driven.message
+
+
+def test_without_a_mind_with_eyes_it_says_that_it_needs_one(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    driven = robot_command_driver("walk to the box", name, config=config)
+    assert driven.status == "asks_back"
+    assert "vision model" in driven.message
+
+
+def test_the_calls_of_the_paper_are_in_agentrob_itself_and_nothing_is_loaded_before_they_are_asked_for() -> None:
+    code = (
+        "import sys, agentrob; assert 'agentrob.wiring.drive' not in sys.modules; "
+        "from agentrob import drive_go2_robot, drive_g1_robot, robot_command_driver, Driven; "
+        "assert {'drive_go2_robot', 'drive_g1_robot'} <= set(dir(agentrob)); "
+        "assert not hasattr(agentrob, 'drive_h1_robot')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+# ------------------------------------------------------------------ what the owner has set
+def changed(config: Config, name: str, **settings: Any) -> Config:
+    """The configuration with other settings of its robot."""
+    robot = config.robots[name].model_copy(update=settings)
+    return config.model_copy(update={"robots": {name: robot}})
+
+
+@pytest.mark.parametrize("allow_flip", [False, True])
+def test_law_10_a_real_robot_flips_where_its_owner_consents_and_nowhere_else(
+    lab: tuple[Config, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, allow_flip: bool
+) -> None:
+    def real(settings: RobotConfig) -> Capabilities:
+        return replace(describe(settings), simulated=settings.simulated)
+
+    config, name = lab
+    settings = {"simulated": False, "home_on_start": False, "allow_flip": allow_flip}
+    describe = FakeRobot.describe
+    monkeypatch.setattr(FakeRobot, "describe", real)
+    monkeypatch.setenv("AGENTROB_RUNTIME", str(tmp_path))
+    drivers = Drivers(runtime_dir())
+    try:
+        drivers.start(name, **settings, options={"time_scale": 30})
+        asyncio.run(home(drivers, name))
+        driven = robot_command_driver("do a backflip", name, config=changed(config, name, **settings))
+    finally:
+        drivers.close()
+    if allow_flip:
+        assert (driven.status, [r.primitive.op for r in driven.results]) == ("done", [Op.BACKFLIP]), driven.message
+    else:
+        assert (driven.status, driven.results) == ("refused", ())
+        assert "consent.flip" in driven.message
+
+
+async def home(drivers: Drivers, name: str) -> None:
+    """As its owner does, once it stands still."""
+    async with drivers.client(name) as robot, asyncio.timeout(60):
+        while not (await robot.state()).homed:
+            with contextlib.suppress(RobotError):
+                await robot.home("owner")
+
+
+def test_its_own_steps_are_as_long_as_the_owner_measured_them(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    driven = robot_command_driver("take two steps forward", name, config=changed(config, name, step_length_m=0.25))
+    assert driven.status == "done", driven.message
+    assert driven.results[0].measured["distance_m"] == pytest.approx(0.5, abs=0.05)
+
+
+def test_it_answers_to_every_name_that_it_has_on_a_forum(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    config = changed(config, name, mentions=("@Bello",))
+    driven = robot_command_driver("@somebody wave, @bello walk forward 50 cm", name, config=config)
+    assert [r.primitive.op for r in driven.results] == [Op.MOVE], driven.message
+
+
+@pytest.mark.parametrize(
+    ("screen", "answer", "rule"),
+    [
+        ("model", {"decision": "refuse", "harm": "people"}, "model.people"),
+        ("required", "", "screen.required"),
+        ("model", "", ""),
+        ("rules", {"decision": "refuse", "harm": "people"}, ""),
+    ],
+)
+def test_law_7_the_owners_model_looks_at_what_is_driven_too(
+    lab: tuple[Config, str], screen: str, answer: Any, rule: str
+) -> None:
+    config, name = lab
+    with driving_brain() as brain:
+        brain.reads = move("walk forward 50 cm", 50, "cm")
+        brain.screens = answer or (lambda handler: handler.send(500, b"{}"))
+        address = {"provider": "compatible", "model": "m", "base_url": f"{brain.server.url}/v1", "retries": 0}
+        config = config.model_copy(update={"minds": parse({"minds": {"clever": address}}).minds})
+        config = changed(config, name, mind="clever", screen=screen)
+        driven = robot_command_driver("walk forward 50 cm", name, config=config)
+        looked = len(brain.questions("screen"))
+    assert (looked > 0) is (screen != "rules")
+    assert (driven.results == ()) is bool(rule), driven.message
+    assert rule in driven.message
+
+
+def test_law_7_where_a_look_of_a_model_is_required_the_rules_alone_move_nothing(lab: tuple[Config, str]) -> None:
+    config, name = lab
+    config = changed(config, name, mind="clever", screen="required")
+    driven = robot_command_driver("walk forward 50 cm", name, config=config, mind="rules")
+    assert (driven.status, driven.results) == ("asks_back", ())
+    assert "screen.required" in driven.message
