@@ -32,9 +32,9 @@ from pathlib import Path
 from typing import Any
 
 from agentrob.config.load import Config
-from agentrob.demo.run import OwnDomain
 from agentrob.model import Direction, Op, Plan, Primitive
 from agentrob.process.child import Child, end_all
+from agentrob.process.dds_domain import OwnDomain
 from agentrob.robots.driver.client import run_plan
 from agentrob.robots.unitree import sdk
 from agentrob.sim.services.dds import REQUESTS, RESPONSES, Node  # before any type of the SDK

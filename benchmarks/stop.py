@@ -51,10 +51,11 @@ import httpx2
 
 from agentrob.board.auth.accounts import new_session
 from agentrob.board.db.database import open_engine
-from agentrob.demo.run import VISITOR, Demo, DemoSettings, sigterm_interrupts
+from agentrob.demo.run import VISITOR, Demo, DemoSettings
 from agentrob.demo.visitor import FINAL
 from agentrob.forums.protocol import Forum
 from agentrob.model import AccountKind, Post, Role
+from agentrob.process.signals import sigterm_interrupts
 from agentrob.sim.services.dds import Node  # before any type of the SDK
 from agentrob.wiring import app
 

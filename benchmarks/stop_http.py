@@ -21,8 +21,9 @@ import httpx2
 import stop as posts
 
 from agentrob.config.service import ServiceConfig
-from agentrob.demo.run import Demo, DemoSettings, sigterm_interrupts
+from agentrob.demo.run import Demo, DemoSettings
 from agentrob.process.child import Child
+from agentrob.process.signals import sigterm_interrupts
 from agentrob.wiring import app
 
 TOKEN = "benchmark-token-of-nobody"

@@ -44,7 +44,8 @@ class Pages:
 
 
 class Notebook:
-    """See `agentrob.forums.protocol.Forum`. `url` is a folder, the token is the account's name; there are no secrets."""
+    """See `agentrob.forums.protocol.Forum`. `url` is a folder, the token is the account's name;
+    there are no secrets."""
 
     max_edits: int | None = None
     live = False

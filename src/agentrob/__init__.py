@@ -4,7 +4,8 @@
 
     drive_go2_robot("walk forward 1 m and wave")
 
-These calls, and what they give back (`Driven`), are in `agentrob.wiring.drive`; it is imported when one is first asked for.
+These calls, and what they give back (`Driven`), are in `agentrob.wiring.drive`; it is imported when one is first
+asked for.
 """
 
 from importlib import import_module

@@ -13,7 +13,6 @@ from tests.agent.agent_scene import Driver, robot_settings
 SCRIPT = """
 import asyncio, sys
 from pathlib import Path
-sys.path.append(sys.argv[1])
 from tests.agent.agent_scene import Driver, Scene, robot_settings
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.robots.driver.client import DriverClient
@@ -23,7 +22,7 @@ class Running(Driver):
         self.name, self.socket = "quadruped", Path(socket)
 
 async def main():
-    scene = Scene(MemoryForum.world(), Running(sys.argv[2]), Path(sys.argv[3]), robot_settings())
+    scene = Scene(MemoryForum.world(), Running(sys.argv[1]), Path(sys.argv[2]), robot_settings())
     scene.person("alice")
     async with scene.agent():
         known = set(sys.modules)
@@ -40,7 +39,7 @@ def test_law_15_no_library_is_first_imported_while_an_agent_serves(tmp_path: Pat
     (tmp_path / "agent").mkdir()
     try:
         ended = subprocess.run(
-            [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), str(driver.socket), str(tmp_path / "agent")],
+            [sys.executable, "-c", SCRIPT, str(driver.socket), str(tmp_path / "agent")],
             capture_output=True, text=True, timeout=100, env=dict(os.environ), check=False,
         )  # fmt: skip
     finally:

@@ -29,7 +29,7 @@ LITTLE = {
     "world.py": ["--seconds", "3"],
 }
 #: These run in a test file of their own, and not here again.
-ELSEWHERE = {"stop.py": "test_benchmarks_stop.py"}
+ELSEWHERE = {"stop.py": "test_stop.py"}
 
 
 def benchmark(name: str) -> str:

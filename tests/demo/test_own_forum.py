@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 
 from agentrob.config.load import Config
-from agentrob.demo.run import OwnDomain, free_port
+from agentrob.demo.run import free_port
 from agentrob.model import Post
+from agentrob.process.dds_domain import OwnDomain
 from agentrob.wiring import app
 
 ROOT = Path(__file__).parents[2]

@@ -15,9 +15,8 @@ from agentrob.language.parser.repetition import Background
 from agentrob.model import Intent
 from tests.language.saying import OPS, read
 
-ROWS = [
-    json.loads(line) for line in (Path(__file__).parent / "asks_back.jsonl").read_text(encoding="utf-8").splitlines()
-]
+ASKS_BACK = Path(__file__).parents[1] / "language/asks_back.jsonl"
+ROWS = [json.loads(line) for line in ASKS_BACK.read_text(encoding="utf-8").splitlines()]
 
 
 def test_every_row_that_must_ask_back_does() -> None:

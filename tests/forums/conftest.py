@@ -14,7 +14,7 @@ from tests.forums.discourse.discourse_world import DiscourseWorld, Double, World
 from tests.forums.nodebb.nodebb_tape import Player, Recorder, Tape, serving
 from tests.forums.nodebb.nodebb_world import ADMIN, NodeBBWorld, prepared
 
-TAPES = Path(__file__).parent / "nodebb_tapes"
+TAPES = Path(__file__).parent / "nodebb" / "nodebb_tapes"
 RECORD = os.environ.get("AGENTROB_TEST_NODEBB_RECORD", "")
 URL = os.environ.get("AGENTROB_TEST_NODEBB_URL", "")
 

@@ -20,10 +20,10 @@ from agentrob.agent.intake.event_stream import Channel
 from agentrob.agent.intake.triage import Call, Ears, perceive
 from agentrob.config.load import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
-from agentrob.forums.discourse import markers
+from agentrob.forums.discourse import markers as discourse_markers
 from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.forums.nodebb import markers
+from agentrob.forums.nodebb import markers as nodebb_markers
 from agentrob.forums.nodebb.forum import NodeBBForum
 from agentrob.forums.protocol import Event, EventKind, Forum
 from agentrob.mcp.adapter import McpForum
@@ -60,7 +60,7 @@ async def hears_a_stop(forum: Forum, cursor: str) -> None:
 # ---------------------------------------------------------------------- marks
 @pytest.mark.parametrize("told", HOSTILE_JSON)
 def test_a_hostile_mark_is_text_and_no_key_or_card(told: str) -> None:
-    for module, made in ((markers, nodebb_mark), (markers, discourse_mark)):
+    for module, made in ((nodebb_markers, nodebb_mark), (discourse_markers, discourse_mark)):
         for ours in (True, False):
             found = module.unmark(made(code(told)), ours)
             assert found.card is None
@@ -70,22 +70,24 @@ def test_a_hostile_mark_is_text_and_no_key_or_card(told: str) -> None:
 
 @given(CODES, st.booleans())
 def test_whatever_a_mark_says_the_text_is_read(word: str, ours: bool) -> None:
-    for module, made in ((markers, nodebb_mark), (markers, discourse_mark)):
+    for module, made in ((nodebb_markers, nodebb_mark), (discourse_markers, discourse_mark)):
         assert module.unmark(made(word), ours).text.startswith("words")
 
 
 def test_the_mark_of_a_stranger_is_never_decoded() -> None:
-    ours = markers.mark(markers.Marked("words", "key", None, ("/assets/uploads/1.png",)))
-    assert markers.unmark(ours, ours=False) == markers.Marked("words", None, None, ("/assets/uploads/1.png",))
+    ours = nodebb_markers.mark(nodebb_markers.Marked("words", "key", None, ("/assets/uploads/1.png",)))
+    assert nodebb_markers.unmark(ours, ours=False) == nodebb_markers.Marked(
+        "words", None, None, ("/assets/uploads/1.png",)
+    )
 
 
 @pytest.mark.parametrize("body", ["\n" * 32_000 + "x", "![](" * 8_000, "[//]: # (agentrob:a)\n" * 1_500, "`" * 32_000])
 def test_no_body_takes_long_to_be_searched_for_a_mark(body: str) -> None:
     began = time.process_time()
-    for module in (markers, markers):
+    for module in (nodebb_markers, discourse_markers):
         module.unmark(body)
-    markers.pictures_in(body)
-    markers.names_in(body)
+    nodebb_markers.pictures_in(body)
+    nodebb_markers.names_in(body)
     assert time.process_time() - began < 1.0
 
 
@@ -178,7 +180,7 @@ def _final(double: Double, text: str) -> str:
     posts = double.site.posts.values()
     asked = next((p for p in posts if p.raw.startswith(text)), None)
     for post in posts:
-        card = markers.unmark(post.raw).card
+        card = discourse_markers.unmark(post.raw).card
         if asked and card and card.state in FINAL and post.topic == asked.topic and post.reply_to == asked.number:
             return card.state
     return ""

@@ -42,7 +42,7 @@ def pattern(node: ast.expr) -> str:
 
 def templates() -> list[str]:
     """Every string and f-string of the rooms whose words reach people."""
-    files = [*(ROOT / "src/agentrob/robots").glob("*.py"), ROOT / "src/agentrob/hostlock.py"]
+    files = [*(ROOT / "src/agentrob/robots").rglob("*.py"), ROOT / "src/agentrob/process/host_lock.py"]
     found = {value for pair in _SENTENCES.values() for value in pair}
     patterns = {re.sub(r"\\\{[^{}]*\\\}", ".+", re.escape(text)) for text in found}
     for path in files:

@@ -38,11 +38,11 @@ def test_the_house_keeps_its_floors(copy: Path) -> None:
 @pytest.mark.parametrize(
     ("file", "line"),
     [
-        ("model.py", "from agentrob import config"),
+        ("model/planted.py", "from agentrob import config"),
         ("board/planted.py", "import agentrob.sim"),
         ("forums/planted.py", "import agentrob.agent"),
         ("new_room.py", ""),
-        ("judge/planted.py", "import httpx2"),
+        ("screening/planted.py", "import httpx2"),
         ("agent/reporting/report.py", "import agentrob.agent.store.journal"),
     ],
 )

@@ -23,7 +23,7 @@ from agentrob.demo import run as demo
 from agentrob.demo import visitor
 from agentrob.model import AccountKind, Role
 from agentrob.wiring import app
-from tests.kill.kill_process import AGENTROB, HERE, Mortal, environment, wait_for
+from tests.kill.kill_process import AGENTROB, Mortal, environment, wait_for
 
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
@@ -87,7 +87,7 @@ class House:
 
     # ------------------------------------------------------------ the robot
     def start_world(self) -> Mortal:
-        args = [str(HERE / "kill_body.py"), str(self.runtime / "body"), str(self.ledger_path)]
+        args = ["-m", "tests.kill.kill_body", str(self.runtime / "body"), str(self.ledger_path)]
         return Mortal(args, self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:

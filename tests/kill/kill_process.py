@@ -16,7 +16,7 @@ from typing import Any
 import agentrob
 
 START_S = 100.0
-HERE = Path(__file__).parent
+ROOT = Path(__file__).parents[2]
 SOURCE = Path(agentrob.__file__).parents[1]
 AGENTROB = ("-c", "from tests.kill.kill_points import main; main()")
 
@@ -32,7 +32,7 @@ def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:
 
 def environment(folder: Path, more: Mapping[str, str]) -> dict[str, str]:
     """Of a process of the house in this folder; it ends with the tests."""
-    path = os.pathsep.join((str(HERE), str(SOURCE), str(folder / "plugins")))
+    path = os.pathsep.join((str(ROOT), str(SOURCE), str(folder / "plugins")))
     return {**os.environ, **more, "PYTHONPATH": path, "AGENTROB_PARENT": str(os.getpid())}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from agentrob.config.load import RobotConfig
-from agentrob.demo.run import OwnDomain
+from agentrob.process.dds_domain import OwnDomain
 from tests.kill.kill_house import House
 from tests.kill.kill_process import AGENTROB, Mortal
 

@@ -19,7 +19,11 @@ from tests.kill.kill_house import ROBOT, WALK, Asked, House, check
 from tests.kill.kill_process import wait_for
 
 pytestmark = pytest.mark.slow
-JOURNAL, APPROVALS, FORUM = "agent.journal:Journal.", "agent.approvals:Approvals.", "forums.board:BoardForum."
+JOURNAL, APPROVALS, FORUM = (
+    "agent.store.journal:Journal.",
+    "agent.queue.approvals:Approvals.",
+    "forums.agentrob.forum:BoardForum.",
+)
 
 
 class AskingHouse(House):
@@ -74,7 +78,7 @@ POINTS = [
     Point("approval not noted yet", JOURNAL + "decide", "before"),
     Point("approval noted", JOURNAL + "decide", "after"),
     Point("approval counted", APPROVALS + "hear", "after"),
-    Point("approved and first in line", "agent.line:Line.turn", "after"),
+    Point("approved and first in line", "agent.queue.queue:Line.turn", "after"),
     Point("attempt not committed yet", JOURNAL + "_begin", "before"),
     Point("attempt committed", JOURNAL + "_begin", "after", end="interrupted"),
 ]

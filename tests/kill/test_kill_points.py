@@ -59,9 +59,10 @@ def board(name: str, target: str, when: str, ends: frozenset[str] = DONE, **more
     return Point(f"board, {name}", "board", "agentrob.board." + target, when, ends, **more)
 
 
-TURN, THINKING, COURSE = "agent.turn:", "agent.thinking:", "agent.course:"
-JOURNAL, CLIENT = "agent.journal:Journal.", "robots.client:DriverClient."
-FORUM = "forums.board:BoardForum."
+TURN, THINKING, COURSE = "agent.agent:", "agent.understanding.understand:", "agent.pipeline:"
+STATUS = "agent.reporting.status_post:StatusLine."
+JOURNAL, CLIENT = "agent.store.journal:Journal.", "robots.driver.client:DriverClient."
+FORUM = "forums.agentrob.forum:BoardForum."
 #: Nothing has moved yet, so it is all done after the restart, once.
 BEFORE_MOTION = [
     agent("post not heard yet", TURN + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
@@ -69,7 +70,7 @@ BEFORE_MOTION = [
     agent("post perceived", TURN + "perceive", "after", DONE, 1),
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
-    agent("taken, cursor saved", "agent.rows:Rows.put_all", "after", DONE, 1, containing="cursor"),
+    agent("taken, cursor saved", "agent.store.rows:Rows.put_all", "after", DONE, 1, containing="cursor"),
     agent("to be planned", THINKING + "extract", "before", DONE, 1),
     agent("planned", THINKING + "extract", "after", DONE, 1),
     agent("to be screened", THINKING + "judge", "before", DONE, 1),
@@ -78,7 +79,7 @@ BEFORE_MOTION = [
     agent("not claimed on the forum yet", FORUM + "reply", "before", DONE, 1, containing="claim:"),
     agent("claimed on the forum", FORUM + "reply", "after", DONE, 1, containing="claim:"),
     agent("claim noted in the journal", JOURNAL + "posted", "after", DONE, 1),
-    agent("first in line", "agent.line:Line.turn", "after", DONE, 1),
+    agent("first in line", "agent.queue.queue:Line.turn", "after", DONE, 1),
     agent("attempt not committed yet", JOURNAL + "_begin", "before", DONE, 1),
 ]
 #: Begun and not known to be finished: never again, whatever had moved.
@@ -86,20 +87,20 @@ BEGUN = [
     agent("attempt committed", JOURNAL + "_begin", "after", INTERRUPTED, 0),
     agent("allowed again", COURSE + "permission", "after", INTERRUPTED, 0),
     agent("lease taken", CLIENT + "_call", "after", INTERRUPTED, 0, containing="'POST', '/lease'"),
-    agent("step told", "agent.status:StatusLine.show", "after", INTERRUPTED, 0, containing="state='running'"),
+    agent("step told", STATUS + "show", "after", INTERRUPTED, 0, containing="state='running'"),
     agent("step about to be sent", CLIENT + "step", "before", INTERRUPTED, 0),
     agent("status to be updated", FORUM + "edit", "before", INTERRUPTED, containing="state='running'"),
     agent("status updated", FORUM + "edit", "after", INTERRUPTED, containing="state='running'"),
-    agent("walking", "agent.execute:Run._must_end", "before", INTERRUPTED, 1, nth=5),
+    agent("walking", "agent.execution.execute:Run._must_end", "before", INTERRUPTED, 1, nth=5),
     agent("step's result there", CLIENT + "step", "after", INTERRUPTED, 1),
     agent("photo there", CLIENT + "step", "after", INTERRUPTED, 1, nth=2, text=PHOTO),
-    agent("pictures kept", "agent.records:Records.keep_pictures", "after", INTERRUPTED, 1, text=PHOTO),
+    agent("pictures kept", "agent.store.records:Records.keep_pictures", "after", INTERRUPTED, 1, text=PHOTO),
     agent("motion's end not committed yet", JOURNAL + "_end", "before", INTERRUPTED, 1),
 ]
 #: The end is on disk: it is told as it was.
 ENDED = [
     agent("motion's end committed", JOURNAL + "_end", "after", DONE, 1),
-    agent("record written", "agent.records:Records.write", "after", DONE, 1),
+    agent("record written", "agent.store.records:Records.write", "after", DONE, 1),
     agent("pictures to be uploaded", FORUM + "_upload", "before", DONE, 1, containing="xff", text=PHOTO),
     agent("pictures uploaded", FORUM + "_upload", "after", DONE, 1, containing="xff", text=PHOTO),
     agent("final reply to be told", FORUM + "edit", "before", DONE, 1, containing="state='done'"),

@@ -79,7 +79,8 @@ def test_a_host_lock_is_given_back_while_a_thread_waits_for_callers_on_it() -> N
 
 def test_a_host_lock_dies_with_its_process() -> None:
     name = f"test/dies-{os.getpid()}"
-    code = f"from agentrob.process.host_lock import HostLock; l = HostLock({name!r}, 'x'); print('held', flush=True); input()"
+    code = "from agentrob.process.host_lock import HostLock\n"
+    code += f"l = HostLock({name!r}, 'x'); print('held', flush=True); input()"
     holder = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert holder.stdout is not None
     assert holder.stdout.readline() == "held\n"

@@ -97,7 +97,8 @@ def test_unitrees_cpp_library_reads_the_joints_of_our_simulated_robot(
 def test_without_our_patch_of_cyclonedds_11_unitrees_cpp_library_hears_nothing(
     network: Network, tmp_path: Path
 ) -> None:
-    """What the other tests would find without `agentrob.process.dds`; when this fails, its patch may not be needed any more."""
+    """What the other tests would find without `agentrob.process.dds`; when this fails, its patch may not be
+    needed any more."""
     heard = {}
     for way in ("plain", "patched"):
         network.start(OURS, HERE / "our_talker.py", way, log=tmp_path / f"{way}.log")

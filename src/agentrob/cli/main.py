@@ -17,6 +17,7 @@ from agentrob.model import AccountKind, Role
 from agentrob.process.child import follow_parent
 from agentrob.process.logs import log_to_stderr
 from agentrob.wiring import app, serving
+from agentrob.wiring.running_demo import demo_folder
 
 cli = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 demo_cli = typer.Typer(invoke_without_command=True)
@@ -76,7 +77,7 @@ def demo(
     if port is None and not once:
         port = demonstration.PORT
     settings = demonstration.DemoSettings(
-        data=(data or demonstration.default_data(once)).expanduser().absolute(),
+        data=(data or demo_folder(once)).expanduser().absolute(),
         port=port or None,
         post=post,
         as_json=as_json,
@@ -92,7 +93,7 @@ def demo_link(data: Annotated[Path | None, typer.Option(help="The demo's data fo
     """Print another one-time link for the demo that runs."""
     from agentrob.demo import run as demonstration
 
-    demonstration.print_link((data or demonstration.default_data(once=False)).expanduser().absolute())
+    demonstration.print_link((data or demo_folder(once=False)).expanduser().absolute())
 
 
 @eval_cli.callback()

@@ -17,15 +17,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any
+from typing import IO
 
 from agentrob.config import load as configuration
 from agentrob.config.board import BoardConfig
 from agentrob.config.load import Config, ForumConfig, MindConfig, RatesConfig
-from agentrob.errors import AgentRobError, ConfigError, RobotBusy
+from agentrob.errors import AgentRobError, ConfigError
 from agentrob.model import AccountKind, Role
-from agentrob.process import host_lock
 from agentrob.process.child import Child, ChildError, end_all
+from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.signals import sigterm_interrupts
+from agentrob.wiring.running_demo import demo_folder, running_demo
 
 PORT = 8088
 #: Handle of each robot, and its kind.
@@ -36,8 +38,6 @@ SENTENCES = (
     "@humanoid walk forward 1 metre, turn left, wave",
     "@quadruped wave. @humanoid make a heart.",
 )
-#: Domains for worlds that nobody gave one; real robots are on 0.
-DOMAINS = range(40, 100)
 
 
 class DemoError(AgentRobError):
@@ -64,26 +64,6 @@ class DemoSettings:
     def robots(self) -> dict[str, str]:
         """Handle of each robot that takes part, and its kind."""
         return ROBOTS | {kind: kind for kind in self.more if kind not in ROBOTS.values()}
-
-
-class OwnDomain:
-    """A DDS domain that nobody on this host uses, and that nobody else chooses until this is closed.
-
-    Raises `DemoError` when all are taken.
-    """
-
-    def __init__(self) -> None:
-        taken = set(host_lock.held())
-        for number in DOMAINS:
-            if not {f"world/lo/{number}", f"driver/lo/{number}"} & taken:
-                with contextlib.suppress(RobotBusy):
-                    self._lock = host_lock.HostLock(f"domain/lo/{number}", f"DDS domain {number}")
-                    self.number = number
-                    return
-        raise DemoError(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are taken on this host")
-
-    def close(self) -> None:
-        self._lock.close()
 
 
 def free_port() -> int:
@@ -199,7 +179,7 @@ class Demo:
         except OSError:
             self._lock.close()
             self._lock = None
-            where = (running(self.data) or {}).get("url", "")
+            where = (running_demo(self.data) or {}).get("url", "")
             raise DemoError(
                 f"a demo already runs{' at ' + where if where else ''} with the data folder {self.data}; "
                 "end it, or give another --data"
@@ -288,17 +268,6 @@ class Demo:
                 raise ChildError(f"{child.name} has ended: {child.last_words()} (log: {child.log})")
 
 
-def running(data: Path) -> dict[str, Any] | None:
-    """What `demo.json` says of the demo that runs with this data folder."""
-    with contextlib.suppress(OSError, ValueError), (data / "demo.lock").open() as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except BlockingIOError:  # held, so the demo lives
-            facts: dict[str, Any] = json.loads((data / "demo.json").read_text())
-            return facts
-    return None
-
-
 def config_for(robot: str | None, path: Path | None) -> Config:
     """The configuration that names this robot: the file's, or else that of the usual demo while it runs.
 
@@ -307,8 +276,8 @@ def config_for(robot: str | None, path: Path | None) -> Config:
     config = configuration.load(path)
     if path is not None or robot in config.robots or (robot is None and config.robots):
         return config
-    data = default_data(once=False)
-    facts = running(data)
+    data = demo_folder(once=False)
+    facts = running_demo(data)
     if facts is None:
         return config
     demo = configuration.load(data / "agentrob.toml")
@@ -318,31 +287,11 @@ def config_for(robot: str | None, path: Path | None) -> Config:
     return demo
 
 
-def default_data(once: bool) -> Path:
-    """Where the demo keeps everything unless told otherwise; a demo of one post has a folder of its own."""
-    return configuration.default_data_dir() / ("demo-post" if once else "demo")
-
-
 @contextlib.contextmanager
 def _undisturbed() -> Iterator[None]:
     """No signal breaks off the ending, which is bounded in time anyway."""
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-@contextlib.contextmanager
-def sigterm_interrupts() -> Iterator[None]:
-    """SIGTERM and a closed terminal end us as Ctrl-C does."""
-
-    def interrupt(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
     try:
         yield
     finally:
@@ -381,7 +330,7 @@ def welcome(demo: Demo) -> str:
 
 def print_link(data: Path) -> None:
     """The command `agentrob demo link`."""
-    facts = running(data)
+    facts = running_demo(data)
     if facts is None:
         raise DemoError(f"no demo runs with the data folder {data}; start one with: agentrob demo")
     print(Demo(DemoSettings(data)).link())

@@ -22,8 +22,9 @@ class Aim(StrEnum):
 class Task:
     """One part of a goal, in words of a closed vocabulary: nothing here was written by anybody else.
 
-    `thing` and `colour` are English words of `agentrob.minds.visual_loop.vocabulary`, `where` is a relation to the thing (beside,
-    behind, …) or `around`; a `look` without a thing is at whatever is there. `step` is what a `step` does.
+    `thing` and `colour` are English words of `agentrob.minds.visual_loop.vocabulary`, `where` is a relation to the
+    thing (beside, behind, …) or `around`; a `look` without a thing is at whatever is there. `step` is what a `step`
+    does.
     """
 
     aim: Aim

@@ -10,8 +10,8 @@ from agentrob.language.parser.lexicon import Lexicon
 
 
 @dataclass(frozen=True)
-class Tongue:
-    """One language, as a file in `tongues/` gives it under the name `TONGUE`.
+class Locale:
+    """One language, as a file in `locales/` gives it under the name `LOCALE`.
 
     `sentences` are what robots say, by the keys of `phrases_en`; a sentence that is missing is said in English. `stop`,
     `halt` and `polite` are phrases separated by |; they only add to the stop words of all languages (law 13), which

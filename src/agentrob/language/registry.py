@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import cast
 
 from agentrob.language import locales
-from agentrob.language.locale import Tongue
+from agentrob.language.locale import Locale
 from agentrob.language.parser.lexicon import pieces_of
 from agentrob.model import Language
 
@@ -21,14 +21,14 @@ _LATIN_WORD = re.compile(r"[^\W\d_\u3400-\u9fff]{2,}")
 
 
 @cache
-def known() -> Mapping[str, Tongue]:
-    """Every language by its code: the files of the folder `tongues`. English comes first."""
+def known() -> Mapping[str, Locale]:
+    """Every language by its code: the files of the folder `locales`. English comes first."""
     names = sorted((m.name for m in pkgutil.iter_modules(locales.__path__)), key=lambda n: (n != DEFAULT, n))
-    found = [cast(Tongue, importlib.import_module(f"{locales.__name__}.{name}").TONGUE) for name in names]
-    return MappingProxyType({tongue.code: tongue for tongue in found})
+    found = [cast(Locale, importlib.import_module(f"{locales.__name__}.{name}").LOCALE) for name in names]
+    return MappingProxyType({locale.code: locale for locale in found})
 
 
-def tongue(language: Language) -> Tongue:
+def locale(language: Language) -> Locale:
     """A language by its code; an unknown one is a KeyError that names those there are."""
     try:
         return known()[language]

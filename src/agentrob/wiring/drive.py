@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from agentrob.config.load import Config, RobotConfig
-from agentrob.demo import run as demo
 from agentrob.errors import ConfigError, RobotUnreachable
 from agentrob.language.goal import Goal
 from agentrob.model import (
@@ -38,6 +37,8 @@ from agentrob.model import (
 from agentrob.plugins import find
 from agentrob.process import host_lock
 from agentrob.process.child import Child, end_all
+from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.signals import sigterm_interrupts
 from agentrob.wiring import app
 
 if TYPE_CHECKING:
@@ -234,7 +235,7 @@ def _robot(robot: str, config: Config, interface: str | None) -> Iterator[tuple[
     if (found := _configured(robot, config, interface)) is not None:
         yield found
         return
-    with contextlib.closing(demo.OwnDomain()) as domain:
+    with contextlib.closing(OwnDomain()) as domain:
         yield robot, app.simulated_robot(robot, domain.number)
 
 
@@ -316,7 +317,7 @@ def run(
         raise ConfigError(f"--pictures {pictures} is not a folder")
     if mind is not None and mind != "rules" and mind not in config.minds:
         raise ConfigError(f"no mind named {mind!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
-    with demo.sigterm_interrupts():
+    with sigterm_interrupts():
         driven = robot_command_driver(text, robot, interface, config, on_step, mind)
     if driven.message:
         console.print(driven.message, markup=False, highlight=False)

@@ -12,11 +12,11 @@ import socket
 from pathlib import Path
 
 from agentrob.config.load import Config, runtime_dir
-from agentrob.demo import run as demo
 from agentrob.errors import ConfigError, RobotUnreachable
 from agentrob.model import Lock, Pose, RobotState
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.safety.lock import held_for
+from agentrob.wiring.running_demo import demo_folder, running_demo
 
 
 def release(robot: str, config: Config, data: Path | None = None) -> str:
@@ -82,7 +82,7 @@ def _socket(robot: str, config: Config, data: Path | None) -> Path:
 
 def _demo_sockets(data: Path | None) -> dict[str, Path]:
     """Those of the demo that runs with this data folder, or with the usual one."""
-    facts = demo.running(data or demo.default_data(once=False)) or {}
+    facts = running_demo(data or demo_folder(once=False)) or {}
     folder = facts.get("runtime")  # its AGENTROB_RUNTIME
     return _sockets(Path(folder) / "agentrob") if isinstance(folder, str) else {}
 

@@ -169,7 +169,12 @@ def outcome_of(reply: Post, step: int) -> str:
 
 
 #: Tried with every change, one of each kind: disk, journal, permission, the watch over a step, the driver.
-FAST = {"Records.keep_pictures after 2", "Journal._end after 2", "course.permission after 1", "Channel.silent after 1"}
+FAST = {
+    "Records.keep_pictures after 2",
+    "Journal._end after 2",
+    "pipeline.permission after 1",
+    "Channel.silent after 1",
+}
 FAULTS = [*AFTER_BOTH, *BETWEEN, *WITHIN]
 CASES = [pytest.param(f, id=f.id, marks=() if f.id in FAST else pytest.mark.slow) for f in FAULTS]
 assert {f.id for f in FAULTS} >= FAST

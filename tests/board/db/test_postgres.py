@@ -26,10 +26,12 @@ from tests.board.board_processes import fresh_postgres
 from tests.board.running_board import POSTGRES, database_for, running_board
 
 pytestmark = pytest.mark.slow
-HERE = Path(__file__).parent
-ROOMS = ("posts", "access", "events", "robots", "rights", "limits", "backup", "hot", "tags", "retention")
-SAME = tuple(f"board_{name}" for name in ROOMS)
-SEARCH = ("board_meaning", "pages_find")
+ROOT = Path(__file__).parents[3]
+BOARD = (
+    "api/test_posts", "auth/test_access", "events/test_streams", "robots/test_robots", "auth/test_rights",
+    "auth/test_limits", "admin/test_backup", "test_response_cache", "content/test_tags", "admin/test_retention",
+)  # fmt: skip
+SEARCH = ("search/test_semantic", "web/test_find")
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +41,12 @@ def server() -> Iterator[str]:
 
 
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize("names", [SAME, SEARCH], ids=["board", "search"])
+@pytest.mark.parametrize("names", [BOARD, SEARCH], ids=["board", "search"])
 def test_the_tests_of_the_board_pass_on_postgresql_too(server: str, names: tuple[str, ...]) -> None:
-    files = [str(HERE / f"test_{name}.py") for name in names]
+    files = [f"tests/board/{name}.py" for name in names]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not sqlite and not slow", *files]
     done = subprocess.run(
-        command, env=os.environ | {POSTGRES: server}, cwd=HERE.parents[1], text=True, capture_output=True, check=False
+        command, env=os.environ | {POSTGRES: server}, cwd=ROOT, text=True, capture_output=True, check=False
     )
     assert done.returncode == 0, done.stdout[-6000:]
     assert " passed" in done.stdout

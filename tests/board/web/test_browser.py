@@ -352,5 +352,5 @@ def test_the_robots_state_is_renewed(world: World, windows: Windows) -> None:
 
 
 def test_our_own_scripts_stay_small() -> None:
-    scripts = list((Path(server.__file__).parent / "static").glob("*.js"))
+    scripts = list((Path(server.__file__).parent / "web/static").glob("*.js"))
     assert 0 < sum(len(script.read_text(encoding="utf-8").splitlines()) for script in scripts) <= 400

@@ -68,7 +68,7 @@ TYPICAL_S, WORST_S = 0.005, 0.020
 
 def inputs(count: int, seed: int) -> Iterator[str]:
     chance = random.Random(seed)
-    rows = (Path(__file__).parent / "asks_back.jsonl").read_text(encoding="utf-8").splitlines()
+    rows = (Path(__file__).parents[1] / "asks_back.jsonl").read_text(encoding="utf-8").splitlines()
     sources = [*SEEDS, *(json.loads(row)["text"] for row in rows)]
     yield from NAUGHTY
     for _ in range(count):

@@ -225,7 +225,7 @@ async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_dri
 @pytest.mark.slow
 def test_a_cable_that_is_really_pulled_ends_the_step_and_plugged_in_again_the_robot_is_driven(tmp_path: Path) -> None:
     """In network namespaces of their own, as `unshare -rn` makes them, with a pair of virtual interfaces (iproute2)."""
-    scene = [sys.executable, str(Path(__file__).with_name("cable_scene.py")), str(tmp_path)]
+    scene = [sys.executable, "-m", "tests.robots.driver.cable_scene", str(tmp_path)]
     run = subprocess.run(["unshare", "-rn", *scene], capture_output=True, text=True, timeout=100, check=False)
     assert run.returncode == 0, run.stderr
     found = json.loads(run.stdout)

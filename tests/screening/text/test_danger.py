@@ -21,7 +21,7 @@ from agentrob.screening.screen import screen
 from agentrob.screening.text.harm import RULES, harm_of
 from agentrob.screening.text.messages import SENTENCES, say
 
-OWN = Path(__file__).with_name("dangerous.jsonl")
+OWN = Path(__file__).parents[1] / "dangerous.jsonl"
 OPERATOR = Account("1", "ann", role=Role.OPERATOR)
 GO2 = Capabilities("go2", frozenset(Op), simulated=True)
 

@@ -18,7 +18,7 @@ from agentrob.screening.text.prefilter import needs
 
 TEXTS = [
     harm.plain_words(json.loads(line)["text"])
-    for line in Path(__file__).with_name("dangerous.jsonl").read_text(encoding="utf-8").splitlines()
+    for line in (Path(__file__).parents[1] / "dangerous.jsonl").read_text(encoding="utf-8").splitlines()
 ]
 HAN = re.compile("[\u3400-\u9fff]")
 

@@ -8,7 +8,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import httpx2
@@ -36,8 +35,8 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 @pytest.fixture(scope="module")
 def sdk(both: Served) -> dict[str, Any]:
     """What the vendor's own client saw of the G1 in one go."""
-    script = Path(__file__).with_name("sdk_g1_client.py")
-    command = [sys.executable, str(script), str(G1_DOMAIN)]
+    script = "tests.sim.services.sdk_g1_client"
+    command = [sys.executable, "-m", script, str(G1_DOMAIN)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 0, done.stderr
     seen: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])

@@ -5,7 +5,6 @@ import json
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import httpx2
 import numpy as np
@@ -20,9 +19,9 @@ pytestmark = pytest.mark.sim
 @pytest.fixture(scope="module")
 def sdk(served):
     """What the vendor's own client saw in one go."""
-    script = Path(__file__).with_name("sdk_client.py")
+    script = "tests.sim.services.sdk_client"
     done = subprocess.run(
-        [sys.executable, str(script), str(served.domain)], capture_output=True, text=True, timeout=100, check=False
+        [sys.executable, "-m", script, str(served.domain)], capture_output=True, text=True, timeout=100, check=False
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.strip().splitlines()[-1])

@@ -1,7 +1,7 @@
 """What the thread is told (pure): facts in, Markdown out, in the language of the post.
 
-People's own words are in it only as escaped code (`agentrob.language.messages.catalog.quote`); sentences that others made of
-them, a mind, the screen or a driver, are disarmed here once more.
+People's own words are in it only as escaped code (`agentrob.language.messages.catalog.quote`); sentences that
+others made of them, a mind, the screen or a driver, are disarmed here once more.
 """
 
 from __future__ import annotations

@@ -21,8 +21,8 @@ from agentrob.model import Intent, Plan, Understanding, Verdict
 
 #: A mind that takes longer is as good as none; models of the configuration have their own limits.
 LIMIT_S = 60.0
-#: Why a mind did not answer, besides the words of `minds.faults.Kind`: it failed and did not say how; the post may not
-#: move anything any more (stopped, edited, …); its account is over its limits, so the command is refused anyway.
+#: Why a mind did not answer, besides the words of `minds.llm.errors.Kind`: it failed and did not say how; the post
+#: may not move anything any more (stopped, edited, …); its account is over its limits, so it is refused anyway.
 FAILED, OVER, RATE = "failed", "over", "rate"
 _log = structlog.get_logger()
 
@@ -32,9 +32,9 @@ class Thought:
     """What was made of a post before anything moves: understood by which mind, and judged how (law 19).
 
     `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
-    `minds.faults.Kind`, or one of those above), empty when it was. `usage` is one entry per question to a model, failed
-    ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what needs
-    eyes, and then the plan has only the steps that it names.
+    `minds.llm.errors.Kind`, or one of those above), empty when it was. `usage` is one entry per question to a model,
+    failed ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what
+    needs eyes, and then the plan has only the steps that it names.
     """
 
     understanding: Understanding

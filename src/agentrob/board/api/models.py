@@ -236,7 +236,7 @@ class RobotOut(_Out):
 
 
 class RightsOut(_Out):
-    """What `judge.rights` needs to know: each right is the least role, `owner` or `nobody`."""
+    """What `screening.rights` needs to know: each right is the least role, `owner` or `nobody`."""
 
     owner: str
     command: dict[str, str] = Field(description="by class of action: photo, gesture, move, risky")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from text_to_num import text2num
 
-from agentrob.language.locale import Tongue
+from agentrob.language.locale import Locale
 from agentrob.language.messages.en import PHRASES
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
 
@@ -383,7 +383,7 @@ def _decimals(said: str) -> float:
 
 
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
-TONGUE = Tongue(
+LOCALE = Locale(
     LEXICON,
     PHRASES,
     together="both of you|all of you|you both|you two|both robots",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from agentrob.language.locale import Tongue
+from agentrob.language.locale import Locale
 from agentrob.language.locales import en
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
@@ -243,7 +243,7 @@ _STATED = (
     r"(?![不没沒])(?!.*(?:[吗嗎么麼什谁誰哪呢时時就則则]|的话|的話))"
     r"(?:(?![走跑转轉退停移拍照挥揮跳去到看别別请請向往朝再并並然]|不要|[站坐趴](?![着著在])).){1,12}(?=$|[请請向往朝再并並然])"
 )
-TONGUE = Tongue(
+LOCALE = Locale(
     LEXICON,
     PHRASES,
     script="han",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 
-from agentrob.language.registry import DEFAULT, tongue
+from agentrob.language.registry import DEFAULT, locale
 from agentrob.language.visible_text import OMITTED, seen
 from agentrob.model import Language
 
@@ -17,13 +17,13 @@ def say(key: str, language: Language, **values: object) -> str:
 
     What a language does not say itself is said in English. Words of people go through `quote` first.
     """
-    found = tongue(language).sentences.get(key)
-    return (tongue(DEFAULT).sentences[key] if found is None else found).format_map(values)
+    found = locale(language).sentences.get(key)
+    return (locale(DEFAULT).sentences[key] if found is None else found).format_map(values)
 
 
 def can_say(key: str) -> bool:
     """Whether there is such a sentence."""
-    return key in tongue(DEFAULT).sentences
+    return key in locale(DEFAULT).sentences
 
 
 def quote(words: str) -> str:

@@ -3,7 +3,7 @@
     text ── addressing ──► words for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
          ── clauses ──► one draft per deed ── steps ──► steps, or the sentence to ask back with
 
-To teach it a word, add it to the table of its language (`tongues/en.py`, `tongues/zh.py`). To teach it a language,
+To teach it a word, add it to the table of its language (`locales/en.py`, `locales/zh.py`). To teach it a language,
 put such a file beside them: `docs/languages.md`.
 """
 
@@ -26,7 +26,7 @@ from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.parser.small_talk import Talk, talk_in
 from agentrob.language.parser.statements import without_statements
 from agentrob.language.parser.steps import Reading, read
-from agentrob.language.registry import language_of, tongue
+from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import without_mentions
 from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
@@ -91,8 +91,8 @@ def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk |
 
 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
-    words = tongue(language).words
-    called = _without_names(without_statements(part, tongue(language).stated), names, words)
+    words = locale(language).words
+    called = _without_names(without_statements(part, locale(language).stated), names, words)
     tokens, mistyped = tokens_of(called, words)
     return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
 

@@ -1,6 +1,6 @@
 """Words and what they mean to the grammar: the parts of speech, and cutting a text into them.
 
-A language is one file of the folder `tongues` with a table from meanings to the phrases people use. A meaning is one
+A language is one file of the folder `locales` with a table from meanings to the phrases people use. A meaning is one
 or more symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" says verb and direction at once ("back
 up").
 """

@@ -66,10 +66,10 @@ class StopWords:
 
 @cache
 def of_any_language() -> StopWords:
-    tongues = known().values()
-    halt = _phrases(_HALT_EN, _HALT_ZH, *(t.halt for t in tongues))
-    stop = _phrases(_STOP_EN, _STOP_ZH, *(t.stop for t in tongues)) | halt
-    polite = _phrases(_POLITE_EN, _POLITE_ZH, *(t.polite for t in tongues)) - stop
+    locales = known().values()
+    halt = _phrases(_HALT_EN, _HALT_ZH, *(t.halt for t in locales))
+    stop = _phrases(_STOP_EN, _STOP_ZH, *(t.stop for t in locales)) | halt
+    polite = _phrases(_POLITE_EN, _POLITE_ZH, *(t.polite for t in locales)) - stop
     spaced = max(p.count(" ") for p in stop | polite) + 1
     return StopWords(halt, stop, polite, spaced, max(len(p) for p in stop | polite if re.match(_HAN, p)))
 

@@ -130,7 +130,7 @@ class UnitreeRobot:
             raise RobotError(result.message or "the camera gave no picture")
         return result.image
 
-    # ------------------------------------------------------------ the body's clock (agentrob.robots.control.step_runner.Body)
+    # ------------------------------------------------ the body's clock (agentrob.robots.control.step_runner.Body)
     def now_s(self) -> float:
         return time.monotonic()
 

@@ -15,7 +15,7 @@ from functools import cache
 from agentrob.language.messages.catalog import quote
 from agentrob.language.parser.amounts import with_amounts
 from agentrob.language.parser.lexicon import Kind, Token, tokens_of
-from agentrob.language.registry import tongue
+from agentrob.language.registry import locale
 from agentrob.model import Decision, Direction, Language, Op, Plan, Verdict
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
 from agentrob.screening.text.messages import say
@@ -141,7 +141,7 @@ def without_safe_edges(plain: str) -> str:
 
 
 def _lengths(plain: str, language: Language) -> list[Token]:
-    tokens, _ = tokens_of(plain, tongue(language).words)
+    tokens, _ = tokens_of(plain, locale(language).words)
     return [token for token in with_amounts(tokens, plain) if token.kind is Kind.LENGTH]
 
 

@@ -100,8 +100,8 @@ def _found(rule: str, plain: str, doubts: bool) -> Iterator[tuple[str, bool]]:
 @cache
 def _phrases(rule: str, doubts: bool) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
     made = []
-    for vocabulary, tongue in ((ENGLISH, words_en), (CHINESE, words_zh)):
-        phrases = [phrase.removeprefix(DOUBT) for phrase in tongue.RULES[rule] if phrase.startswith(DOUBT) is doubts]
+    for vocabulary, locale in ((ENGLISH, words_en), (CHINESE, words_zh)):
+        phrases = [phrase.removeprefix(DOUBT) for phrase in locale.RULES[rule] if phrase.startswith(DOUBT) is doubts]
         if phrases:
-            made.append((Phrases(vocabulary, phrases), re.compile(tongue.DENIED)))
+            made.append((Phrases(vocabulary, phrases), re.compile(locale.DENIED)))
     return tuple(made)

@@ -5,7 +5,8 @@ verb in all its English forms, `~` for up to thirty characters within one senten
 same within one deed. Everything else is a regular expression over text in small letters with single spaces.
 
 All of them together take most of a second to compile. A process that serves compiles them when it begins
-(`Phrases.prepare`); one that reads a single text compiles only what can be found in it (`agentrob.screening.text.prefilter`).
+(`Phrases.prepare`); one that reads a single text compiles only what can be found in it
+(`agentrob.screening.text.prefilter`).
 """
 
 from __future__ import annotations

@@ -3,8 +3,9 @@
 Each rule names two or three things that must not come together: water and electricity, a flame and paper, a parcel and
 the fire exit. What comes together may be said in the post or seen in the place, but the deed must be in the post. The
 description is plain English, from the world file or from what a camera model named; only English posts are held
-against it word by word, while motions are held against it in every language (`agentrob.screening.text.described_hazards`). Rules see pairs of
-words, not what they mean: a model sees more, and may add refusals.
+against it word by word, while motions are held against it in every language
+(`agentrob.screening.text.described_hazards`).
+Rules see pairs of words, not what they mean: a model sees more, and may add refusals.
 """
 
 from __future__ import annotations

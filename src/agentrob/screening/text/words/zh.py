@@ -1,4 +1,5 @@
-"""Chinese words of harm: groups of words, and for each rule the phrases that break it (`agentrob.screening.text.patterns`)."""
+"""Chinese words of harm: groups of words, and for each rule the phrases that break it
+(`agentrob.screening.text.patterns`)."""
 
 from __future__ import annotations
 

@@ -1,0 +1,31 @@
+"""DDS domains of simulated worlds: each world has one of its own on this host."""
+
+from __future__ import annotations
+
+import contextlib
+
+from agentrob.errors import RobotBusy
+from agentrob.process import host_lock
+
+#: Domains for worlds that nobody gave one; real robots are on 0.
+DOMAINS = range(40, 100)
+
+
+class OwnDomain:
+    """A DDS domain that nobody on this host uses, and that nobody else chooses until this is closed.
+
+    Raises `RobotBusy` when all are taken.
+    """
+
+    def __init__(self) -> None:
+        taken = set(host_lock.held())
+        for number in DOMAINS:
+            if not {f"world/lo/{number}", f"driver/lo/{number}"} & taken:
+                with contextlib.suppress(RobotBusy):
+                    self._lock = host_lock.HostLock(f"domain/lo/{number}", f"DDS domain {number}")
+                    self.number = number
+                    return
+        raise RobotBusy(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are taken on this host")
+
+    def close(self) -> None:
+        self._lock.close()
