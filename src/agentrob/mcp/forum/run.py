@@ -14,7 +14,7 @@ from agentrob.mcp.forum.identity import Accounts, Identity, OpenForum, Rights
 
 def prepare(http: bool) -> None:
     """Import what a server needs."""
-    importlib.import_module(f"agentrob.mcp.{'streamable' if http else 'stdio'}")
+    importlib.import_module(f"agentrob.mcp.forum.{'http' if http else 'stdio'}")
 
 
 def run_stdio(config: Config, open_forum: OpenForum, token: str, write: bool) -> None:
