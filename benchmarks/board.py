@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import accounts
 from agentrob.board.settings import BoardSettings
 from agentrob.config.load import BoardConfig
@@ -255,13 +255,13 @@ def seed(settings: BoardSettings, posts: int) -> int:
 @contextmanager
 def serving(folder: str, posts: int) -> Iterator[Server]:
     settings = BoardSettings.from_config(BoardConfig(), Path(folder))
-    bootstrap.bootstrap(settings)
-    account = bootstrap.create_account(settings, "bench", role=Role.OPERATOR)
-    token = bootstrap.issue_token(settings, account)
-    with bootstrap.writing(settings) as connection:
+    local_admin.bootstrap(settings)
+    account = local_admin.create_account(settings, "bench", role=Role.OPERATOR)
+    token = local_admin.issue_token(settings, account)
+    with local_admin.writing(settings) as connection:
         session = accounts.new_session(connection, int(account.id))
-    others = [bootstrap.create_account(settings, f"listener-{n}") for n in range(4)]
-    listening = [bootstrap.issue_token(settings, other) for other in others]
+    others = [local_admin.create_account(settings, f"listener-{n}") for n in range(4)]
+    listening = [local_admin.issue_token(settings, other) for other in others]
     topics = seed(settings, posts)
     with subprocess.Popen([sys.executable, "-c", SERVE, folder], stdout=subprocess.PIPE, text=True) as board:
         try:

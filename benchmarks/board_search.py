@@ -28,7 +28,7 @@ import numpy as np
 from board import SERVE
 from sqlalchemy import create_engine, insert, text
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import visibility
 from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
@@ -157,7 +157,7 @@ def timed(find: Callable[[], int], trials: int) -> str:
 
 def by_index(settings: BoardSettings, trials: int) -> None:
     store = Store(settings)
-    visibility.let_see(frozenset({"talk"}))  # as a reader who may not see every board
+    visibility.set_readable_boards(frozenset({"talk"}))  # as a reader who may not see every board
     finder: Reader = store._finder
     for name, query in QUERIES.items():
         print(f"{name}: {timed(lambda q=query: len(search.find(finder, q).items), trials)}", flush=True)
@@ -213,11 +213,11 @@ def measure(folder: Path, posts: int, trials: int, database: str = "") -> None:
     settings = BoardSettings.from_config(BoardConfig(), folder)
     if database:
         settings = replace(settings, database=database)
-    bootstrap.bootstrap(settings)
+    local_admin.bootstrap(settings)
     try:
-        account = bootstrap.find_account(settings, "bench")
+        account = local_admin.find_account(settings, "bench")
     except BoardError:
-        account = bootstrap.create_account(settings, "bench", role=Role.OPERATOR)
+        account = local_admin.create_account(settings, "bench", role=Role.OPERATOR)
     start = time.perf_counter()
     (fill_postgres if database else fill)(settings, posts)
     size = settings.database_path.stat().st_size / 1e6 if settings.database_path else size_there(settings)
@@ -228,7 +228,7 @@ def measure(folder: Path, posts: int, trials: int, database: str = "") -> None:
     with subprocess.Popen([sys.executable, "-c", SERVE, str(folder)], stdout=subprocess.PIPE, text=True) as board:
         try:
             assert board.stdout is not None
-            by_http(int(board.stdout.readline()), bootstrap.issue_token(settings, account), trials)
+            by_http(int(board.stdout.readline()), local_admin.issue_token(settings, account), trials)
         finally:
             board.terminate()
 

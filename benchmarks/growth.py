@@ -34,7 +34,7 @@ from agentrob.agent.reporting.status_post import is_final
 from agentrob.agent.store import engine_cleanup, retention
 from agentrob.agent.store import journal as journals
 from agentrob.board import server
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.admin import retention as board_retention
 from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig, BoardRetentionConfig
@@ -70,10 +70,10 @@ def _board(folder: Path, told: Connection) -> None:
     board_retention.EVERY_S = PRUNED_EVERY_S
     keep = BoardRetentionConfig.model_construct(event_days=0.0, events=EVENTS)
     settings = replace(BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0"), folder), retention=keep)
-    bootstrap.bootstrap(settings)
-    robot = bootstrap.create_account(settings, ROBOT, kind=AccountKind.ROBOT_AGENT)
-    alice = bootstrap.create_account(settings, "alice", role=Role.OPERATOR)
-    tokens = [bootstrap.issue_token(settings, account) for account in (robot, alice)]
+    local_admin.bootstrap(settings)
+    robot = local_admin.create_account(settings, ROBOT, kind=AccountKind.ROBOT_AGENT)
+    alice = local_admin.create_account(settings, "alice", role=Role.OPERATOR)
+    tokens = [local_admin.issue_token(settings, account) for account in (robot, alice)]
     server.serve(settings, lambda served: told.send((served.base_url, *tokens)))
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import httpx2
 from sqlalchemy import create_engine, text
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import accounts
 from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig
@@ -141,9 +141,9 @@ class Forum:
         self.add("quadruped", kind=AccountKind.ROBOT_AGENT)
 
     def add(self, name: str, **options: Any) -> str:
-        account = bootstrap.create_account(self.settings, name, **options)
+        account = local_admin.create_account(self.settings, name, **options)
         scopes = accounts.SCOPES if account.role is Role.ADMIN else ("read", "write")
-        self.tokens[name] = bootstrap.issue_token(self.settings, account, scopes=scopes)
+        self.tokens[name] = local_admin.issue_token(self.settings, account, scopes=scopes)
         return self.tokens[name]
 
     def as_(self, name: str, on: BoardProcess) -> httpx2.Client:

@@ -19,7 +19,7 @@ import httpx2
 from argon2 import PasswordHasher
 from sqlalchemy import create_engine, make_url, text
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import accounts
 from agentrob.board.db.database import open_engine
 from agentrob.board.server import Server, create_app
@@ -65,7 +65,7 @@ def fresh_database() -> tuple[bytes, dict[str, str]]:
     """A database with the first boards and accounts, made once for all boards of this process, and their tokens."""
     with TemporaryDirectory() as folder:
         settings = BoardSettings.from_config(BoardConfig(), Path(folder))
-        bootstrap.bootstrap(settings)
+        local_admin.bootstrap(settings)
         tokens = {name: had(settings, name, **options) for name, options in FIRST.items()}
         assert settings.database_path is not None
         return settings.database_path.read_bytes(), tokens
@@ -74,11 +74,11 @@ def fresh_database() -> tuple[bytes, dict[str, str]]:
 def had(settings: BoardSettings, name: str, **options: Any) -> str:
     """A new token of an account, which is made when it is not there."""
     try:
-        account = bootstrap.find_account(settings, name)
+        account = local_admin.find_account(settings, name)
     except BoardError:
-        account = bootstrap.create_account(settings, name, **options)
+        account = local_admin.create_account(settings, name, **options)
     scopes = accounts.SCOPES if account.role is Role.ADMIN else ("read", "write")
-    return bootstrap.issue_token(settings, account, scopes=scopes)
+    return local_admin.issue_token(settings, account, scopes=scopes)
 
 
 def prepared(settings: BoardSettings) -> dict[str, str]:
@@ -89,7 +89,7 @@ def prepared(settings: BoardSettings) -> dict[str, str]:
         content, tokens = fresh_database()
         path.write_bytes(content)
         return dict(tokens)
-    bootstrap.bootstrap(settings)
+    local_admin.bootstrap(settings)
     return {name: had(settings, name, **options) for name, options in FIRST.items()}
 
 
@@ -116,8 +116,8 @@ class RunningBoard:
         return parts
 
     def add(self, name: str, **options: Any) -> Account:
-        account = bootstrap.create_account(self.settings, name, **options)
-        self.tokens[name] = bootstrap.issue_token(self.settings, account)
+        account = local_admin.create_account(self.settings, name, **options)
+        self.tokens[name] = local_admin.issue_token(self.settings, account)
         return account
 
     def have(self, name: str, **options: Any) -> None:
@@ -136,7 +136,7 @@ class RunningBoard:
         client = httpx2.Client(base_url=self.url, timeout=LIMIT_S)
         self._clients.append(client)
         if name is not None:
-            account = bootstrap.find_account(self.settings, name)
+            account = local_admin.find_account(self.settings, name)
             engine = open_engine(self.settings, writes=True)
             with engine.begin() as connection:
                 session = accounts.new_session(connection, int(account.id))

@@ -12,14 +12,14 @@ import httpx2
 import pytest
 
 from agentrob.board import response_cache
-from agentrob.board.admin import administration, bootstrap, moderation
-from agentrob.board.api.models import Paged, Shaper
+from agentrob.board.admin import local_admin, management, moderation
+from agentrob.board.api.models import Paged, Serializer
 from agentrob.board.auth import accounts, visibility
 from agentrob.board.content import writes
 from agentrob.board.db.database import open_engine
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.writer import Transaction
-from agentrob.board.response_cache import Topics
+from agentrob.board.response_cache import TopicCache
 from agentrob.model import AccountKind, Role
 from tests.board.auth.test_rights import chief, jpeg, new_board, topic_on
 from tests.board.events.test_streams import now, stream, until
@@ -29,7 +29,7 @@ from tests.board.security.test_every_endpoint import bearer
 
 def elsewhere(board: RunningBoard, job: Callable[[Transaction], Any]) -> Any:
     """As another process does it, which tells this server nothing."""
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         return job(Transaction(connection))
 
 
@@ -38,7 +38,7 @@ def fresh(board: RunningBoard, topic: str, viewer: str) -> dict[str, Any]:
     engine = open_engine(board.settings, writes=False)
     with engine.connect() as connection:
         reader = Reader(connection)
-        shape = Shaper(board.settings.base_url, reader.account(viewer))
+        shape = Serializer(board.settings.base_url, reader.account(viewer))
         page = reader.posts(topic, None, 50)
         made = Paged(items=tuple(map(shape.post, page.items)), next=page.next).model_dump(mode="json")
     engine.dispose()
@@ -55,13 +55,13 @@ def test_whatever_changes_what_a_topic_shows_is_shown_at_once(board: RunningBoar
     card = {"robot": "quadruped", "state": "running"}
     status = robot.post(f"/topics/{topic}/posts", json={"body": "on it", "card": card, "images": [image]}).json()
     status_id = status["post"]["id"]
-    shell = bootstrap.find_account(board.settings, "admin")
+    shell = local_admin.find_account(board.settings, "admin")
     board.add("talker", display_name="Tal Ker")
     said = board.client("talker").post(f"/topics/{topic}/posts", json={"body": "my words"}).json()["post"]["id"]
     later = datetime.now(UTC) + timedelta(days=3)
 
     def promoted(t: Transaction) -> Any:
-        return administration.change_account(t.connection, "shell", "talker", role=Role.OPERATOR)
+        return management.change_account(t.connection, "shell", "talker", role=Role.OPERATOR)
 
     deeds: list[Callable[[], Any]] = [
         lambda: author.patch(f"/posts/{first}", json={"body": "changed"}).raise_for_status(),
@@ -105,7 +105,7 @@ def test_a_hot_page_shows_what_changed_and_to_each_only_what_is_theirs(board: Ru
     assert [("<p>first words" in page(n), "<p>second words" in page(n)) for n in ("op", "author")] == [
         (False, True)
     ] * 2
-    shell = bootstrap.find_account(board.settings, "admin")
+    shell = local_admin.find_account(board.settings, "admin")
     elsewhere(board, lambda t: writes.remove(t, shell, post))
     assert not [n for n in ("op", "author") if "<p>second words" in page(n)]
 
@@ -137,7 +137,7 @@ def test_a_lost_right_is_lost_at_once_on_the_hottest_topic(board: RunningBoard, 
     where = new_board(board, f"hot-{len(name)}", read_role="operator", post_role="operator")
     closed = new_board(board, "admins-only", read_role="admin", post_role="admin")
     topic, _ = topic_on(board, where, "not for everybody")
-    shell = bootstrap.find_account(board.settings, "admin")
+    shell = local_admin.find_account(board.settings, "admin")
     if by_page:
         client, path = board.browser(name), f"/t/{topic}"
     else:
@@ -145,8 +145,8 @@ def test_a_lost_right_is_lost_at_once_on_the_hottest_topic(board: RunningBoard, 
     for _ in range(3):
         assert client.get(path).status_code == 200
     deed: dict[str, Callable[[Transaction], Any]] = {
-        "suspended": lambda t: administration.change_account(t.connection, "shell", name, suspended=True),
-        "closed board": lambda t: administration.change_board(
+        "suspended": lambda t: management.change_account(t.connection, "shell", name, suspended=True),
+        "closed board": lambda t: management.change_board(
             t.connection, "shell", where, read_role=Role.ADMIN, post_role=Role.ADMIN
         ),
         "moved away": lambda t: moderation.move(t, shell, topic, closed),
@@ -190,7 +190,7 @@ def test_nobody_gets_the_answer_to_somebody_else_s_question(board: RunningBoard)
 
 def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
-    kept = Topics(max_kept=100 + 3 * response_cache.ENTRY_BYTES)  # three of 30, and what it takes to find them
+    kept = TopicCache(max_kept=100 + 3 * response_cache.ENTRY_BYTES)  # three of 30, and what it takes to find them
     reader = board.services.store.everything  # read on the board's own loop
     made: list[int] = []
 
@@ -205,8 +205,8 @@ def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
     assert len(kept._kept) == 0, "what is too large by itself is not kept"
 
 
-async def _of(kept: Topics, reader: Reader, topic: str, asked: int, make: Any) -> int:
-    visibility.let_see(frozenset({"talk"}))
+async def _of(kept: TopicCache, reader: Reader, topic: str, asked: int, make: Any) -> int:
+    visibility.set_readable_boards(frozenset({"talk"}))
     return kept.of(reader, topic, asked, make)
 
 
@@ -214,7 +214,7 @@ def test_what_another_process_writes_is_told_to_open_streams(board: RunningBoard
     """Law 4: a robot's agent hears of a command that was hidden at the shell, without anything else happening."""
     _topic, post = topic_on(board, "talk", "hidden soon")
     client: httpx2.Client = board.client("op")
-    account = bootstrap.find_account(board.settings, "admin")
+    account = local_admin.find_account(board.settings, "admin")
     with stream(client, after=now(client), heartbeat=30) as events:
         later = threading.Timer(0.2, elsewhere, (board, lambda t: writes.remove(t, account, post)))
         later.start()
@@ -267,10 +267,10 @@ def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBo
     assert len(kept._answers) == 1
 
 
-def kept_answers(board: RunningBoard) -> response_cache.Hot:
+def kept_answers(board: RunningBoard) -> response_cache.ResponseCache:
     """What the running server keeps before its app, empty."""
     layer: Any = board.server.app.middleware_stack
-    while not isinstance(layer, response_cache.Hot):
+    while not isinstance(layer, response_cache.ResponseCache):
         layer = layer.app
     layer._answers, layer._size = {}, 0
     return layer

@@ -11,7 +11,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from agentrob.board.admin import bootstrap, moderation
+from agentrob.board.admin import local_admin, moderation
 from agentrob.board.content import writes
 from agentrob.board.content.renderer import Text
 from agentrob.board.db.database import migrate, serving_lock
@@ -69,8 +69,8 @@ def shell(begun: Shell, tmp_path: Path) -> Shell:
 
 def post(shell: Shell, body: str) -> tuple[str, str]:
     """A new topic of ann's; its id and its post's."""
-    ann = bootstrap.find_account(shell.settings, "ann")
-    with bootstrap.writing(shell.settings) as connection:
+    ann = local_admin.find_account(shell.settings, "ann")
+    with local_admin.writing(shell.settings) as connection:
         made = writes.create_topic(
             Transaction(connection), "talk", "A topic", writes.Draft(ann, Text(body).rendered(()))
         )
@@ -80,7 +80,7 @@ def post(shell: Shell, body: str) -> tuple[str, str]:
 def test_a_forum_that_has_begun_is_safe_by_default_and_is_not_begun_again(shell: Shell) -> None:
     assert (shell.settings.sign_up, shell.settings.public_read, shell.settings.secure) == (False, False, True)
     assert shell.settings.limits.posts > 0
-    chief = bootstrap.find_account(shell.settings, "chief")
+    chief = local_admin.find_account(shell.settings, "chief")
     assert (chief.role, chief.kind) == (Role.ADMIN, AccountKind.HUMAN)
     with pytest.raises(AgentRobError, match="is there already"):
         shell.run("init", "--admin", "other")
@@ -153,7 +153,7 @@ def test_whoever_reads_a_list_slowly_holds_up_nobody_who_writes(
     impatient, printed = replace(shell.settings, busy_timeout_s=0.05), []
 
     def into_a_full_pipe(line: str) -> None:
-        with bootstrap.writing(impatient) as connection:
+        with local_admin.writing(impatient) as connection:
             writes.record(Transaction(connection), EventKind.ROBOT_STOP, "quadruped", None, None, 0)
         printed.append(line)
 
@@ -182,8 +182,8 @@ def test_a_backup_goes_into_an_empty_forum_and_an_export_has_no_secrets(shell: S
 
 def test_erasing_is_said_before_it_is_done(shell: Shell) -> None:
     shell.board("account", "add", "leaver")
-    leaver = bootstrap.find_account(shell.settings, "leaver")
-    with bootstrap.writing(shell.settings) as connection:
+    leaver = local_admin.find_account(shell.settings, "leaver")
+    with local_admin.writing(shell.settings) as connection:
         draft = writes.Draft(leaver, Text("my words").rendered(()))
         made = writes.create_topic(Transaction(connection), "talk", "Mine", draft)
     with pytest.raises(AgentRobError, match="--yes"):
@@ -191,8 +191,8 @@ def test_erasing_is_said_before_it_is_done(shell: Shell) -> None:
     assert "my words" in shell.board("moderate", "read", made.post.id)
     assert shell.board("account", "erase", "leaver", "--yes") == "1 posts and 0 pictures of leaver are deleted\n"
     assert "my words" not in shell.board("moderate", "read", made.post.id)
-    chief = bootstrap.find_account(shell.settings, "chief")
-    with bootstrap.writing(shell.settings) as connection, pytest.raises(BoardError, match="erased"):
+    chief = local_admin.find_account(shell.settings, "chief")
+    with local_admin.writing(shell.settings) as connection, pytest.raises(BoardError, match="erased"):
         moderation.show(Transaction(connection), chief, made.post.id)
     assert shell.board("expire") == "0 pictures expired, 0 files deleted\n"
 
@@ -210,7 +210,7 @@ def test_no_word_but_migrate_changes_the_tables_of_another_version(tmp_path: Pat
         with pytest.raises(ConfigError, match=r"there is no forum in .* agentrob init"):
             shell.board(*asked)
         assert not path.exists(), "looking makes no database"
-    bootstrap.bootstrap(shell.settings)
+    local_admin.bootstrap(shell.settings)
     migrate(shell.settings, "0005_processes")
     with serving_lock(shell.settings):  # as an older server holds it
         for _ in range(2):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.agentrob.forum import BoardForum
@@ -39,8 +39,8 @@ class BoardWorld:
         return self.forums[-1]
 
     async def suspend(self, name: str) -> None:
-        account = bootstrap.find_account(self.board.settings, name)
-        await asyncio.to_thread(bootstrap.change_account, self.board.settings, account, suspended=True)
+        account = local_admin.find_account(self.board.settings, name)
+        await asyncio.to_thread(local_admin.change_account, self.board.settings, account, suspended=True)
 
     async def remove(self, post_id: str) -> None:
         with self.board.client("admin") as client:

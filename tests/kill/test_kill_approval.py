@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.board.admin import administration, bootstrap
+from agentrob.board.admin import local_admin, management
 from agentrob.board.admin.audit import SHELL
 from agentrob.wiring import app
 from tests.kill.kill_house import ROBOT, WALK, Asked, House, check
@@ -31,9 +31,9 @@ class AskingHouse(House):
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
-        with bootstrap.writing(app.board_settings(self.config)) as connection:
+        with local_admin.writing(app.board_settings(self.config)) as connection:
             rights = {"approval": ("move",), "approve": "operator", "approve_own": True}
-            administration.change_robot(connection, SHELL, ROBOT, **rights)
+            management.change_robot(connection, SHELL, ROBOT, **rights)
 
     def waits(self, asked: Asked) -> None:
         """Until its answer says that it waits."""

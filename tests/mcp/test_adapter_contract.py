@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from mcp.client.client import Client
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumUnreachable
 from agentrob.forums.contract import ForumContract, World
@@ -83,8 +83,8 @@ class BoardMcpWorld(BoardWorld):
         if self.http:
             if not self.url:
                 self.url = await asyncio.to_thread(self._serve)
-            account = bootstrap.find_account(self.board.settings, name)
-            await asyncio.to_thread(bootstrap.change_account, self.board.settings, account, role=role)
+            account = local_admin.find_account(self.board.settings, name)
+            await asyncio.to_thread(local_admin.change_account, self.board.settings, account, role=role)
             forum = McpForum(ForumConfig(kind="mcp", url=self.url), f"mcp-token-for-user-{name}")
         else:
             command = " ".join(self.setup.command())

@@ -40,7 +40,7 @@ _HEADERS: Final = {
 log = structlog.get_logger(__name__)
 
 
-class Gate:
+class SecurityMiddleware:
     """ASGI around the app."""
 
     def __init__(self, app: ASGIApp, settings: BoardSettings) -> None:

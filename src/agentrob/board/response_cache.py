@@ -1,9 +1,9 @@
-"""Answers of hot topics, kept as bytes for exactly as long as nothing that they show has changed.
+"""Caches the answers that many clients ask for: posts of a topic as JSON, and as the HTML of its page.
 
-Two layers. `Topics` keeps what was made of a topic's posts and asks before each use whether that topic or anything that
-an admin changes is another one since: so writing elsewhere voids nothing. `Hot`, in front of the app, repeats a whole
-answer to the same question by the same credential until anybody commits anything: so a lost right, a revoked token or
-a closed board is asked for anew. What time alone voids, the end of a session, is noticed within `REPEAT_S`.
+`TopicCache` keeps results made from the posts of a topic. Before each use it checks the version of that topic and of
+everything an admin can change, so a write to another topic does not clear it. `ResponseCache` is ASGI middleware: it
+repeats a whole response to the same request by the same credential until any commit to the database, so a lost right, a
+revoked token or a closed board takes effect at once. Only time ends a session; that takes effect within `REPEAT_S`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ REPEAT_S = 1.0
 _HOT = re.compile(r"/api/v1/topics/\d{1,19}/posts")
 
 
-class Topics:
+class TopicCache:
     """What was made of topics' posts, least lately used first. `of` is for the event loop's thread."""
 
     def __init__(self, max_kept: int = MAX_KEPT) -> None:
@@ -62,7 +62,7 @@ class Topics:
             self._size -= old[1]
 
 
-class Hot:
+class ResponseCache:
     """ASGI around the app: the same answer again, without asking anybody but the database's version."""
 
     def __init__(self, app: ASGIApp) -> None:

@@ -22,7 +22,7 @@ from starlette.responses import Response
 
 from agentrob import __version__
 from agentrob.board.admin import retention
-from agentrob.board.admin.bootstrap import bootstrap
+from agentrob.board.admin.local_admin import bootstrap
 from agentrob.board.api import admin as api_admin
 from agentrob.board.api import commands as api_commands
 from agentrob.board.api import forum as api
@@ -37,8 +37,8 @@ from agentrob.board.db.serving_lock import to_serve
 from agentrob.board.events import webhooks
 from agentrob.board.events.cluster import Peers
 from agentrob.board.events.hub import Hub
-from agentrob.board.middleware import Gate
-from agentrob.board.response_cache import Hot
+from agentrob.board.middleware import SecurityMiddleware
+from agentrob.board.response_cache import ResponseCache
 from agentrob.board.robots.presence import Stage
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings, address_of
@@ -84,8 +84,8 @@ def create_app(settings: BoardSettings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
     )
-    app.add_middleware(Hot)
-    app.add_middleware(Gate, settings=settings)
+    app.add_middleware(ResponseCache)
+    app.add_middleware(SecurityMiddleware, settings=settings)
     for router in (
         *(api.router, api_robots.router, api_commands.router, api_admin.router, moderation.router),
         *(tags.router, api_unread.router, api_robots.files),

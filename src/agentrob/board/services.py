@@ -1,4 +1,4 @@
-"""What every endpoint of the embedded forum reaches through `services(request)`: settings, store, events, robots."""
+"""The objects that every endpoint of the embedded forum shares: settings, store, event hub, robots, caches."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from starlette.requests import HTTPConnection
 from agentrob.board.content.store import Store
 from agentrob.board.content.unread import Marks
 from agentrob.board.events.hub import Hub
-from agentrob.board.response_cache import Topics
+from agentrob.board.response_cache import TopicCache
 from agentrob.board.robots.presence import Stage
 from agentrob.board.settings import BoardSettings
 
@@ -24,11 +24,11 @@ class Services:
     store: Store
     hub: Hub
     stage: Stage
-    topics: Topics = field(default_factory=Topics)
+    topic_cache: TopicCache = field(default_factory=TopicCache)
     marks: Marks = field(default_factory=Marks)
     hashing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
 
-def services(request: HTTPConnection) -> Services:
+def get_services(request: HTTPConnection) -> Services:
     """The services of the app that handles this request."""
     return cast(Services, request.app.state.services)

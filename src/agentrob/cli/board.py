@@ -26,10 +26,10 @@ ConfigFile = Annotated[Path | None, typer.Option("--config", "-c", help="Configu
 def settings_of(config: Path | None) -> BoardSettings:
     """The board's settings, its database made when there is none. One of another version is never changed here, since
     a server of that version may be running."""
-    from agentrob.board.admin import bootstrap as admin
+    from agentrob.board.admin import local_admin
 
     settings = _settings(configuration.load(config))
-    admin.make(settings)
+    local_admin.ensure_database(settings)
     return settings
 
 
@@ -56,9 +56,9 @@ def init(
     config: Annotated[Path, typer.Option("--config", "-c", help="The file to write.")] = Path("agentrob.toml"),
 ) -> None:
     """Begin a forum: a configuration file, the database, the first admin, and a link to set the admin's password."""
-    from agentrob.board.admin import administration
+    from agentrob.board.admin import management
     from agentrob.board.admin.audit import SHELL
-    from agentrob.board.admin.bootstrap import bootstrap, writing
+    from agentrob.board.admin.local_admin import bootstrap, writing
     from agentrob.board.settings import BoardSettings
     from agentrob.model import AccountKind
 
@@ -69,9 +69,9 @@ def init(
     settings = BoardSettings.from_config(made.board, made.data_dir)
     bootstrap(settings)
     with writing(settings) as connection:
-        administration.add_account(connection, SHELL, admin, kind=AccountKind.HUMAN, role=Role.ADMIN)
-        link = administration.link(connection, SHELL, admin, "password")
-        invite = administration.invite(connection, SHELL, Role.MEMBER, invites, 30) if invites else ""
+        management.add_account(connection, SHELL, admin, kind=AccountKind.HUMAN, role=Role.ADMIN)
+        link = management.link(connection, SHELL, admin, "password")
+        invite = management.invite(connection, SHELL, Role.MEMBER, invites, 30) if invites else ""
     made.write(config, "Written by agentrob init. docs/deploy.md says what else may stand here.")
     typer.echo(f"configuration: {config}\ndatabase: {settings.database_shown}")
     typer.echo(f"set the password of {admin}, once, within a day: {settings.base_url}{link}")
@@ -160,10 +160,10 @@ def expire(config: ConfigFile = None) -> None:
 
 def in_transaction(settings: BoardSettings, job: Callable[[Transaction], T]) -> T:
     """Run a job of the writer here, beside a server that may be running, which waits for its end: print afterwards."""
-    from agentrob.board.admin import bootstrap as admin
+    from agentrob.board.admin import local_admin
     from agentrob.board.db.writer import Transaction
 
-    with admin.writing(settings) as connection:
+    with local_admin.writing(settings) as connection:
         return job(Transaction(connection))
 
 

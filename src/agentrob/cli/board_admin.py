@@ -23,20 +23,20 @@ moderate_cli = typer.Typer(no_args_is_help=True, help="Hide, show, lock, move.")
 
 
 def _do(config: Path | None, deed: str, *args: Any, **options: Any) -> Any:
-    """One deed of `administration`, by the shell, in a transaction beside a server that may be running."""
-    from agentrob.board.admin import administration, bootstrap
+    """Call a function of `management` as the shell, in a transaction of its own; a server may be running."""
+    from agentrob.board.admin import local_admin, management
     from agentrob.board.admin.audit import SHELL
 
-    with bootstrap.writing(settings_of(config)) as connection:
-        return getattr(administration, deed)(connection, SHELL, *args, **options)
+    with local_admin.writing(settings_of(config)) as connection:
+        return getattr(management, deed)(connection, SHELL, *args, **options)
 
 
 # ---------------------------------------------------------------------- accounts
 def account_list(config: ConfigFile = None) -> None:
     """All accounts."""
-    from agentrob.board.admin import administration
+    from agentrob.board.admin import management
 
-    for a in looked_up(config, lambda reader: administration.all_accounts(reader, "", 1_000_000)):
+    for a in looked_up(config, lambda reader: management.all_accounts(reader, "", 1_000_000)):
         typer.echo(f"{a.name}\t{a.kind}\t{a.role}{chr(9) + 'suspended' if a.suspended else ''}")
 
 
@@ -69,9 +69,9 @@ def account_erase(
 
 def account_tokens(name: str, config: ConfigFile = None) -> None:
     """The tokens of an account, without their secrets."""
-    from agentrob.board.admin import administration
+    from agentrob.board.admin import management
 
-    for t in looked_up(config, lambda reader: administration.tokens(reader, name)):
+    for t in looked_up(config, lambda reader: management.tokens(reader, name)):
         state = "revoked" if t.revoked_at else "good"
         typer.echo(f"{t.id}\t{t.label or '-'}\t{'+'.join(t.scopes)}\t{t.created_at:%Y-%m-%d}\t{state}")
 
@@ -202,9 +202,9 @@ def invite_add(
 @invite_cli.command("list")
 def invite_list(config: ConfigFile = None) -> None:
     """Invites that can still be used."""
-    from agentrob.board.admin import administration
+    from agentrob.board.admin import management
 
-    for i in looked_up(config, administration.invites):
+    for i in looked_up(config, management.invites):
         typer.echo(f"{i.id}\t{i.role}\t{i.left} left\tuntil {i.expires_at:%Y-%m-%d %H:%M} UTC")
 
 

@@ -104,16 +104,16 @@ def board_account(config: Config, name: str, kind: AccountKind, role: Role) -> A
 
     `BoardError` 409 when it is there and is something else: a credential is never given out for another account.
     """
-    from agentrob.board.admin import bootstrap
+    from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
-    bootstrap.make(settings)
+    local_admin.ensure_database(settings)
     try:
-        found = bootstrap.find_account(settings, name)
+        found = local_admin.find_account(settings, name)
     except BoardError as e:
         if e.status != 404:
             raise
-        return bootstrap.create_account(settings, name, kind=kind, role=role)
+        return local_admin.create_account(settings, name, kind=kind, role=role)
     if (found.kind, found.role) != (kind, role):
         what = f"{name!r} is there already, as {found.kind} with the role {found.role}"
         raise BoardError(409, "other_account", f"{what}; choose another name, or change it with: account change {name}")
@@ -125,61 +125,61 @@ def own_board_account(config: Config, name: str, kind: AccountKind, role: Role, 
 
     `BoardError` 409 when the name belongs to another kind of account: its kind never changes.
     """
-    from agentrob.board.admin import bootstrap
+    from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
-    bootstrap.bootstrap(settings)
+    local_admin.bootstrap(settings)
     try:
-        found = bootstrap.find_account(settings, name)
+        found = local_admin.find_account(settings, name)
     except BoardError as e:
         if e.status != 404:
             raise
-        return bootstrap.create_account(settings, name, kind=kind, role=role, display_name=display_name)
+        return local_admin.create_account(settings, name, kind=kind, role=role, display_name=display_name)
     if found.kind is not kind:
         what = f"the account {name!r} of this forum is a {found.kind}, and a {kind} is needed"
         raise BoardError(409, "other_account", what, f"start with another data folder; this one is {config.data_dir}")
-    bootstrap.change_account(settings, found, role=role, suspended=False)
-    return bootstrap.find_account(settings, name)
+    local_admin.change_account(settings, found, role=role, suspended=False)
+    return local_admin.find_account(settings, name)
 
 
 def own_board_robot(config: Config, name: str, owner: str) -> None:
     """Make `owner` the robot's owner on the forum, unless somebody else was made so since."""
-    from agentrob.board.admin import bootstrap
+    from agentrob.board.admin import local_admin
 
-    bootstrap.claim_robot(board_settings(config), name, owner)
+    local_admin.claim_robot(board_settings(config), name, owner)
 
 
 def change_board_account(config: Config, name: str, role: Role | None, suspended: bool | None) -> Account:
     """Give an account another role, suspend it or let it in again."""
-    from agentrob.board.admin import bootstrap
+    from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
-    bootstrap.change_account(settings, bootstrap.find_account(settings, name), role=role, suspended=suspended)
-    return bootstrap.find_account(settings, name)
+    local_admin.change_account(settings, local_admin.find_account(settings, name), role=role, suspended=suspended)
+    return local_admin.find_account(settings, name)
 
 
 def board_token(config: Config, name: str, label: str = "", scopes: tuple[str, ...] = ("read", "write")) -> str:
     """A new bearer token of an account."""
-    from agentrob.board.admin import bootstrap
+    from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
-    return bootstrap.issue_token(settings, bootstrap.find_account(settings, name), label, scopes)
+    return local_admin.issue_token(settings, local_admin.find_account(settings, name), label, scopes)
 
 
 def revoke_board_tokens(config: Config, name: str, label: str | None = None) -> int:
     """Make tokens of an account void, all or those of one label; returns how many."""
-    from agentrob.board.admin import bootstrap
+    from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
-    return bootstrap.revoke_tokens(settings, bootstrap.find_account(settings, name), label)
+    return local_admin.revoke_tokens(settings, local_admin.find_account(settings, name), label)
 
 
 def board_link(config: Config, name: str) -> str:
     """An address that signs this account in, once."""
-    from agentrob.board.admin import bootstrap
+    from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
-    return settings.base_url + bootstrap.issue_link(settings, bootstrap.find_account(settings, name))
+    return settings.base_url + local_admin.issue_link(settings, local_admin.find_account(settings, name))
 
 
 # ---------------------------------------------------------------------- agents

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.config.load import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
@@ -58,7 +58,7 @@ def test_the_calls_and_what_was_seen_are_on_the_page(thread: tuple[RunningBoard,
     board, topic = thread
     with running_chromium() as chromium:
         page = chromium.new_page(viewport={"width": width, "height": 900}, base_url=board.url)
-        page.goto(bootstrap.issue_link(board.settings, bootstrap.find_account(board.settings, "op")))
+        page.goto(local_admin.issue_link(board.settings, local_admin.find_account(board.settings, "op")))
         page.get_by_role("button", name="Enter").click()
         page.get_by_role("heading", name="Boards", exact=True).wait_for()
         page.goto(f"/t/{topic}")

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.board.admin import administration, bootstrap, moderation
+from agentrob.board.admin import local_admin, management, moderation
 from agentrob.board.admin.audit import SHELL
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots.rights import Closed
@@ -61,7 +61,7 @@ async def serving_on(board: RunningBoard, client: DriverClient, folder: Path) ->
 
 def change(board: RunningBoard, what: str, topic: str) -> None:
     """By the author, by an admin, or at the accounts."""
-    account = bootstrap.find_account(board.settings, "pilot")
+    account = local_admin.find_account(board.settings, "pilot")
     own, chief = board.client("pilot"), board.client("admin")
     post = own.get(f"/topics/{topic}/posts").json()["items"][0]["id"]
     match what:
@@ -72,25 +72,25 @@ def change(board: RunningBoard, what: str, topic: str) -> None:
         case "hide":
             chief.delete(f"/posts/{post}").raise_for_status()
         case "suspend":
-            bootstrap.change_account(board.settings, account, suspended=True)
+            local_admin.change_account(board.settings, account, suspended=True)
         case "demote":
-            bootstrap.change_account(board.settings, account, role=Role.MEMBER)
+            local_admin.change_account(board.settings, account, role=Role.MEMBER)
         case "narrow" | "close" | "move":
             narrow(board, what, topic)
 
 
 def narrow(board: RunningBoard, what: str, topic: str) -> None:
     """Take the right from the robot's or the board's side."""
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         match what:
             case "narrow":
                 rights = dict.fromkeys(ActionClass, "operator") | {ActionClass.MOVE: "owner"}
-                administration.change_robot(connection, SHELL, ROBOT, command=rights)
+                management.change_robot(connection, SHELL, ROBOT, command=rights)
             case "close":
                 until = datetime.now(UTC) + timedelta(hours=1)
-                administration.change_robot(connection, SHELL, ROBOT, closed=(Closed(until=until),))
+                management.change_robot(connection, SHELL, ROBOT, closed=(Closed(until=until),))
             case "move":
-                administration.change_board(connection, SHELL, "talk", command_role=Role.ADMIN)
+                management.change_board(connection, SHELL, "talk", command_role=Role.ADMIN)
                 shell = Account("0", SHELL, role=Role.ADMIN)
                 moderation.move(Transaction(connection), shell, topic, "talk")
 
@@ -100,12 +100,12 @@ def pilot(board: RunningBoard) -> Iterator[Poster]:
     """An operator with all rights."""
     if "pilot" not in board.tokens:
         board.add("pilot", role=Role.OPERATOR)
-    account = bootstrap.find_account(board.settings, "pilot")
-    bootstrap.change_account(board.settings, account, role=Role.OPERATOR, suspended=False)
-    with bootstrap.writing(board.settings) as connection:
+    account = local_admin.find_account(board.settings, "pilot")
+    local_admin.change_account(board.settings, account, role=Role.OPERATOR, suspended=False)
+    with local_admin.writing(board.settings) as connection:
         rights = dict.fromkeys(ActionClass, "operator")
-        administration.change_robot(connection, SHELL, ROBOT, command=rights, closed=())
-        administration.change_board(connection, SHELL, "robots", command_role=Role.OPERATOR)
+        management.change_robot(connection, SHELL, ROBOT, command=rights, closed=())
+        management.change_board(connection, SHELL, "robots", command_role=Role.OPERATOR)
     with Poster(board, "pilot") as made:
         yield made
 

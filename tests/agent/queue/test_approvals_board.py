@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.board.admin import administration, bootstrap
+from agentrob.board.admin import local_admin, management
 from agentrob.board.admin.audit import SHELL
 from agentrob.config.load import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
@@ -31,8 +31,8 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
     """`op` asks, `mod` approves gestures."""
     with running_board(tmp_path_factory.mktemp("board")) as made:
         made.add("mod", role=Role.MODERATOR)
-        with bootstrap.writing(made.settings) as connection:
-            administration.change_robot(connection, SHELL, ROBOT, approval=("gesture",))
+        with local_admin.writing(made.settings) as connection:
+            management.change_robot(connection, SHELL, ROBOT, approval=("gesture",))
         yield made
 
 
@@ -124,8 +124,8 @@ async def test_law_2_an_approver_who_was_demoted_before_the_word_was_heard_appro
     board: RunningBoard, driver: Driver, tmp_path: Path
 ) -> None:
     async with asked(board, driver, tmp_path) as (op, topic, post):
-        mod = bootstrap.find_account(board.settings, "mod")
-        bootstrap.change_account(board.settings, mod, role=Role.OPERATOR)
+        mod = local_admin.find_account(board.settings, "mod")
+        local_admin.change_account(board.settings, mod, role=Role.OPERATOR)
         try:
             body = {"body": f"@{ROBOT} approve", "reply_to": post}
             answer = await asyncio.to_thread(board.client("mod").post, f"/topics/{topic}/posts", json=body)
@@ -133,7 +133,7 @@ async def test_law_2_an_approver_who_was_demoted_before_the_word_was_heard_appro
             await _answered(op, topic, said)
             assert await op.states(topic) == ["waiting"]
         finally:
-            bootstrap.change_account(board.settings, mod, role=Role.MODERATOR)
+            local_admin.change_account(board.settings, mod, role=Role.MODERATOR)
 
 
 @pytest.mark.slow
@@ -141,8 +141,8 @@ async def test_law_7_the_owner_s_settings_let_an_author_approve_alone(
     board: RunningBoard, driver: Driver, tmp_path: Path
 ) -> None:
     def change(**what: Any) -> None:
-        with bootstrap.writing(board.settings) as connection:
-            administration.change_robot(connection, SHELL, ROBOT, **what)
+        with local_admin.writing(board.settings) as connection:
+            management.change_robot(connection, SHELL, ROBOT, **what)
 
     change(approve="operator", approve_own=True)
     try:

@@ -16,7 +16,7 @@ import pytest
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.reporting import status_post as status
 from agentrob.agent.reporting.status_post import Shown, StatusLine
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied
 from agentrob.forums.agentrob.forum import BoardForum
@@ -314,7 +314,7 @@ async def test_a_reply_to_a_stop_that_was_denied_is_written_when_the_account_may
 
 
 def suspend(board: RunningBoard, suspended: bool) -> None:
-    bootstrap.change_account(board.settings, bootstrap.find_account(board.settings, ROBOT), suspended=suspended)
+    local_admin.change_account(board.settings, local_admin.find_account(board.settings, ROBOT), suspended=suspended)
 
 
 async def test_law_18_on_the_board_a_robot_suspended_in_a_walk_tells_its_end_when_it_is_let_in_again(

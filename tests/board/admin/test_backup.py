@@ -14,7 +14,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.board.admin import backup, bootstrap
+from agentrob.board.admin import backup, local_admin
 from agentrob.board.db.database import migrate
 from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig
@@ -137,9 +137,9 @@ def test_a_damaged_backup_changes_nothing(
     with pytest.raises(BoardError) as caught:
         backup.restore(fresh, bad)
     assert caught.value.status == 422
-    bootstrap.bootstrap(fresh)
+    local_admin.bootstrap(fresh)
     with pytest.raises(BoardError):
-        bootstrap.find_account(fresh, "op")
+        local_admin.find_account(fresh, "op")
 
 
 def spoil(good: Path, bad: Path, damage: str) -> None:
@@ -179,13 +179,15 @@ def test_migrations_lead_back_and_forth_with_everything_kept(tmp_path: Path) -> 
         before = told(board)
         board.add("modest", role=Role.GUEST)
         board.add("keeper", role=Role.MODERATOR)
-        reading = bootstrap.issue_token(board.settings, bootstrap.find_account(board.settings, "op"), "look", ["read"])
+        reading = local_admin.issue_token(
+            board.settings, local_admin.find_account(board.settings, "op"), "look", ["read"]
+        )
     migrate(settings, "0001")
     migrate(settings)
     with running_board(tmp_path, database=settings.database) as board:
         after = told(board)
         assert after[1:4] == before[1:4]
-        roles = [bootstrap.find_account(board.settings, n).role for n in ("modest", "keeper", "op")]
+        roles = [local_admin.find_account(board.settings, n).role for n in ("modest", "keeper", "op")]
         assert roles == [Role.MEMBER, Role.OPERATOR, Role.OPERATOR]
         headers = {"Authorization": f"Bearer {reading}"}
         assert httpx2.get(board.url + "/api/v1/me", headers=headers, timeout=60).status_code == 401, (

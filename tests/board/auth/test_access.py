@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from sqlalchemy import select
 from starlette.responses import Response
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import access, accounts, attempts
 from agentrob.board.auth.attempts import HOUR_S, PER_ADDRESS, PER_NAME, SLOWEST_S, WINDOW_S
 from agentrob.board.db import schema as db
@@ -62,7 +62,7 @@ def test_the_suspended_may_nothing_but_know_it(board: RunningBoard) -> None:
     rowdy = board.client("rowdy")
     browser = board.browser("rowdy")
     assert rowdy.get("/boards").status_code == 200
-    bootstrap.change_account(board.settings, account, suspended=True)
+    local_admin.change_account(board.settings, account, suspended=True)
     assert rowdy.get("/boards").json()["code"] == "suspended"
     assert rowdy.post("/robots/quadruped/stop").json()["code"] == "suspended"
     assert rowdy.get("/me").json()["suspended"] is True
@@ -72,25 +72,25 @@ def test_the_suspended_may_nothing_but_know_it(board: RunningBoard) -> None:
 def test_a_suspension_can_be_taken_back(board: RunningBoard) -> None:
     account = board.add("forgiven")
     client = board.client("forgiven")
-    bootstrap.change_account(board.settings, account, suspended=True)
+    local_admin.change_account(board.settings, account, suspended=True)
     assert client.get("/boards").status_code == 403
-    bootstrap.change_account(board.settings, account, suspended=False)
+    local_admin.change_account(board.settings, account, suspended=False)
     assert client.get("/boards").status_code == 200
 
 
 def test_revoked_tokens_open_nothing_and_other_tokens_stay(board: RunningBoard) -> None:
     account = board.add("program")
     tokens = {"": board.tokens["program"]}
-    tokens |= {label: bootstrap.issue_token(board.settings, account, label) for label in ("lost", "kept")}
+    tokens |= {label: local_admin.issue_token(board.settings, account, label) for label in ("lost", "kept")}
 
     def open_with() -> list[str]:
         asks = {label: {"Authorization": f"Bearer {token}"} for label, token in tokens.items()}
         return [label for label, ask in asks.items() if board.client().get("/me", headers=ask).status_code == 200]
 
-    assert bootstrap.revoke_tokens(board.settings, account, "lost") == 1
+    assert local_admin.revoke_tokens(board.settings, account, "lost") == 1
     assert open_with() == ["", "kept"]
-    assert bootstrap.revoke_tokens(board.settings, account, "lost") == 0, "once is enough"
-    assert bootstrap.revoke_tokens(board.settings, account) == 2
+    assert local_admin.revoke_tokens(board.settings, account, "lost") == 0, "once is enough"
+    assert local_admin.revoke_tokens(board.settings, account) == 2
     assert open_with() == []
     assert board.client("op").get("/me").status_code == 200, "those of others stay"
 
@@ -173,7 +173,7 @@ def test_a_wrong_name_and_a_wrong_password_look_the_same(board: RunningBoard, na
 
 def tried(board: RunningBoard, name: str, address: str, times: int = 1) -> None:
     """Attempts to sign in that went wrong, whichever process took them."""
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         for _ in range(times):
             attempts.count(connection, name, address)
 
@@ -243,7 +243,7 @@ def test_attempts_are_kept_for_an_hour_only_and_without_names_and_addresses(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tried(board, "somebody", "6.6.6.6")
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         rows = connection.execute(select(db.attempts).order_by(db.attempts.c.id.desc()).limit(3)).all()
         assert not [row for row in rows if "somebody" in row.key or "6.6.6.6" in row.key]
         later = accounts.now_us() + int(HOUR_S * 1_000_000)
@@ -254,8 +254,8 @@ def test_attempts_are_kept_for_an_hour_only_and_without_names_and_addresses(
 
 
 def test_a_link_signs_in_once(board: RunningBoard) -> None:
-    account = bootstrap.find_account(board.settings, "member")
-    secret = bootstrap.issue_link(board.settings, account).removeprefix("/enter/")
+    account = local_admin.find_account(board.settings, "member")
+    secret = local_admin.issue_link(board.settings, account).removeprefix("/enter/")
     assert board.run(access.enter(board.services, secret))
     with pytest.raises(BoardError) as caught:
         board.run(access.enter(board.services, secret))
@@ -264,8 +264,8 @@ def test_a_link_signs_in_once(board: RunningBoard) -> None:
 
 @pytest.mark.sqlite
 def test_a_link_expires(board: RunningBoard) -> None:
-    account = bootstrap.find_account(board.settings, "member")
-    secret = bootstrap.issue_link(board.settings, account).removeprefix("/enter/")
+    account = local_admin.find_account(board.settings, "member")
+    secret = local_admin.issue_link(board.settings, account).removeprefix("/enter/")
     with sqlite3.connect(str(board.settings.database_path)) as database:
         database.execute("UPDATE links SET expires_us = expires_us - 600000000")
     database.close()
@@ -275,8 +275,8 @@ def test_a_link_expires(board: RunningBoard) -> None:
 
 @pytest.mark.sqlite
 def test_the_database_holds_no_secret(board: RunningBoard) -> None:
-    account = bootstrap.find_account(board.settings, "member")
-    secrets = [board.tokens["op"], bootstrap.issue_link(board.settings, account).removeprefix("/enter/")]
+    account = local_admin.find_account(board.settings, "member")
+    secrets = [board.tokens["op"], local_admin.issue_link(board.settings, account).removeprefix("/enter/")]
     with sqlite3.connect(str(board.settings.database_path)) as database:
         dump = "\n".join(database.iterdump())
     database.close()
@@ -323,7 +323,7 @@ def test_look_alikes_are_refused(name: str) -> None:
 
 def test_names_are_unique_whatever_their_case(board: RunningBoard) -> None:
     with pytest.raises(BoardError) as caught:
-        bootstrap.create_account(board.settings, "OP")
+        local_admin.create_account(board.settings, "OP")
     assert (caught.value.status, caught.value.code) == (409, "name_taken")
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import access, accounts, attempts
 from agentrob.board.settings import NO_LIMITS, BoardSettings
 from agentrob.config.board import BoardConfig, BoardLimitsConfig
@@ -124,7 +124,7 @@ def test_sign_ups_from_one_address_are_bounded_and_failed_ones_do_not_count(stri
 def test_sign_ups_have_room_again_after_an_hour(strict: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [accounts.now_us()]
     monkeypatch.setattr(attempts, "now_us", lambda: now[0])
-    with bootstrap.writing(strict.settings) as connection:
+    with local_admin.writing(strict.settings) as connection:
         attempts.count_sign_up(connection, "a", 1)
         now[0] += 3599_000_000
         with pytest.raises(BoardError):
@@ -276,7 +276,7 @@ def test_a_stranger_s_forwarded_header_does_not_slip_past_the_throttle(
     browser = board.browser()
     csrf = re.search(r'name="csrf" value="([^"]*)"', browser.get("/sign-in").text)
     assert csrf
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         for n in range(29):
             attempts.count(connection, f"name{n}", "127.0.0.1")
     statuses = []
@@ -317,7 +317,7 @@ def test_a_password_link_works_once_and_ends_the_sessions_of_before(board: Runni
     with pytest.raises(BoardError):
         board.run(access.sign_in(board.services, "forgetful", "the old password", "10.9.9.9"))
     with pytest.raises(BoardError):  # a link of one purpose is none of the other
-        board.run(access.enter(board.services, bootstrap.issue_link(board.settings, account)[7:] + "x"))
+        board.run(access.enter(board.services, local_admin.issue_link(board.settings, account)[7:] + "x"))
 
 
 def test_an_invite_lets_as_many_in_as_it_says_as_what_it_says(fresh_board: Callable[..., RunningBoard]) -> None:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime, timedelta
 import httpx2
 import pytest
 
-from agentrob.board.admin import administration, bootstrap, moderation
+from agentrob.board.admin import local_admin, management, moderation
 from agentrob.board.robots import rights
 from agentrob.board.robots.rights import Closed, RobotSettings, hours_from_words
 from agentrob.errors import BoardError
@@ -20,8 +20,8 @@ ROLES = ("guest", "member", "operator", "moderator", "admin")
 
 def chief(board: RunningBoard) -> httpx2.Client:
     """An admin's program with a token for administration."""
-    account = bootstrap.find_account(board.settings, "admin")
-    token = bootstrap.issue_token(board.settings, account, "chief", ("write", "admin"))
+    account = local_admin.find_account(board.settings, "admin")
+    token = local_admin.issue_token(board.settings, account, "chief", ("write", "admin"))
     client = board.client()
     client.headers["Authorization"] = f"Bearer {token}"
     return client
@@ -112,7 +112,7 @@ def test_an_open_stream_ends_with_the_right_to_read(board: RunningBoard, monkeyp
     with board.client("leaver").stream("GET", "/events", params={"heartbeat": 1}) as response:
         lines = response.iter_lines()
         next(lines)
-        bootstrap.change_account(board.settings, bootstrap.find_account(board.settings, "leaver"), role=Role.MEMBER)
+        local_admin.change_account(board.settings, local_admin.find_account(board.settings, "leaver"), role=Role.MEMBER)
         assert "lab" not in [b["id"] for b in board.client("leaver").get("/boards").json()["items"]]
         rest = list(lines)  # until the server ends it
     topic_on(board, where, "for operators")
@@ -140,11 +140,11 @@ def test_a_read_is_never_older_than_an_edit_a_hiding_or_a_lost_right(board: Runn
     assert seen() == "404"
     boss.patch("/admin/boards/talk", json={"read_role": "guest", "post_role": "member"}).raise_for_status()
     assert seen() == "text 19"
-    bootstrap.change_account(board.settings, account, suspended=True)  # by another process
+    local_admin.change_account(board.settings, account, suspended=True)  # by another process
     assert seen() == "403"
-    bootstrap.change_account(board.settings, account, suspended=False)
+    local_admin.change_account(board.settings, account, suspended=False)
     assert seen() == "text 19"
-    bootstrap.revoke_tokens(board.settings, account)
+    local_admin.revoke_tokens(board.settings, account)
     assert seen() == "401"
 
 
@@ -169,10 +169,10 @@ def test_law_2_no_way_of_setting_rights_lets_less_than_an_operator_command(board
     for word in ("guest", "member", "everybody", ""):
         assert boss.patch("/admin/robots/quadruped", json={"command": {"move": word}}).status_code == 422
         assert boss.patch("/admin/boards/talk", json={"command_role": word}).status_code == 422
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         for change in ({"command": {"move": "member"}}, {"approve": "guest"}, {"release": "member"}):
             with pytest.raises(BoardError):
-                administration.change_robot(connection, "shell", "quadruped", **change)
+                management.change_robot(connection, "shell", "quadruped", **change)
 
 
 def test_pictures_of_a_robot_s_camera_are_for_those_it_is_set_to(board: RunningBoard) -> None:

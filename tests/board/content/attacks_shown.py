@@ -13,8 +13,8 @@ from urllib.parse import quote
 
 import pytest
 
-from agentrob.board.admin import administration, audit
-from agentrob.board.admin import bootstrap as shell
+from agentrob.board.admin import audit, management
+from agentrob.board.admin import local_admin as shell
 from agentrob.board.auth.accounts import NAME
 from agentrob.board.content import tags, writes
 from agentrob.board.content.renderer import Rendered, Text
@@ -46,7 +46,7 @@ def fill(world: World, rows: Sequence[str]) -> list[str]:
     """Put each row everywhere; the pages that show them, those of robots first, since cards are soon old."""
     boss = world.board.add("boss", role=Role.ADMIN)
     with shell.writing(world.settings) as connection:
-        t, root = Transaction(connection), administration.account_named(connection, "root")
+        t, root = Transaction(connection), management.account_named(connection, "root")
         pages = [*named(t, rows), *posts(t, root, rows), *records(t, boss, rows)]
         pages += [path for some in parts(rows, POSTS) for path in thread(t, boss, some)]
         audited(t, rows)
@@ -129,7 +129,7 @@ def robots(world: World, rows: Sequence[str]) -> list[str]:
 
 def records(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
     """In what a robot's agent tells of a command, wherever there are words."""
-    quadruped, pages = administration.account_named(t.connection, "quadruped"), []
+    quadruped, pages = management.account_named(t.connection, "quadruped"), []
     for some in parts(rows, IN_RECORD):
         post = writes.create_topic(t, "robots", "A command", Draft(boss, typed(some[0]))).post.id
         told = record([row[:120] for row in some])
@@ -158,9 +158,9 @@ def named(t: Transaction, rows: Sequence[str]) -> list[str]:
     for n, row in enumerate(rows):
         if not NAME.fullmatch(row.strip().lower()):
             with pytest.raises(BoardError):
-                administration.add_account(t.connection, "root", row)
+                management.add_account(t.connection, "root", row)
         with contextlib.suppress(BoardError):
-            administration.add_account(t.connection, "root", f"attacker-{n:04}", display_name=row[:64])
+            management.add_account(t.connection, "root", f"attacker-{n:04}", display_name=row[:64])
             shown.append(f"attacker-{n:04}")
     assert len(shown) > len(rows) // 2
     some = shown[:: max(1, len(shown) // 8)]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from agentrob.board.admin import bootstrap, moderation
+from agentrob.board.admin import local_admin, moderation
 from agentrob.board.content import images
 from agentrob.board.db.writer import Transaction
 from tests.board.running_board import RunningBoard
@@ -38,7 +38,7 @@ def file_of(board: RunningBoard, image: str) -> Path:
 
 def take_away(board: RunningBoard, digest: str) -> int:
     """As `agentrob board expire` does in a process of its own."""
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         return moderation.take_away(Transaction(connection), board.settings.images_dir, [digest])
 
 

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy import func, select, text
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.api.admin import erase_content
 from agentrob.board.content import tags, unread
 from agentrob.board.db import schema as db
@@ -188,10 +188,10 @@ def test_what_a_person_has_read_is_forgotten_with_their_posts(board: RunningBoar
     made = topic(board)
     board.client("forgetful").put(f"/topics/{made['id']}/read", json={}).raise_for_status()
     reads = select(func.count()).select_from(db.topic_reads).join(db.accounts).where(db.accounts.c.name == "forgetful")
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         assert connection.execute(reads).scalar_one() == 1
     board.run(erase_content(board.services, "admin", "forgetful"))
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         assert connection.execute(reads).scalar_one() == 0
 
 
@@ -358,11 +358,11 @@ def test_what_was_read_is_written_by_the_clock(
 def test_the_tables_come_and_go_and_what_was_there_before_counts_as_read(tmp_path: Path) -> None:
     with running_board(tmp_path) as board:
         made = topic(board, tags=["kept-not"])
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         connection.execute(text("UPDATE accounts SET read_up_to = 0"))
     migrate(board.settings, "0003_pages")
     migrate(board.settings)
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         assert connection.execute(text("SELECT min(read_up_to) FROM accounts")).scalar_one() == 1
         assert connection.execute(text("SELECT count(*) FROM topic_tags")).scalar_one() == 0
     with running_board(tmp_path, database=board.settings.database) as again:

@@ -7,7 +7,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.content import unread
 from agentrob.model import Role
 from tests.board.auth.test_rights import chief, new_board
@@ -135,7 +135,7 @@ def test_a_token_that_only_reads_says_what_was_read_and_a_browser_needs_its_csrf
     topic, _ = topic_on(board, "talk")
     account = board.add("reading")
     client = board.client()
-    client.headers["Authorization"] = f"Bearer {bootstrap.issue_token(board.settings, account, 'r', ('read',))}"
+    client.headers["Authorization"] = f"Bearer {local_admin.issue_token(board.settings, account, 'r', ('read',))}"
     assert client.put(f"/topics/{topic}/read", json={}).status_code == 200
     answer = board.browser("reading").put(f"/api/v1/topics/{topic}/read", json={})
     assert (answer.status_code, answer.json()["code"]) == (403, "bad_csrf")

@@ -14,7 +14,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from sqlalchemy import select, text
 
-from agentrob.board.admin import backup, bootstrap
+from agentrob.board.admin import backup, local_admin
 from agentrob.board.db import schema
 from agentrob.board.db.database import migrate, open_engine
 from agentrob.board.search import embeddings, search
@@ -67,16 +67,16 @@ def test_migrations_build_the_same_tables_there_and_lead_back(server: str, tmp_p
         assert [d[1].name for d in found if d[0] != "remove_index"] == ["post_words"]
         assert {d[1].table.name for d in found if d[0] == "remove_index"} <= {"post_words"}
     engine.dispose()
-    bootstrap.bootstrap(there)
-    bootstrap.create_account(there, "somebody")
+    local_admin.bootstrap(there)
+    local_admin.create_account(there, "somebody")
     migrate(there, "0001")
     migrate(there)
-    assert bootstrap.find_account(there, "somebody").name == "somebody"
+    assert local_admin.find_account(there, "somebody").name == "somebody"
 
 
 def test_a_search_that_takes_too_long_is_given_up(server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     there = settings(server, tmp_path)
-    bootstrap.bootstrap(there)
+    local_admin.bootstrap(there)
     monkeypatch.setattr(search, "MOST_S", 0.05)
     engine = open_engine(there, writes=False)
     with engine.connect() as connection:
@@ -90,13 +90,13 @@ def test_a_search_that_takes_too_long_is_given_up(server: str, tmp_path: Path, m
 
 def test_who_writes_waits_for_who_writes_so_events_come_in_order(server: str, tmp_path: Path) -> None:
     there = replace(settings(server, tmp_path), busy_timeout_s=0.2)
-    bootstrap.bootstrap(there)
-    with bootstrap.writing(there), pytest.raises(BoardError, match="busy"):
-        bootstrap.create_account(there, "second")
-    assert bootstrap.create_account(there, "second").name == "second"
+    local_admin.bootstrap(there)
+    with local_admin.writing(there), pytest.raises(BoardError, match="busy"):
+        local_admin.create_account(there, "second")
+    assert local_admin.create_account(there, "second").name == "second"
     with backup._snapshot(there) as connection:
         connection.execute(select(schema.accounts)).all()
-        assert bootstrap.create_account(there, "meanwhile").name == "meanwhile", "a backup keeps nobody waiting"
+        assert local_admin.create_account(there, "meanwhile").name == "meanwhile", "a backup keeps nobody waiting"
 
 
 def test_a_forum_moves_from_sqlite_to_postgresql_and_back_with_all_it_has(server: str, tmp_path: Path) -> None:

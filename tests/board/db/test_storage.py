@@ -21,7 +21,7 @@ from alembic.migration import MigrationContext
 from sqlalchemy import text
 
 from agentrob.board import server
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.db import schema
 from agentrob.board.db.database import migrate, open_engine
 from agentrob.board.db.writer import Transaction
@@ -175,7 +175,7 @@ def test_migrations_build_exactly_the_tables_of_the_schema(settings: BoardSettin
 def test_bootstrap_again_and_from_many_threads_does_nothing_more(settings: BoardSettings) -> None:
     patient = replace(settings, busy_timeout_s=LIMIT_S)
     with ThreadPoolExecutor(4) as pool:
-        list(pool.map(lambda _: bootstrap.bootstrap(patient), range(4)))
+        list(pool.map(lambda _: local_admin.bootstrap(patient), range(4)))
     engine = open_engine(settings, writes=False)
     with engine.connect() as connection:
         assert connection.execute(text("SELECT id FROM boards ORDER BY position")).scalars().all() == ["robots", "talk"]
@@ -183,38 +183,38 @@ def test_bootstrap_again_and_from_many_threads_does_nothing_more(settings: Board
 
 
 def test_accounts_are_made_and_changed_beside_a_running_server(board: RunningBoard) -> None:
-    made = bootstrap.create_account(
+    made = local_admin.create_account(
         board.settings, "Watcher", kind=AccountKind.MONITORING_AGENT, display_name="Watch dog"
     )
     assert (made.name, made.kind, made.display_name) == ("watcher", AccountKind.MONITORING_AGENT, "Watch dog")
-    bootstrap.change_account(board.settings, made, role=Role.OPERATOR)
+    local_admin.change_account(board.settings, made, role=Role.OPERATOR)
     seen = board.client("op").get("/accounts/watcher").json()
     assert (seen["role"], seen["display_name"]) == ("operator", "Watch dog")
     with pytest.raises(BoardError, match="no account 'nobody'"):
-        bootstrap.find_account(board.settings, "nobody")
+        local_admin.find_account(board.settings, "nobody")
 
 
 @pytest.mark.parametrize("password", ["short", "x" * 201])
 def test_a_bad_password_makes_no_account(settings: BoardSettings, password: str) -> None:
-    bootstrap.bootstrap(settings)
+    local_admin.bootstrap(settings)
     with pytest.raises(BoardError) as caught:
-        bootstrap.create_account(settings, "somebody", password=password)
+        local_admin.create_account(settings, "somebody", password=password)
     assert caught.value.code == "bad_password"
     with pytest.raises(BoardError):
-        bootstrap.find_account(settings, "somebody")
+        local_admin.find_account(settings, "somebody")
 
 
 def test_a_database_that_cannot_be_made_says_where(settings: BoardSettings, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     bad = replace(settings, database=f"sqlite:///{tmp_path}/file/board.sqlite3")
     with pytest.raises(BoardError, match=r"file"):
-        bootstrap.bootstrap(bad)
+        local_admin.bootstrap(bad)
 
 
 def test_a_file_that_is_no_database_is_one_clear_error(settings: BoardSettings, tmp_path: Path) -> None:
     (tmp_path / "x.sqlite3").write_text("this is not a database, but long enough to look at" * 100)
     with pytest.raises(BoardError, match="not a database"):
-        bootstrap.bootstrap(replace(settings, database=f"sqlite:///{tmp_path}/x.sqlite3"))
+        local_admin.bootstrap(replace(settings, database=f"sqlite:///{tmp_path}/x.sqlite3"))
 
 
 # -------------------------------------------------------------------- the process

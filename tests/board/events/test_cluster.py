@@ -16,7 +16,7 @@ import httpx2
 import pytest
 from sqlalchemy import create_engine, select, text
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import attempts
 from agentrob.board.auth.attempts import PER_NAME
 from agentrob.board.db import schema as db
@@ -145,7 +145,7 @@ def test_a_right_that_is_lost_on_one_is_lost_on_the_other_at_once(forum: Forum) 
     assert [get() for _ in range(3)] == [200] * 3
     change("accounts/leaver", suspended=True)
     assert get() == 403
-    bootstrap.revoke_tokens(forum.settings, bootstrap.find_account(forum.settings, "leaver"))
+    local_admin.revoke_tokens(forum.settings, local_admin.find_account(forum.settings, "leaver"))
     assert get() == 401
 
 
@@ -222,7 +222,7 @@ def test_law_16_a_process_that_cannot_hear_the_others_sends_no_beat(forum: Forum
 
 # -------------------------------------------------------------------- who comes in
 def test_who_signs_in_on_one_is_signed_in_on_the_other(forum: Forum) -> None:
-    bootstrap.create_account(forum.settings, "ann", password="correct horse")
+    local_admin.create_account(forum.settings, "ann", password="correct horse")
     with httpx2.Client(timeout=LIMIT_S) as browser:
         sign_in(browser, forum.a.url, "ann", "correct horse")
         assert [browser.get(p.url + "/api/v1/me").json()["name"] for p in forum.processes] == ["ann", "ann"]
@@ -243,13 +243,13 @@ def test_what_was_read_on_one_is_soon_read_on_the_other(forum: Forum) -> None:
 
 
 def test_guesses_are_counted_over_both(forum: Forum) -> None:
-    bootstrap.create_account(forum.settings, "eve", password="correct horse")
+    local_admin.create_account(forum.settings, "eve", password="correct horse")
     with httpx2.Client(timeout=LIMIT_S) as browser:
         urls = [p.url for p in forum.processes]
         statuses = [sign_in(browser, urls[n % 2], "eve", "wrong words") for n in range(PER_NAME)]
         assert statuses == [401] * PER_NAME
         assert [sign_in(browser, url, "eve", "correct horse") for url in urls] == [429, 429]
-    with bootstrap.writing(forum.settings) as connection:
+    with local_admin.writing(forum.settings) as connection:
         attempts.forget(connection, "eve", "127.0.0.1")
         connection.execute(db.attempts.delete())
 

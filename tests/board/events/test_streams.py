@@ -15,7 +15,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.db.database import open_engine
 from agentrob.board.db.reader import Reader, event_number
 from agentrob.board.db.records import EventKind
@@ -317,7 +317,7 @@ def test_a_lost_right_ends_the_stream(board: RunningBoard, monkeypatch: pytest.M
     account = board.add("leaver")
     with stream(board.client("leaver"), heartbeat=0.25) as events:
         next(events)
-        bootstrap.change_account(board.settings, account, suspended=True)
+        local_admin.change_account(board.settings, account, suspended=True)
         assert all(e["event"] == "heartbeat" for e in events)
 
 

@@ -18,7 +18,7 @@ import httpx2
 import pytest
 from PIL import Image
 
-from agentrob.board.admin import administration, bootstrap
+from agentrob.board.admin import local_admin, management
 from agentrob.board.content import images
 from agentrob.board.db.records import Event, EventKind
 from agentrob.board.db.writer import Transaction
@@ -223,8 +223,8 @@ def test_law_2_only_the_owner_and_admins_press_release_and_home(
 def admin_client(board: RunningBoard) -> httpx2.Client:
     """The API as an admin with a token that administers."""
     client = board.client()
-    token = bootstrap.issue_token(
-        board.settings, bootstrap.find_account(board.settings, "admin"), scopes=("read", "write", "admin")
+    token = local_admin.issue_token(
+        board.settings, local_admin.find_account(board.settings, "admin"), scopes=("read", "write", "admin")
     )
     client.headers["Authorization"] = f"Bearer {token}"
     return client
@@ -350,7 +350,7 @@ def test_a_lost_right_ends_the_live_picture(board: RunningBoard, monkeypatch: py
     monkeypatch.setattr("agentrob.board.events.streams.RECHECK_S", 0.05)
     account = board.add("onlooker")
     with board.client("onlooker").stream("GET", "/robots/quadruped/camera.mjpg") as response:
-        bootstrap.change_account(board.settings, account, suspended=True)
+        local_admin.change_account(board.settings, account, suspended=True)
         assert list(pictures(response)) == [], "it ends, and whole"
     wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
 
@@ -410,7 +410,7 @@ def test_a_lost_right_to_the_camera_ends_the_live_picture(
         if lost == "camera_role raised":
             change_robot(board, camera_role=Role.MODERATOR)
         elif lost == "viewer demoted":
-            bootstrap.change_account(board.settings, account, role=Role.MEMBER)
+            local_admin.change_account(board.settings, account, role=Role.MEMBER)
         else:
             change_robot(board, owner="")
         assert list(pictures(response)) == [], "it ends, and whole"
@@ -420,8 +420,8 @@ def test_a_lost_right_to_the_camera_ends_the_live_picture(
 
 
 def change_robot(board: RunningBoard, **changes: Any) -> None:
-    with bootstrap.writing(board.settings) as connection:
-        administration.change_robot(connection, "shell", "quadruped", **changes)
+    with local_admin.writing(board.settings) as connection:
+        management.change_robot(connection, "shell", "quadruped", **changes)
 
 
 # -------------------------------------------------------------------- images in posts

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 import pytest
 from sqlalchemy import func, select, update
 
-from agentrob.board.admin import bootstrap, moderation
+from agentrob.board.admin import local_admin, moderation
 from agentrob.board.api.admin import erase_content
 from agentrob.board.content.writes import add_event, now_us
 from agentrob.board.db import schema as db
@@ -148,7 +148,7 @@ def test_a_post_erased_while_its_vector_is_made_gets_none(fresh_board: Callable[
     board = fresh_board(encoder=Slow)
     say(board, "a puppy")
     assert begun.wait(LIMIT_S)
-    with bootstrap.writing(board.settings) as connection:
+    with local_admin.writing(board.settings) as connection:
         moderation.erase(Transaction(connection), "shell", "member")
     go_on.set()
     other = say(board, "a car", by="op")
@@ -157,8 +157,8 @@ def test_a_post_erased_while_its_vector_is_made_gets_none(fresh_board: Callable[
 
 
 def test_what_is_on_a_board_one_may_not_read_is_not_found(talk: RunningBoard) -> None:
-    token = bootstrap.issue_token(
-        talk.settings, bootstrap.find_account(talk.settings, "admin"), scopes=("read", "write", "admin")
+    token = local_admin.issue_token(
+        talk.settings, local_admin.find_account(talk.settings, "admin"), scopes=("read", "write", "admin")
     )
     staff = {"id": "staff", "name": "Staff", "read_role": "operator", "post_role": "operator"}
     made = talk.client().post("/admin/boards", json=staff, headers={"Authorization": f"Bearer {token}"})
@@ -188,7 +188,7 @@ def test_posts_of_other_processes_and_of_before_are_found_and_vectors_are_not_ma
     with running_board(folder, encoder=lambda: made.append(Concepts()) or made[-1], database=database) as board:
         until(board, lambda: found(board, "dog") == [old])
         assert set(made[0].asked) == {"dog"}
-        with bootstrap.writing(board.settings) as connection:  # what the command line does
+        with local_admin.writing(board.settings) as connection:  # what the command line does
             connection.execute(update(db.posts).values(raw="a car", version=db.posts.c.version + 1))
             add_event(Transaction(connection), EventKind.POST_EDITED, now_us(), topic_id=1, post_id=int(old))
         until(board, lambda: found(board, "vehicle") == [old])

@@ -15,7 +15,7 @@ import httpx2
 import pytest
 from PIL import Image
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.auth import access, attempts
 from agentrob.board.auth.attempts import PER_NAME
 from agentrob.errors import BoardError
@@ -84,7 +84,7 @@ def test_every_form_needs_its_token_and_comes_from_this_site(world: World) -> No
 def _audit_rows(world: World) -> int:
     from agentrob.board.admin import audit
 
-    with bootstrap.writing(world.settings) as connection:
+    with local_admin.writing(world.settings) as connection:
         return len(connection.execute(audit.statement(None, 10_000)).all())
 
 
@@ -110,7 +110,7 @@ def test_signing_out_voids_the_cookie_and_not_only_forgets_it(world: World) -> N
 def test_guessing_a_password_at_the_page_is_stopped_also_for_who_is_signed_in(world: World) -> None:
     world.board.add("guessed", password=PASSWORD)
     browser = world.browser("guessed")
-    with bootstrap.writing(world.settings) as connection:
+    with local_admin.writing(world.settings) as connection:
         for _ in range(PER_NAME - 1):
             attempts.count(connection, "guessed", "127.0.0.1")
     tries = [browser.send("/password", old="wrong words", password="another password") for _ in range(2)]
@@ -122,8 +122,10 @@ def test_guessing_a_password_at_the_page_is_stopped_also_for_who_is_signed_in(wo
 
 
 def test_a_revoked_token_and_a_narrow_one_do_no_more_than_they_say(world: World) -> None:
-    account = bootstrap.find_account(world.settings, "root")
-    made = {s: bootstrap.issue_token(world.settings, account, s, s.split("+")) for s in ("read", "write", "read+admin")}
+    account = local_admin.find_account(world.settings, "root")
+    made = {
+        s: local_admin.issue_token(world.settings, account, s, s.split("+")) for s in ("read", "write", "read+admin")
+    }
     ask = lambda token, method, path, **more: httpx2.request(  # noqa: E731
         method, f"{world.base}/api/v1{path}", headers={"Authorization": f"Bearer {token}"}, **more, timeout=60
     )
@@ -268,7 +270,7 @@ LOOKS_LIKE = [
 @pytest.mark.parametrize("shown", LOOKS_LIKE)
 def test_law_1_a_display_name_that_looks_like_a_robot_s_or_a_role_is_refused(world: World, shown: str) -> None:
     with pytest.raises(BoardError) as caught:
-        bootstrap.create_account(world.settings, "imitator", display_name=shown)
+        local_admin.create_account(world.settings, "imitator", display_name=shown)
     assert caught.value.status == 422
 
 
@@ -285,7 +287,7 @@ def test_law_1_a_name_that_looks_like_a_robot_s_is_refused_at_sign_up(world: Wor
 )
 def test_other_people_s_names_are_theirs(world: World, shown: str) -> None:
     name = "n" + format(zlib.crc32(shown.encode()), "x")
-    assert bootstrap.create_account(world.settings, name, display_name=shown).display_name == shown
+    assert local_admin.create_account(world.settings, name, display_name=shown).display_name == shown
 
 
 def test_only_a_robot_s_agent_has_its_badge_and_text_tags_are_text(world: World) -> None:

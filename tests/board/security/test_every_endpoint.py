@@ -8,7 +8,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.model import AccountKind, Role
 from tests.board.auth.test_rights import jpeg, topic_on
 from tests.board.running_board import RunningBoard
@@ -90,7 +90,7 @@ def everybody(board: RunningBoard) -> dict[str, httpx2.Client]:
     found = {"nobody": board.client()}
     for role in Role:
         account = board.add(f"a-{role}", role=role)
-        token = bootstrap.issue_token(board.settings, account, "all", ("read", "write", "admin"))
+        token = local_admin.issue_token(board.settings, account, "all", ("read", "write", "admin"))
         found[str(role)] = bearer(board, token)
     for name, options in {
         "suspended": {"role": Role.ADMIN},
@@ -101,13 +101,13 @@ def everybody(board: RunningBoard) -> dict[str, httpx2.Client]:
     }.items():
         board.add(name, **options)  # type: ignore[arg-type]
         found[name] = board.client(name)
-    bootstrap.change_account(board.settings, bootstrap.find_account(board.settings, "suspended"), suspended=True)
+    local_admin.change_account(board.settings, local_admin.find_account(board.settings, "suspended"), suspended=True)
     found["robot"] = board.client("quadruped")
     agent = board.add("agent", kind=AccountKind.COMMANDING_AGENT, role=Role.ADMIN)
-    found["agent"] = bearer(board, bootstrap.issue_token(board.settings, agent, "all", ("read", "write", "admin")))
-    chief = bootstrap.find_account(board.settings, "a-admin")
-    found["admin, read only"] = bearer(board, bootstrap.issue_token(board.settings, chief, "r", ("read",)))
-    found["admin, no admin"] = bearer(board, bootstrap.issue_token(board.settings, chief, "w", ("read", "write")))
+    found["agent"] = bearer(board, local_admin.issue_token(board.settings, agent, "all", ("read", "write", "admin")))
+    chief = local_admin.find_account(board.settings, "a-admin")
+    found["admin, read only"] = bearer(board, local_admin.issue_token(board.settings, chief, "r", ("read",)))
+    found["admin, no admin"] = bearer(board, local_admin.issue_token(board.settings, chief, "w", ("read", "write")))
     found["admin"].patch("/admin/robots/quadruped", json={"owner": "owner"}).raise_for_status()
     found["robot"].put(
         "/robots/quadruped/frame", content=jpeg(), headers={"Content-Type": "image/jpeg"}

@@ -11,7 +11,7 @@ from typing import Any
 
 import httpx2
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.model import Role
 from tests.board.running_board import RunningBoard, running_board
 
@@ -44,9 +44,9 @@ class World:
 
     def chief(self) -> httpx2.Client:
         """The API as `root` with a token that administers."""
-        chief, scopes = bootstrap.find_account(self.settings, "root"), ("read", "write", "admin")
+        chief, scopes = local_admin.find_account(self.settings, "root"), ("read", "write", "admin")
         client = self.board.client()
-        client.headers["Authorization"] = f"Bearer {bootstrap.issue_token(self.settings, chief, scopes=scopes)}"
+        client.headers["Authorization"] = f"Bearer {local_admin.issue_token(self.settings, chief, scopes=scopes)}"
         return client
 
     def browser(self, name: str | None = None) -> Surfer:
@@ -60,7 +60,7 @@ class World:
 
     def link(self, name: str) -> str:
         """The path of a new one-time link."""
-        return bootstrap.issue_link(self.settings, bootstrap.find_account(self.settings, name))
+        return local_admin.issue_link(self.settings, local_admin.find_account(self.settings, name))
 
 
 @dataclass

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import update
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.db import schema as db
 from tests.board.web import told_commands as robot_told
 from tests.board.web.page_world import CARD, World
@@ -154,7 +154,7 @@ def alive(world: World, names: Mapping[str, str]) -> None:
 
 def earlier(world: World, post: str, seconds: float) -> None:
     """As if it had been written so long ago."""
-    with bootstrap.writing(world.settings) as connection:
+    with local_admin.writing(world.settings) as connection:
         mine, at = db.posts.c.id == int(post), db.posts.c.created_us
         connection.execute(update(db.posts).where(mine).values(created_us=at - int(seconds * 1e6)))
 

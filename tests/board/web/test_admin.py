@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.robots import rights
 from tests.board.web.page_world import PASSWORD, World, running_world
 
@@ -36,7 +36,7 @@ def test_an_account_from_its_making_to_its_password(world: World) -> None:
     assert "newbie" in newbie.get("/").text
     assert root.get("/admin/accounts/newbie").text.count("selected") == 1
     root.send("/admin/accounts/newbie/change", "/admin/accounts/newbie", role="member", display_name="", suspended="on")
-    found = bootstrap.find_account(world.settings, "newbie")
+    found = local_admin.find_account(world.settings, "newbie")
     assert (found.role, found.suspended) == ("member", True)
 
 

@@ -10,7 +10,7 @@ from contextlib import closing
 import pytest
 from structlog.testing import capture_logs
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.errors import BoardError
 from tests.board.web.page_world import CARD, PASSWORD, World, running_world
 
@@ -257,7 +257,7 @@ def test_a_suspended_account_cannot_stop(world: World) -> None:
     mallory = world.board.add("mallory")
     surfer = world.browser("mallory")
     csrf = surfer.csrf("/robots/quadruped")
-    bootstrap.change_account(world.settings, mallory, suspended=True)
+    local_admin.change_account(world.settings, mallory, suspended=True)
     before = now(world)
     assert surfer.client.post("/robots/quadruped/stop", data={"csrf": csrf}).status_code in (401, 403)
     assert stops(world, before) == []

@@ -10,7 +10,7 @@ import structlog
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
-from agentrob.board.admin import administration, audit, moderation
+from agentrob.board.admin import audit, management, moderation
 from agentrob.board.api.admin_models import (
     AccountChange,
     AccountIn,
@@ -42,7 +42,7 @@ from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.writer import Job, T
 from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
@@ -53,14 +53,14 @@ Writer = Annotated[Account, Depends(member)]
 
 
 async def _do(request: Request, job: Job[T]) -> T:
-    return await services(request).store.do(job)
+    return await get_services(request).store.do(job)
 
 
 # -------------------------------------------------------------------- accounts
 @router.get("/accounts", response_model=Paged[AccountOut])
 async def accounts(request: Request, by: Admin, after: str = "", limit: Limit = 50) -> Response:
     """All accounts by name; `next` is the `after` of the next page."""
-    found = administration.all_accounts(services(request).store.reader, after, limit + 1)
+    found = management.all_accounts(get_services(request).store.reader, after, limit + 1)
     more = found[limit - 1].name if len(found) > limit else None
     return out(Paged(items=tuple(map(account_out, found[:limit])), next=more))
 
@@ -70,7 +70,7 @@ async def add_account(request: Request, new: AccountIn, by: Admin) -> Response:
     """A new account, without a password: give a link (people) or a token (programs)."""
     made = await _do(
         request,
-        lambda t: administration.add_account(
+        lambda t: management.add_account(
             t.connection, by.name, new.name, kind=new.kind, role=new.role, display_name=new.display_name
         ),
     )
@@ -81,28 +81,28 @@ async def add_account(request: Request, new: AccountIn, by: Admin) -> Response:
 async def change_account(request: Request, name: str, new: AccountChange, by: Admin) -> Response:
     """Another role or display name, suspended or let in again."""
     changes: dict[str, Any] = new.given()
-    changed = await _do(request, lambda t: administration.change_account(t.connection, by.name, name, **changes))
+    changed = await _do(request, lambda t: management.change_account(t.connection, by.name, name, **changes))
     return out(account_out(changed))
 
 
 @router.post("/accounts/{name}/link", response_model=LinkOut, status_code=201)
 async def link(request: Request, name: str, new: LinkIn, by: Admin) -> Response:
     """A one-time link that signs in, or that sets a new password when it was forgotten."""
-    path = await _do(request, lambda t: administration.link(t.connection, by.name, name, new.purpose))
-    return out(LinkOut(url=services(request).settings.base_url + path), 201)
+    path = await _do(request, lambda t: management.link(t.connection, by.name, name, new.purpose))
+    return out(LinkOut(url=get_services(request).settings.base_url + path), 201)
 
 
 @router.post("/accounts/{name}/sign-out", response_model=AccountOut)
 async def sign_out(request: Request, name: str, by: Admin) -> Response:
     """End all sessions of an account; its tokens stay."""
-    await _do(request, lambda t: administration.sign_out_everywhere(t.connection, by.name, name))
-    return out(account_out(administration.account_named(services(request).store.reader.connection, name)))
+    await _do(request, lambda t: management.sign_out_everywhere(t.connection, by.name, name))
+    return out(account_out(management.account_named(get_services(request).store.reader.connection, name)))
 
 
 @router.delete("/accounts/{name}/content", response_model=Erased)
 async def erase(request: Request, name: str, by: Admin) -> Response:
     """Delete for good all that an account wrote and uploaded. The account itself stays."""
-    posts, pictures = await erase_content(services(request), by.name, name)
+    posts, pictures = await erase_content(get_services(request), by.name, name)
     return out(Erased(posts=posts, pictures=pictures))
 
 
@@ -117,30 +117,30 @@ async def erase_content(parts: Services, actor: str, name: str) -> tuple[int, in
 @router.get("/accounts/{name}/tokens", response_model=Items[TokenOut])
 async def tokens(request: Request, name: str, by: Admin) -> Response:
     """An account's tokens, without their secrets."""
-    reader = services(request).store.reader
-    account = administration.account_named(reader.connection, name)
-    return out(Items(items=tuple(map(token_out, administration.tokens(reader, account.name)))))
+    reader = get_services(request).store.reader
+    account = management.account_named(reader.connection, name)
+    return out(Items(items=tuple(map(token_out, management.tokens(reader, account.name)))))
 
 
 @router.post("/accounts/{name}/tokens", response_model=TokenWritten, status_code=201)
 async def add_token(request: Request, name: str, new: TokenIn, by: Admin) -> Response:
     """A new token; this answer is the only place where it is ever shown."""
     scopes = tuple(new.scopes)
-    secret = await _do(request, lambda t: administration.add_token(t.connection, by.name, name, new.label, scopes))
+    secret = await _do(request, lambda t: management.add_token(t.connection, by.name, name, new.label, scopes))
     return out(TokenWritten(token=secret), 201)
 
 
 @router.delete("/tokens/{token_id}", status_code=204)
 async def revoke_token(request: Request, token_id: str, by: Admin) -> Response:
     """End a token at once."""
-    await _do(request, lambda t: administration.revoke_token(t.connection, by.name, token_id))
+    await _do(request, lambda t: management.revoke_token(t.connection, by.name, token_id))
     return Response(status_code=204)
 
 
 @router.get("/invites", response_model=Items[InviteOut])
 async def invites(request: Request, by: Admin) -> Response:
     """Invites that can still be used, without their secrets."""
-    found = administration.invites(services(request).store.reader)
+    found = management.invites(get_services(request).store.reader)
     return out(Items(items=tuple(map(invite_out, found))))
 
 
@@ -148,15 +148,15 @@ async def invites(request: Request, by: Admin) -> Response:
 async def invite(request: Request, new: InviteIn, by: Admin) -> Response:
     """A link by which people make their own accounts."""
     path = await _do(
-        request, lambda t: administration.invite(t.connection, by.name, Role(new.role), new.uses, new.days, by)
+        request, lambda t: management.invite(t.connection, by.name, Role(new.role), new.uses, new.days, by)
     )
-    return out(LinkOut(url=services(request).settings.base_url + path), 201)
+    return out(LinkOut(url=get_services(request).settings.base_url + path), 201)
 
 
 @router.delete("/invites/{invite_id}", status_code=204)
 async def revoke_invite(request: Request, invite_id: str, by: Admin) -> Response:
     """Nobody uses it any more."""
-    await _do(request, lambda t: administration.revoke_invite(t.connection, by.name, invite_id))
+    await _do(request, lambda t: management.revoke_invite(t.connection, by.name, invite_id))
     return Response(status_code=204)
 
 
@@ -164,13 +164,13 @@ async def revoke_invite(request: Request, invite_id: str, by: Admin) -> Response
 @router.get("/boards", response_model=Items[BoardRights])
 async def boards(request: Request, by: Admin) -> Response:
     """All boards, also those that few may read, with who may read, post and command."""
-    return out(Items(items=tuple(map(board_rights, services(request).store.everything.all_boards()))))
+    return out(Items(items=tuple(map(board_rights, get_services(request).store.everything.all_boards()))))
 
 
 @router.post("/boards", response_model=BoardRights, status_code=201)
 async def add_board(request: Request, new: BoardIn, by: Admin) -> Response:
     """A new board."""
-    made = await _do(request, lambda t: administration.add_board(t.connection, by.name, new.record()))
+    made = await _do(request, lambda t: management.add_board(t.connection, by.name, new.record()))
     return out(board_rights(made), 201)
 
 
@@ -178,7 +178,7 @@ async def add_board(request: Request, new: BoardIn, by: Admin) -> Response:
 async def change_board(request: Request, board_id: str, new: BoardChange, by: Admin) -> Response:
     """Another name, description, or who may read, post and command."""
     changes = new.given()
-    changed = await _do(request, lambda t: administration.change_board(t.connection, by.name, board_id, **changes))
+    changed = await _do(request, lambda t: management.change_board(t.connection, by.name, board_id, **changes))
     return out(board_rights(changed))
 
 
@@ -186,7 +186,7 @@ async def change_board(request: Request, board_id: str, new: BoardChange, by: Ad
 @router.get("/robots/{name}", response_model=RobotSettingsOut)
 async def robot(request: Request, name: str, by: Writer) -> Response:
     """What is kept of a robot: for admins and its owner."""
-    parts = services(request)
+    parts = get_services(request)
     kept = rights.settings_of(parts.store.reader, known_robot(parts, name).name)
     check_owner(by, kept.owner)
     if by.name != kept.owner:
@@ -197,7 +197,7 @@ async def robot(request: Request, name: str, by: Writer) -> Response:
 @router.patch("/robots/{name}", response_model=RobotSettingsOut)
 async def change_robot(request: Request, name: str, new: RobotChange, by: Writer) -> Response:
     """Rights, camera and maintenance hours of a robot, by admins and its owner; another owner by admins only."""
-    parts = services(request)
+    parts = get_services(request)
     kept = rights.settings_of(parts.store.reader, known_robot(parts, name).name)
     check_owner(by, kept.owner)
     if by.name != kept.owner:
@@ -205,7 +205,7 @@ async def change_robot(request: Request, name: str, new: RobotChange, by: Writer
     changes = new.changes(kept)
     if "owner" in changes and by.role is not Role.ADMIN:
         raise BoardError(403, "not_admin", "only an admin gives a robot to somebody else", "ask an admin")
-    changed = await _do(request, lambda t: administration.change_robot(t.connection, by.name, name, **changes))
+    changed = await _do(request, lambda t: management.change_robot(t.connection, by.name, name, **changes))
     return out(robot_settings_out(name, changed))
 
 
@@ -226,7 +226,7 @@ async def audit_log(
     target: Annotated[str | None, Query(max_length=80)] = None,
 ) -> Response:
     """Who changed what, newest first; of one target such as `account:ann` or of all."""
-    found, more = audit_page(services(request), cursor, limit, target)
+    found, more = audit_page(get_services(request), cursor, limit, target)
     return out(Paged(items=tuple(map(audit_out, found)), next=more))
 
 

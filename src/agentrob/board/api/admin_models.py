@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, StringConstraints
 
-from agentrob.board.admin import administration, audit
+from agentrob.board.admin import audit, management
 from agentrob.board.api.models import PostOut, Time, _In, _Out, time_out, whole
 from agentrob.board.db import records
 from agentrob.board.robots.rights import WHO, Closed, RobotSettings, closed_out
@@ -85,8 +85,8 @@ class TokenOut(_Out):
 
 class InviteIn(_In):
     role: Literal["guest", "member", "operator", "moderator"] = "member"
-    uses: Annotated[int, Field(ge=1, le=administration.MAX_INVITE_USES), Whole] = 1
-    days: Annotated[int, Field(ge=1, le=administration.MAX_INVITE_DAYS), Whole] = 7
+    uses: Annotated[int, Field(ge=1, le=management.MAX_INVITE_USES), Whole] = 1
+    days: Annotated[int, Field(ge=1, le=management.MAX_INVITE_DAYS), Whole] = 7
 
 
 class InviteOut(_Out):
@@ -207,7 +207,7 @@ class AuditOut(_Out):
 
 
 # -------------------------------------------------------------------- records to models
-def token_out(t: administration.Token) -> TokenOut:
+def token_out(t: management.Token) -> TokenOut:
     revoked = time_out(t.revoked_at) if t.revoked_at else None
     return TokenOut(
         id=t.id,
@@ -219,7 +219,7 @@ def token_out(t: administration.Token) -> TokenOut:
     )
 
 
-def invite_out(i: administration.Invite) -> InviteOut:
+def invite_out(i: management.Invite) -> InviteOut:
     return InviteOut(id=i.id, role=i.role, left=i.left, expires_at=time_out(i.expires_at))
 
 

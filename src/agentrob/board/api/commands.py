@@ -10,7 +10,7 @@ from agentrob.board.api.models import ApproveIn, CommandIn, CommandOut, Commands
 from agentrob.board.api.problem import documented
 from agentrob.board.robots import approvals, commands
 from agentrob.board.robots.commands import RECORD_BYTES, RECORD_DEPTH
-from agentrob.board.services import services
+from agentrob.board.services import get_services
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind
 
@@ -29,7 +29,7 @@ async def publish(request: Request, post_id: str, told: CommandIn, by: Member) -
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents record commands", "use a robot agent's token")
     commands.check_robot(by, told.record.get("robot", by.name), "record")
-    store = services(request).store
+    store = get_services(request).store
     store.post(post_id)  # also whether it is to be seen
     commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)
     await store.do(lambda t: commands.keep(t, by, post_id, told.reply, told.record))
@@ -39,12 +39,12 @@ async def publish(request: Request, post_id: str, told: CommandIn, by: Member) -
 @router.post("/commands/{post_id}/approve", response_model=PostWritten, status_code=201, responses=documented(409))
 async def approve(request: Request, post_id: str, said: ApproveIn, by: Member, key: Key = None) -> Response:
     """Approve or deny a command that waits: the same as a reply that says so, which it writes."""
-    written = await approvals.say(services(request), by, post_id, said.robot, said.approve, key)
+    written = await approvals.say(get_services(request), by, post_id, said.robot, said.approve, key)
     return post_written(request, by, written)
 
 
 def _told(request: Request, post_id: str) -> Response:
-    known = services(request)
+    known = get_services(request)
     post, told = commands.of(known.store.reader, post_id)
     url = f"{known.settings.base_url}/c/{post.id}"
     items = (

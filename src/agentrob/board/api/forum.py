@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Header, Query, Request
 from pydantic import BaseModel
 from starlette.responses import Response
 
-from agentrob.board.admin.administration import BOARD_ID
+from agentrob.board.admin.management import BOARD_ID
 from agentrob.board.api.models import (
     POST_BYTES,
     AccountOut,
@@ -25,7 +25,7 @@ from agentrob.board.api.models import (
     PostOut,
     PostWritten,
     ReplyIn,
-    Shaper,
+    Serializer,
     TopicIn,
     TopicOut,
     TopicWritten,
@@ -44,7 +44,7 @@ from agentrob.board.db.records import Written
 from agentrob.board.events.hub import EventStream
 from agentrob.board.robots import commands
 from agentrob.board.search.search import MAX_QUERY
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
 
@@ -69,8 +69,8 @@ def out(model: BaseModel, status: int = 200) -> Response:
     return Response(model.model_dump_json(), status, media_type="application/json")
 
 
-def shaper(request: Request, account: Account | None) -> Shaper:
-    return Shaper(services(request).settings.base_url, account)
+def shaper(request: Request, account: Account | None) -> Serializer:
+    return Serializer(get_services(request).settings.base_url, account)
 
 
 def _two_answers(model: type[BaseModel]) -> dict[int | str, dict[str, Any]]:
@@ -91,7 +91,7 @@ async def me(request: Request) -> Response:
 async def notifications(request: Request, who: Reading, cursor: Cursor = None, limit: Limit = 20) -> Response:
     """Posts that name the caller, answer them, or are in a topic of theirs, newest first."""
     shape, account = shaper(request, who.account), account_of(who)
-    page = notices.latest(services(request).store.reader, account, cursor, limit)
+    page = notices.latest(get_services(request).store.reader, account, cursor, limit)
     found = (NoticeOut(id=n.post.id, kind=n.reason, read=not n.fresh, post=shape.post(n.post)) for n in page.items)
     return out(Paged(items=tuple(found), next=page.next))
 
@@ -99,7 +99,7 @@ async def notifications(request: Request, who: Reading, cursor: Cursor = None, l
 @router.get("/accounts/{name}", response_model=AccountOut, responses=NOT_FOUND)
 async def account(request: Request, name: str, who: Reading) -> Response:
     """Who somebody is now."""
-    found = services(request).store.account(name) if accounts.NAME.fullmatch(name.lower()) else None
+    found = get_services(request).store.account(name) if accounts.NAME.fullmatch(name.lower()) else None
     if found is None:
         raise not_found("account", name)
     return out(account_out(found))
@@ -109,7 +109,7 @@ async def account(request: Request, name: str, who: Reading) -> Response:
 @router.get("/boards", response_model=Items[BoardOut])
 async def boards(request: Request, who: Reading) -> Response:
     """All boards."""
-    found = services(request).store.boards()
+    found = get_services(request).store.boards()
     return out(Items(items=tuple(map(board_out, found))))
 
 
@@ -118,7 +118,7 @@ async def topics(
     request: Request, board_id: str, who: Reading, tag: TagAsked = None, cursor: Cursor = None, limit: Limit = 20
 ) -> Response:
     """Topics of a board, latest activity first."""
-    store = services(request).store
+    store = get_services(request).store
     if tag is None:
         page = store.topics(board_id, cursor, limit)
     else:
@@ -130,7 +130,7 @@ async def topics(
 @router.get("/topics/{topic_id}", response_model=TopicOut, responses=NOT_FOUND)
 async def topic(request: Request, topic_id: str, who: Reading) -> Response:
     """One topic."""
-    return out(shaper(request, who.account).topic(services(request).store.topic(topic_id)))
+    return out(shaper(request, who.account).topic(get_services(request).store.topic(topic_id)))
 
 
 @router.post("/topics", response_model=TopicWritten, status_code=201, responses=_two_answers(TopicWritten))
@@ -138,7 +138,7 @@ async def create_topic(request: Request, new: TopicIn, by: Member, key: Key = No
     """A new topic with its first post."""
     _check_size(new.body)
     options: dict[str, Any] = {"key": key, "images": new.images, "tags": tags.checked(new.tags)}
-    written = await services(request).store.create_topic(by, new.board, new.title.strip(), new.body, **options)
+    written = await get_services(request).store.create_topic(by, new.board, new.title.strip(), new.body, **options)
     shape = shaper(request, by)
     answer = TopicWritten(topic=shape.topic(written.topic), post=shape.post(written.post), created=written.created)
     return out(answer, 201 if written.created else 200)
@@ -148,15 +148,15 @@ async def create_topic(request: Request, new: TopicIn, by: Member, key: Key = No
 @router.get("/topics/{topic_id}/posts", response_model=Paged[PostOut], responses=NOT_FOUND)
 async def posts(request: Request, topic_id: str, who: Reading, cursor: Cursor = None, limit: Limit = 50) -> Response:
     """Posts of a topic, oldest first; removed ones are there, empty."""
-    parts, shape = services(request), shaper(request, who.account)
+    parts, shape = get_services(request), shaper(request, who.account)
 
     def make() -> tuple[bytes, int]:
         page = parts.store.posts(topic_id, cursor, limit)
         made = Paged(items=tuple(map(shape.post, page.items)), next=page.next).model_dump_json().encode()
         return made, len(made)
 
-    asked = (cursor, limit, shape.viewer_id, visibility.now())
-    return Response(parts.topics.of(parts.store.reader, topic_id, asked, make), media_type="application/json")
+    asked = (cursor, limit, shape.viewer_id, visibility.readable_boards())
+    return Response(parts.topic_cache.of(parts.store.reader, topic_id, asked, make), media_type="application/json")
 
 
 @router.post(
@@ -166,7 +166,7 @@ async def reply(request: Request, topic_id: str, new: ReplyIn, by: Member, key: 
     """A new post in a topic."""
     _check_size(new.body)
     card = _card(by, new.card)
-    written = await services(request).store.reply(
+    written = await get_services(request).store.reply(
         by, topic_id, new.body, key=key, reply_to=new.reply_to, images=new.images, card=card
     )
     return post_written(request, by, written)
@@ -175,14 +175,14 @@ async def reply(request: Request, topic_id: str, new: ReplyIn, by: Member, key: 
 @router.get("/posts", response_model=Items[PostOut])
 async def find(request: Request, who: Reading, key: Annotated[str, Query(pattern=KEY)]) -> Response:
     """The caller's own post written under a key."""
-    found = services(request).store.find(who.account, key) if who.account else None
+    found = get_services(request).store.find(who.account, key) if who.account else None
     return out(Items(items=(shaper(request, who.account).post(found),) if found else ()))
 
 
 @router.get("/search/modes", response_model=Items[SearchMode])
 async def search_modes(request: Request, who: Reading) -> Response:
     """How posts can be searched for: by their `words`, and by their `meaning` where this forum has it."""
-    return out(Items[SearchMode](items=services(request).store.search_modes))
+    return out(Items[SearchMode](items=get_services(request).store.search_modes))
 
 
 @router.get("/search", response_model=Paged[PostOut], responses=NOT_FOUND)
@@ -200,14 +200,16 @@ async def search(
 
     By meaning: posts that say something like `q`, in any language, most alike first, 100 at most.
     """
-    page = await services(request).store.search(q, cursor, limit, board, mode, None if tag is None else tags.plain(tag))
+    page = await get_services(request).store.search(
+        q, cursor, limit, board, mode, None if tag is None else tags.plain(tag)
+    )
     return out(Paged(items=tuple(map(shaper(request, who.account).post, page.items)), next=page.next))
 
 
 @router.get("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND)
 async def post(request: Request, post_id: str, who: Reading) -> Response:
     """One post as it is now."""
-    return out(shaper(request, who.account).post(services(request).store.post(post_id)))
+    return out(shaper(request, who.account).post(get_services(request).store.post(post_id)))
 
 
 @router.patch("/posts/{post_id}", response_model=PostOut, responses=documented(404, 409, 429))
@@ -217,14 +219,14 @@ async def edit(request: Request, post_id: str, new: EditIn, by: Member, key: Key
     card: dict[str, Any] | Literal["keep"] | None = "keep"
     if "card" in new.model_fields_set:
         card = _card(by, new.card)
-    changed = await services(request).store.edit(by, post_id, new.body, key=key, images=new.images, card=card)
+    changed = await get_services(request).store.edit(by, post_id, new.body, key=key, images=new.images, card=card)
     return out(shaper(request, by).post(changed))
 
 
 @router.delete("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND)
 async def remove(request: Request, post_id: str, by: Member) -> Response:
     """Hide a post: one's own, or any for a moderator."""
-    store = services(request).store
+    store = get_services(request).store
     if store.post(post_id).author.id != by.id:
         await moderator(request)
     return out(shaper(request, by).post(await store.remove(by, post_id)))
@@ -253,7 +255,7 @@ def post_written(request: Request, by: Account, written: Written) -> Response:
 @router.get("/changes", response_model=Changes, responses=NOT_FOUND)
 async def changes(request: Request, who: Reading, after: After = None, limit: Limit = 100) -> Response:
     """What happened after an event; without `after` only where "now" is."""
-    store = services(request).store
+    store = get_services(request).store
     items = store.events(after, limit) if after is not None else ()
     shape = shaper(request, who.account)
     now = Now(id=store.newest_event_id(), at=time_out(datetime.now(UTC)))
@@ -274,12 +276,12 @@ async def events(
     last_event_id: Annotated[str | None, Header(pattern=EVENT_ID)] = None,
 ) -> Response:
     """Server-sent events, from after an event on or from now on; of one topic or of all."""
-    parts = services(request)
+    parts = get_services(request)
     resume = last_event_id if last_event_id is not None else after
     read = parts.store.reader
     start = read.known_event(resume) if resume is not None else event_number(read.newest_event_id())
     topic_id = parts.store.topic(topic).id if topic is not None else None
-    listener = parts.hub.listen(topic_id, who.account.id if who.account else None, visibility.now())
+    listener = parts.hub.listen(topic_id, who.account.id if who.account else None, visibility.readable_boards())
     return EventStream(parts.hub, listener, who.account, start, heartbeat, still_allowed(parts, who))
 
 
@@ -292,7 +294,7 @@ def still_allowed(
     `check` is what else was asked when the stream was opened: it is asked again of the account as it is by then, and
     raises `BoardError` when that may not look any more.
     """
-    saw = visibility.now()
+    saw = visibility.readable_boards()
 
     def allowed() -> bool:
         account = None
@@ -302,7 +304,7 @@ def still_allowed(
             if account is None or account.suspended:
                 return False
         check(account)
-        sees = visibility.readable(parts.store.everything.all_boards(), account, parts.settings.public_read)
+        sees = visibility.boards_readable_by(parts.store.everything.all_boards(), account, parts.settings.public_read)
         return saw <= sees
 
     def asked() -> bool:

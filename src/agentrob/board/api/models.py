@@ -315,7 +315,7 @@ def board_out(b: records.Board) -> BoardOut:
     return BoardOut(id=b.id, name=b.name, description=b.description, **roles)
 
 
-class Shaper:
+class Serializer:
     """Makes models of records for one viewer: addresses begin with `base_url`, keys are shown to their owner only."""
 
     def __init__(self, base_url: str, viewer: Account | None = None) -> None:

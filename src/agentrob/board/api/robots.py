@@ -28,7 +28,7 @@ from agentrob.board.db.reader import not_found
 from agentrob.board.db.records import Image
 from agentrob.board.robots import actions, commands, rights
 from agentrob.board.robots.presence import CameraStream
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
 
@@ -47,14 +47,14 @@ _JPEG = {"content": {"image/jpeg": {"schema": {"type": "string", "format": "bina
 @router.get("/robots", response_model=Items[RobotOut])
 async def robots(request: Request, who: Reading) -> Response:
     """All robots that have an agent's account."""
-    parts = services(request)
+    parts = get_services(request)
     return out(Items(items=tuple(_robot(parts, account) for account in parts.store.robots())))
 
 
 @router.get("/robots/{name}", response_model=RobotOut)
 async def robot(request: Request, name: str, who: Reading) -> Response:
     """One robot as its agent last told."""
-    parts = services(request)
+    parts = get_services(request)
     return out(_robot(parts, actions.known_robot(parts, name)))
 
 
@@ -63,15 +63,15 @@ async def robot_rights(
     request: Request, name: str, who: Reading, board: Annotated[str, Query(max_length=32)]
 ) -> Response:
     """Who may do what with this robot on this board now: what its agent asks again before every motion."""
-    store = services(request).store
-    kept = rights.settings_of(store.reader, actions.known_robot(services(request), name).name)
+    store = get_services(request).store
+    kept = rights.settings_of(store.reader, actions.known_robot(get_services(request), name).name)
     return out(rights_out(kept, store.board(board), datetime.now(UTC)))
 
 
 @router.put("/robots/{name}", response_model=RobotOut)
 async def publish(request: Request, name: str, told: RobotIn, by: Member) -> Response:
     """The robot's agent tells of it, at least every 5 s while it lives."""
-    parts = services(request)
+    parts = get_services(request)
     _own(by, name)
     _check_card(told.card)
     if parts.stage.publish(name, told.card).kept_waiting:
@@ -90,13 +90,13 @@ async def show(request: Request, name: str, by: Member) -> Response:
     _own(by, name)
     jpeg = await request.body()
     images.check_frame(jpeg)
-    return out(Viewers(viewers=services(request).stage.show(name, jpeg)))
+    return out(Viewers(viewers=get_services(request).stage.show(name, jpeg)))
 
 
 @router.get("/robots/{name}/frame.jpg", response_class=Response, responses={200: _JPEG | {"description": "JPEG"}})
 async def frame(request: Request, name: str, who: Reading) -> Response:
     """The last live picture."""
-    parts = services(request)
+    parts = get_services(request)
     actions.check_camera(parts, name, who.account)
     jpeg = parts.stage.live_frame(actions.known_robot(parts, name).name)
     if jpeg is None:
@@ -111,7 +111,7 @@ async def frame(request: Request, name: str, who: Reading) -> Response:
 )
 async def camera(request: Request, name: str, who: Reading) -> Response:
     """Live pictures as a multipart stream. Whoever opens it is a viewer; the first one makes a `robot.watch` event."""
-    parts = services(request)
+    parts = get_services(request)
     name = actions.known_robot(parts, name).name
 
     def check(account: Account | None) -> None:
@@ -126,31 +126,31 @@ async def camera(request: Request, name: str, who: Reading) -> Response:
 @router.post("/robots/{name}/stop", response_model=EventOut)
 async def stop(request: Request, name: str, by: Stopper, key: Key = None) -> Response:
     """Stop a robot: every signed-in account may, and nothing stands in its way."""
-    return out(shaper(request, by).event(await actions.stop(services(request), name, by, key)))
+    return out(shaper(request, by).event(await actions.stop(get_services(request), name, by, key)))
 
 
 @router.post("/robots/{name}/estop", response_model=EventOut)
 async def emergency_stop(request: Request, name: str, by: Stopper, key: Key = None) -> Response:
     """Stop a robot and lock it: it refuses all motion until its owner releases it. Every signed-in account may."""
-    return out(shaper(request, by).event(await actions.emergency_stop(services(request), name, by, key)))
+    return out(shaper(request, by).event(await actions.emergency_stop(get_services(request), name, by, key)))
 
 
 @router.post("/robots/{name}/release", response_model=EventOut)
 async def release(request: Request, name: str, by: Member, key: Key = None) -> Response:
     """Release a locked robot: its owner and admins. What came of it is in its card, `told`."""
-    return out(shaper(request, by).event(await actions.release(services(request), name, by, key)))
+    return out(shaper(request, by).event(await actions.release(get_services(request), name, by, key)))
 
 
 @router.post("/robots/{name}/home", response_model=EventOut)
 async def home(request: Request, name: str, by: Member, key: Key = None) -> Response:
     """Make the robot's home where it stands: its owner and admins. What came of it is in its card, `told`."""
-    return out(shaper(request, by).event(await actions.home(services(request), name, by, key)))
+    return out(shaper(request, by).event(await actions.home(get_services(request), name, by, key)))
 
 
 @router.post("/robots/{name}/reset", response_model=EventOut)
 async def reset(request: Request, name: str, by: Member, key: Key = None) -> Response:
     """Put a simulated room back: operators only."""
-    return out(shaper(request, by).event(await actions.reset(services(request), name, by, key)))
+    return out(shaper(request, by).event(await actions.reset(get_services(request), name, by, key)))
 
 
 def _robot(parts: Services, account: Account) -> RobotOut:
@@ -175,20 +175,20 @@ async def upload(request: Request, file: UploadFile, by: Member, key: Key = None
     """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins."""
     if not uploads.may(by):  # before reading it
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
-    image, created = await uploads.take(services(request), by, await file.read(images.MAX_BYTES + 1), key)
+    image, created = await uploads.take(get_services(request), by, await file.read(images.MAX_BYTES + 1), key)
     return out(shaper(request, by).image(image), 201 if created else 200)
 
 
 @files.get("/images/{image_id}", include_in_schema=False)
 async def picture(request: Request, image_id: str, who: Reading) -> Response:
     """The file of a picture, for those who may read a post that shows it."""
-    return await _file(services(request), *_seen(services(request), image_id, who))
+    return await _file(get_services(request), *_seen(get_services(request), image_id, who))
 
 
 @files.get("/images/{image_id}/small", include_in_schema=False)
 async def thumbnail(request: Request, image_id: str, who: Reading) -> Response:
     """A picture small enough for a list of posts."""
-    parts = services(request)
+    parts = get_services(request)
     image, digest = _seen(parts, image_id, who)
     if not image.shrinks:
         return await _file(parts, image, digest)

@@ -10,12 +10,12 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from starlette.responses import Response
 
-from agentrob.board.admin.administration import BOARD_ID
+from agentrob.board.admin.management import BOARD_ID
 from agentrob.board.api.forum import Cursor, Limit, Reading, Stopper, out, shaper
 from agentrob.board.api.models import ReadIn, TopicReadIn, UnreadOut, UnreadPage
 from agentrob.board.api.problem import documented
 from agentrob.board.auth.access import account_of
-from agentrob.board.services import services
+from agentrob.board.services import get_services
 from agentrob.model import Account
 
 router = APIRouter(prefix="/api/v1", responses=documented(404))
@@ -34,7 +34,7 @@ async def unread(
 @router.put("/unread", response_model=UnreadPage)
 async def read(request: Request, said: ReadIn, by: Stopper) -> Response:
     """All posts up to one count as read, of a board or of all; never fewer than before. What is unread still."""
-    parts = services(request)
+    parts = get_services(request)
     board = parts.store.board(said.board).id if said.board is not None else None
     await parts.marks.all_read(parts.store, by, int(said.up_to), board)
     return _page(request, by, board, None, 20)
@@ -43,14 +43,14 @@ async def read(request: Request, said: ReadIn, by: Stopper) -> Response:
 @router.put("/topics/{topic_id}/read", response_model=UnreadOut)
 async def topic_read(request: Request, topic_id: str, said: TopicReadIn, by: Stopper) -> Response:
     """The posts of a topic up to one count as read, without it all of them; what is unread of it still."""
-    parts = services(request)
+    parts = get_services(request)
     topic = parts.store.topic(topic_id)
     await parts.marks.topic_read(parts.store, by, topic, int(said.up_to or topic.last_post_id))
     return out(shaper(request, by).unread(topic, parts.marks.news(parts.store.reader, by, [topic]).get(topic.id)))
 
 
 def _page(request: Request, account: Account, board: str | None, cursor: str | None, limit: int) -> Response:
-    parts, shape = services(request), shaper(request, account)
+    parts, shape = get_services(request), shaper(request, account)
     up_to = parts.store.reader.newest_post_id()
     page = parts.marks.unread(parts.store.reader, account, cursor, limit, board)
     items = tuple(shape.unread(topic, news) for topic, news in page.items)

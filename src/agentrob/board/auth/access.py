@@ -17,10 +17,10 @@ from dataclasses import dataclass
 from fastapi import Request
 from starlette.responses import Response
 
-from agentrob.board.admin import administration
+from agentrob.board.admin import management
 from agentrob.board.auth import accounts, attempts, visibility
 from agentrob.board.db.writer import Transaction
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
@@ -42,14 +42,14 @@ class Viewer:
 async def viewer(request: Request) -> Viewer:
     """Whoever asks, signed in or not; from here on the store shows what they may see. 401 for a bad bearer token."""
     who = _viewer(request)
-    parts = services(request)
+    parts = get_services(request)
     boards = parts.store.everything.all_boards()
-    visibility.let_see(visibility.readable(boards, who.account, parts.settings.public_read))
+    visibility.set_readable_boards(visibility.boards_readable_by(boards, who.account, parts.settings.public_read))
     return who
 
 
 def _viewer(request: Request) -> Viewer:
-    parts = services(request)
+    parts = get_services(request)
     if (header := request.headers.get("authorization")) is not None:
         scheme, _, token = header.partition(" ")
         found = accounts.token_of(parts.store.reader, token) if scheme.lower() == "bearer" else None
@@ -66,7 +66,7 @@ def _viewer(request: Request) -> Viewer:
 async def reader(request: Request) -> Viewer:
     """Who may read: anybody signed in and not suspended, or everybody when `public_read` is set. Else 401, 403."""
     who = await viewer(request)
-    if who.account is None and services(request).settings.public_read:
+    if who.account is None and get_services(request).settings.public_read:
         return who
     account_of(who)
     return who
@@ -175,8 +175,8 @@ async def sign_up(services: Services, name: str, password: str, address: str, in
     def make(t: Transaction) -> str:
         if not invite:  # one that fails is undone with the rest
             attempts.count_sign_up(t.connection, address, services.settings.limits.sign_ups)
-        role = administration.spend_invite(t.connection, invite) if invite else Role.MEMBER
-        made = administration.add_account(t.connection, name, name, role=role, password_hash=password_hash)
+        role = management.spend_invite(t.connection, invite) if invite else Role.MEMBER
+        made = management.add_account(t.connection, name, name, role=role, password_hash=password_hash)
         return accounts.new_session(t.connection, int(made.id))
 
     return await services.store.do(make)

@@ -14,7 +14,7 @@ from agentrob.model import Account, Role
 _readable: ContextVar[frozenset[str]] = ContextVar("readable", default=frozenset())
 
 
-def readable(boards: Iterable[Board], account: Account | None, public_read: bool) -> frozenset[str]:
+def boards_readable_by(boards: Iterable[Board], account: Account | None, public_read: bool) -> frozenset[str]:
     """The ids of the boards that an account may read; without one, those for guests where the forum is public."""
     if (account is None and not public_read) or (account is not None and account.suspended):
         return frozenset()
@@ -22,11 +22,11 @@ def readable(boards: Iterable[Board], account: Account | None, public_read: bool
     return frozenset(b.id for b in boards if rank >= b.read_role.rank)
 
 
-def let_see(boards: frozenset[str]) -> None:
+def set_readable_boards(boards: frozenset[str]) -> None:
     """From here on this request sees these boards."""
     _readable.set(boards)
 
 
-def now() -> frozenset[str]:
+def readable_boards() -> frozenset[str]:
     """What the request that runs now may see."""
     return _readable.get()

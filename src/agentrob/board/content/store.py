@@ -37,7 +37,7 @@ READ_S = 2.0
 
 
 class Store:
-    """One open database. Made once per process by `server.create_app`; pages get it as `services(request).store`.
+    """One open database. Made once per process by `server.create_app`; pages get it as `get_services(request).store`.
 
     `published` is called on the event loop with the ids of new events, in order, after each commit; other processes
     that serve the same database hear of it as from `process`. `reader` sees what the request that runs may see
@@ -51,9 +51,9 @@ class Store:
         reading = open_engine(settings, writes=False, patience_s=READ_S)
         self._engines = [reading, open_engine(settings, writes=True, process=process)]
         try:
-            self.reader = Reader(self._engines[0].connect(), visibility.now, keeps=True)
+            self.reader = Reader(self._engines[0].connect(), visibility.readable_boards, keeps=True)
             self.everything = Reader(self.reader.connection, keeps=True)
-            self._finder = search.finder(self._engines[0].connect(), visibility.now)
+            self._finder = search.finder(self._engines[0].connect(), visibility.readable_boards)
         except DBAPIError as e:
             raise unavailable(e) from e
         self._searches, self._searching = 0, ThreadPoolExecutor(1, "board-search")

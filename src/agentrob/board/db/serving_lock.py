@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, create_engine, extract, func, select
 from sqlalchemy.exc import DBAPIError
 
-from agentrob.board.admin import bootstrap
+from agentrob.board.admin import local_admin
 from agentrob.board.db.database import SERVING_LOCK, connect_args, serving_lock, unavailable
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError, RobotBusy
@@ -26,13 +26,13 @@ MAX_SKEW_S = 2.0
 def to_serve(settings: BoardSettings) -> Iterator[None]:
     """The database is made, and this process may serve it. `BoardError` says who stands in the way."""
     if settings.shared:
-        bootstrap.bootstrap(settings)
+        local_admin.bootstrap(settings)
         with _lock(settings, together=True):
             pass  # `peers` holds it from the start of the app on
         yield
         return
     with _on_this_host(settings):
-        bootstrap.bootstrap(settings, alone=True)
+        local_admin.bootstrap(settings, alone=True)
         yield
 
 

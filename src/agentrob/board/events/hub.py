@@ -17,7 +17,7 @@ import structlog
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
-from agentrob.board.api.models import EventOut, Shaper, time_out
+from agentrob.board.api.models import EventOut, Serializer, time_out
 from agentrob.board.db.reader import BEFORE_ALL, Reader, event_number
 from agentrob.board.db.records import Event, EventKind
 from agentrob.board.events import streams
@@ -61,8 +61,8 @@ class Happening:
 
 def encode(event: Event, base_url: str, written: bool = True) -> Happening:
     author = event.post.author if event.post and event.post.key is not None else None
-    for_all = _frame(Shaper(base_url).event(event))
-    for_author = _frame(Shaper(base_url, author).event(event)) if author else for_all
+    for_all = _frame(Serializer(base_url).event(event))
+    for_author = _frame(Serializer(base_url, author).event(event)) if author else for_all
     return Happening(event, event_number(event.id), for_all, for_author, written)
 
 

@@ -12,7 +12,7 @@ from agentrob.board.auth.access import Viewer
 from agentrob.board.robots import approvals, commands
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.command_view import command_view
-from agentrob.board.services import services
+from agentrob.board.services import get_services
 from agentrob.board.web import forms
 from agentrob.board.web.templating import go, own_path, show, with_receipt
 
@@ -25,7 +25,7 @@ Anybody = Annotated[Viewer, Depends(access.viewer)]
 @router.get("/c/{post_id}")
 async def command(request: Request, viewer: Reading, post_id: str, part: str = "") -> Response:
     """`post_id` is the post that asked. JSON of the same: `/api/v1/commands/{post_id}`."""
-    known = services(request)
+    known = get_services(request)
     if (asked := commands.answered(known.store.reader, post_id)) is not None:
         return go(f"/c/{asked}")
     post, told = commands.of(known.store.reader, post_id)
@@ -47,6 +47,6 @@ async def approve(request: Request, viewer: Anybody, post_id: str) -> Response:
     access.check_form(viewer, form.get("csrf"))
     robot, yes = forms.field(form, "robot"), forms.field(form, "do") == "approve"
     key = forms.key(form, post_id, robot, str(yes))
-    await approvals.say(services(request), access.account_of(viewer), post_id, robot, yes, key)
+    await approvals.say(get_services(request), access.account_of(viewer), post_id, robot, yes, key)
     back = own_path(form.get("back"), f"/c/{post_id}")
     return go(with_receipt(back, viewer, "approve" if yes else "deny", robot))

@@ -17,7 +17,7 @@ from agentrob.board.auth.access import Viewer
 from agentrob.board.content import tags
 from agentrob.board.db.records import Post
 from agentrob.board.robots import actions
-from agentrob.board.services import services
+from agentrob.board.services import get_services
 from agentrob.board.web.templating import render_feed
 
 router = APIRouter(include_in_schema=False)
@@ -29,13 +29,13 @@ ENTRIES = 30
 
 @router.get("/feed.atom")
 async def site(request: Request, viewer: Reading) -> Response:
-    known = services(request)
+    known = get_services(request)
     return _feed(request, known.settings.title, "/", known.store.reader.latest_posts(None, ENTRIES).items)
 
 
 @router.get("/b/{board_id}/feed.atom")
 async def board(request: Request, viewer: Reading, board_id: str) -> Response:
-    store = services(request).store
+    store = get_services(request).store
     found = store.board(board_id)
     posts = store.reader.latest_posts(None, ENTRIES, found.id).items
     return _feed(request, found.name, f"/b/{found.id}", posts)
@@ -43,7 +43,7 @@ async def board(request: Request, viewer: Reading, board_id: str) -> Response:
 
 @router.get("/t/{topic_id}/feed.atom")
 async def topic(request: Request, viewer: Reading, topic_id: str) -> Response:
-    store = services(request).store
+    store = get_services(request).store
     found = store.topic(topic_id)
     return _feed(request, found.title, found.path, store.reader.latest_posts(None, ENTRIES, topic_id=found.id).items)
 
@@ -51,20 +51,20 @@ async def topic(request: Request, viewer: Reading, topic_id: str) -> Response:
 @router.get("/tags/{tag}/feed.atom")
 async def tag(request: Request, viewer: Reading, tag: str) -> Response:
     named = tags.plain(tag)
-    posts = await services(request).store.beside(tags.posts, named, ENTRIES)
+    posts = await get_services(request).store.beside(tags.posts, named, ENTRIES)
     return _feed(request, f"#{named}", f"/tags/{named}", posts)
 
 
 @router.get("/robots/{name}/feed.atom")
 async def robot(request: Request, viewer: Reading, name: str) -> Response:
-    known = services(request)
+    known = get_services(request)
     account = actions.known_robot(known, name)
     posts = known.store.posts_by(account, ENTRIES)
     return _feed(request, f"@{account.name}", f"/robots/{account.name}", posts)
 
 
 def _feed(request: Request, title: str, path: str, posts: Sequence[Post]) -> Response:
-    known = services(request)
+    known = get_services(request)
     topics = {topic_id: known.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
     updated = max((post.edited_at or post.created_at for post in posts), default=datetime.fromtimestamp(0, UTC))
     data = {"title": title, "path": path, "posts": posts, "topics": topics, "updated": updated}

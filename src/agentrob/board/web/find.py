@@ -17,7 +17,7 @@ from agentrob.board.db import schema as db
 from agentrob.board.db.records import Page, Post, Topic
 from agentrob.board.robots import view as robot_view
 from agentrob.board.search import search
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Composed
 from agentrob.board.web.templating import go, show
@@ -45,7 +45,7 @@ async def search_page(
     by: SearchMode = "words",
 ) -> Response:
     """`board` and `tag` narrow it when they are not empty."""
-    known, problem, status = services(request), "", 200
+    known, problem, status = get_services(request), "", 200
     page: Page[Post] = Page(())
     try:
         query = search.checked(q)
@@ -61,7 +61,7 @@ async def search_page(
 
 @router.get("/latest")
 async def latest(request: Request, viewer: Reading, after: str | None = None) -> Response:
-    known = services(request)
+    known = get_services(request)
     page = known.store.reader.latest_posts(after, 30)
     data = {"latest": _with_topics(known, page.items), "next": page.next, "feed": "/feed.atom"}
     return show(request, viewer, "latest.html", data, here="latest")
@@ -75,7 +75,7 @@ def _with_topics(known: Services, posts: tuple[Post, ...]) -> list[tuple[Topic, 
 # ------------------------------------------------------------------ notices
 @router.get("/notices")
 async def notices_page(request: Request, viewer: Reading, after: str | None = None) -> Response:
-    known, account = services(request), access.account_of(viewer)
+    known, account = get_services(request), access.account_of(viewer)
     page = notifications.latest(known.store.reader, account, after)
     found = [(known.store.topic(n.post.topic_id), n) for n in page.items]
     data: dict[str, Any] = {
@@ -99,7 +99,7 @@ async def seen(request: Request, viewer: Anybody) -> Response:
     access.check_form(viewer, form.get("csrf"))
     account, up_to = access.account_of(viewer), forms.field(form, "up_to")
     if up_to.isascii() and up_to.isdigit() and len(up_to) < 19:
-        await services(request).store.do(lambda t: notifications.mark_seen(t, account, int(up_to)))
+        await get_services(request).store.do(lambda t: notifications.mark_seen(t, account, int(up_to)))
     return go("/notices")
 
 
@@ -115,7 +115,7 @@ async def preview(
     """How a text would look, and whether a robot would answer it on that board; nothing is kept."""
     access.check_form(viewer, csrf)
     account = access.account_of(viewer)
-    shown = await previewed(services(request), Composed(draft=body.replace("\r\n", "\n")), account, board)
+    shown = await previewed(get_services(request), Composed(draft=body.replace("\r\n", "\n")), account, board)
     return show(request, viewer, "preview.html", {"typed": shown})
 
 
@@ -130,7 +130,7 @@ async def previewed(known: Services, typed: Composed, by: Account, board_id: str
 async def names(request: Request, viewer: Reading, q: str = "") -> Response:
     """Who may be meant by the beginning of a name: robots with their state first, then people."""
     access.account_of(viewer)
-    known, begun = services(request), q.lower()[:32]
+    known, begun = get_services(request), q.lower()[:32]
     robots = [r for r in robot_view.robots(known) if r.name.startswith(begun)]
     found = [
         {"name": r.name, "robot": True, "live": r.live, "state": (r.state or "online") if r.live else "not connected"}

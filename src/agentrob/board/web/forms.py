@@ -45,7 +45,7 @@ class Composed:
 
 
 async def read(request: Request) -> FormData:
-    """The form that was sent; how large it may be is for `gate` to say."""
+    """The form that was sent; how large it may be is for `SecurityMiddleware` to say."""
     return await request.form(max_files=MAX_FILES)
 
 

@@ -17,7 +17,7 @@ from agentrob.board.content.store import Store
 from agentrob.board.db.records import Post
 from agentrob.board.robots import approvals
 from agentrob.board.robots import view as robot_view
-from agentrob.board.services import services
+from agentrob.board.services import get_services
 from agentrob.board.web import forms
 from agentrob.board.web.find import previewed
 from agentrob.board.web.forms import Composed
@@ -35,14 +35,14 @@ POSTS = 50
 
 @router.get("/p/{post_id}")
 async def post(request: Request, viewer: Reading, post_id: str) -> Response:
-    store = services(request).store
+    store = get_services(request).store
     return go(path_of(store, store.post(post_id), request.query_params.get("done", "")))
 
 
 @router.get("/p/{post_id}/fragment")
 async def fragment(request: Request, viewer: Reading, post_id: str, seen: bool = False) -> Response:
     """`seen`: it is put at the end of a page that somebody looks at."""
-    known = services(request)
+    known = get_services(request)
     store, found = known.store, known.store.post(post_id)
     if seen:
         known.marks.showed(store.reader, viewer.account, store.topic(found.topic_id), found.id)
@@ -56,12 +56,12 @@ async def fragment(request: Request, viewer: Reading, post_id: str, seen: bool =
 @router.get("/p/{post_id}/raw")
 async def raw(request: Request, viewer: Reading, post_id: str) -> Response:
     headers = {"X-Content-Type-Options": "nosniff", "Content-Security-Policy": "default-src 'none'; sandbox"}
-    return PlainTextResponse(services(request).store.post(post_id).raw, headers=headers)
+    return PlainTextResponse(get_services(request).store.post(post_id).raw, headers=headers)
 
 
 @router.get("/p/{post_id}/history")
 async def history(request: Request, viewer: Reading, post_id: str) -> Response:
-    store = services(request).store
+    store = get_services(request).store
     found = store.post(post_id)
     versions = () if found.removed else store.versions(post_id)
     return show(request, viewer, "history.html", {"post": found, "versions": versions})
@@ -69,7 +69,7 @@ async def history(request: Request, viewer: Reading, post_id: str) -> Response:
 
 @router.get("/p/{post_id}/edit")
 async def edit_form(request: Request, viewer: Reading, post_id: str) -> Response:
-    found = services(request).store.post(post_id)
+    found = get_services(request).store.post(post_id)
     if found.author.id != access.account_of(viewer).id or found.removed:
         raise BoardError(403, "not_yours", "only its author may edit a post, and only while it is there")
     return _edit(request, viewer, found, Composed(draft=found.raw))
@@ -77,7 +77,7 @@ async def edit_form(request: Request, viewer: Reading, post_id: str) -> Response
 
 @router.post("/p/{post_id}/edit")
 async def edit(request: Request, viewer: Anybody, post_id: str) -> Response:
-    form, known = await forms.read(request), services(request)
+    form, known = await forms.read(request), get_services(request)
     typed = Composed(forms.field(form, "body"))
     try:
         access.check_form(viewer, form.get("csrf"))
@@ -104,14 +104,14 @@ def _edit(request: Request, viewer: Viewer, found: Post, typed: Composed, error:
 @router.get("/p/{post_id}/remove")
 async def remove_form(request: Request, viewer: Reading, post_id: str) -> Response:
     access.account_of(viewer)
-    return show(request, viewer, "remove.html", {"post": services(request).store.post(post_id)})
+    return show(request, viewer, "remove.html", {"post": get_services(request).store.post(post_id)})
 
 
 @router.post("/p/{post_id}/remove")
 async def remove(request: Request, viewer: Anybody, post_id: str) -> Response:
     form = await forms.read(request)
     access.check_form(viewer, form.get("csrf"))
-    store = services(request).store
+    store = get_services(request).store
     return go(path_of(store, await store.remove(access.account_of(viewer), post_id)))
 
 

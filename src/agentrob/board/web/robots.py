@@ -16,7 +16,7 @@ from agentrob.board.db.records import Image, Post, Topic
 from agentrob.board.robots import actions, approvals, rights
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.view import RobotView
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.templating import go, own_path, show, with_receipt
 from agentrob.errors import BoardError
@@ -36,13 +36,13 @@ _LOOK_BACK = 50
 
 @router.get("/robots")
 async def robots(request: Request, viewer: Reading, part: str = "") -> Response:
-    data = {"robots": robot_view.robots(services(request))}
+    data = {"robots": robot_view.robots(get_services(request))}
     return show(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
 
 
 @router.get("/robots/{name}")
 async def robot(request: Request, viewer: Reading, name: str) -> Response:
-    known = services(request)
+    known = get_services(request)
     account, view = robot_view.robot(known, name)
     latest = _latest(known.store, account, once=True)
     kept = rights.settings_of(known.store.reader, account.name)
@@ -59,7 +59,7 @@ async def robot(request: Request, viewer: Reading, name: str) -> Response:
 
 @router.get("/robots/{name}/fragment")
 async def robot_fragment(request: Request, viewer: Reading, name: str, part: str = "") -> Response:
-    known = services(request)
+    known = get_services(request)
     view = robot_view.robot(known, name)[1]
     data = {"robot": view, "releases": actions.may_release(known, view.name, viewer.account)}
     template = "robot_lock.html" if part == "lock" else "robot_facts.html"
@@ -71,7 +71,7 @@ async def stop(request: Request, viewer: Anybody, name: str) -> Response:
     """Anybody signed in, at any rate, whatever the robot's agent last said."""
     form = await forms.read(request)
     access.check_form(viewer, form.get("csrf"))
-    await actions.stop(services(request), name, access.account_of(viewer))
+    await actions.stop(get_services(request), name, access.account_of(viewer))
     if request.headers.get("x-live"):
         return Response(status_code=204)
     return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "stop", name))
@@ -82,7 +82,7 @@ async def emergency_stop(request: Request, viewer: Anybody, name: str) -> Respon
     """As stop; besides, it locks the robot."""
     form = await forms.read(request)
     access.check_form(viewer, form.get("csrf"))
-    await actions.emergency_stop(services(request), name, access.account_of(viewer))
+    await actions.emergency_stop(get_services(request), name, access.account_of(viewer))
     if request.headers.get("x-live"):
         return Response(status_code=204)
     return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "estop", name))
@@ -110,7 +110,7 @@ async def home(request: Request, viewer: Anybody, name: str) -> Response:
 
 def _confirm(request: Request, viewer: Viewer, name: str, deed: str, heading: str) -> Response:
     """Asks whether the owner means it: nothing that lets a robot move is one slip of the finger away."""
-    known = services(request)
+    known = get_services(request)
     actions.check_owner(known, name, access.account_of(viewer))
     data = {"robot": robot_view.robot(known, name)[1], "deed": deed, "heading": heading}
     return show(request, viewer, "robot_owner.html", data, here="robots")
@@ -118,7 +118,7 @@ def _confirm(request: Request, viewer: Viewer, name: str, deed: str, heading: st
 
 async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press: Press) -> Response:
     """Press an owner's button and wait a moment for what came of it, so that the page that follows shows that."""
-    known = services(request)
+    known = get_services(request)
     form = await forms.read(request)
     access.check_form(viewer, form.get("csrf"))
     stage, before = known.stage, known.stage.robot(name).card.get("told")
@@ -134,13 +134,13 @@ async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press:
 async def reset(request: Request, viewer: Anybody, name: str) -> Response:
     form = await forms.read(request)
     access.check_form(viewer, form.get("csrf"))
-    await actions.reset(services(request), name, access.account_of(viewer))
+    await actions.reset(get_services(request), name, access.account_of(viewer))
     return go(with_receipt(f"/robots/{name}", viewer, "reset", name))
 
 
 @router.get("/u/{name}")
 async def person(request: Request, viewer: Reading, name: str) -> Response:
-    store = services(request).store
+    store = get_services(request).store
     found = store.account(name)
     if found is None:
         raise BoardError(404, "no_such_account", f"there is no account {name[:64]!r}")

@@ -14,7 +14,7 @@ from agentrob.board.content import tags
 from agentrob.board.content.unread import News
 from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.db.records import Topic
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.templating import go, show
 from agentrob.errors import BoardError
@@ -35,7 +35,7 @@ def news(known: Services, viewer: Viewer, topics: Collection[Topic]) -> dict[str
 # ------------------------------------------------------------------ what is new
 @router.get("/unread")
 async def unread(request: Request, viewer: Reading, after: str | None = None) -> Response:
-    known, account = services(request), access.account_of(viewer)
+    known, account = get_services(request), access.account_of(viewer)
     store = known.store
     newest = store.reader.newest_post_id()
     page = known.marks.unread(store.reader, account, after, TOPICS)
@@ -46,7 +46,7 @@ async def unread(request: Request, viewer: Reading, after: str | None = None) ->
 
 @router.post("/unread/all-read")
 async def all_read(request: Request, viewer: Anybody) -> Response:
-    form, known = await forms.read(request), services(request)
+    form, known = await forms.read(request), get_services(request)
     access.check_form(viewer, form.get("csrf"))
     account, up_to = access.account_of(viewer), forms.field(form, "up_to")
     if up_to.isascii() and up_to.isdigit() and len(up_to) < 19:
@@ -57,13 +57,13 @@ async def all_read(request: Request, viewer: Anybody) -> Response:
 # ------------------------------------------------------------------ tags
 @router.get("/tags")
 async def listed(request: Request, viewer: Reading) -> Response:
-    found = await services(request).store.beside(tags.listed)
+    found = await get_services(request).store.beside(tags.listed)
     return show(request, viewer, "tags.html", {"found": found}, here="latest")
 
 
 @router.get("/tags/{tag}")
 async def tagged(request: Request, viewer: Reading, tag: str, after: str | None = None) -> Response:
-    known, named = services(request), tags.plain(tag)
+    known, named = get_services(request), tags.plain(tag)
     if not named:
         raise not_found("tag", tag)
     if named != tag:
@@ -75,13 +75,17 @@ async def tagged(request: Request, viewer: Reading, tag: str, after: str | None 
 
 @router.get("/t/{topic_id}/tags")
 async def choose(request: Request, viewer: Reading, topic_id: str) -> Response:
-    topic = services(request).store.topic(topic_id)
+    topic = get_services(request).store.topic(topic_id)
     return _choose(request, viewer, topic, ", ".join(topic.tags))
 
 
 @router.post("/t/{topic_id}/tags")
 async def chosen(request: Request, viewer: Anybody, topic_id: str) -> Response:
-    form, store, most = await forms.read(request), services(request).store, services(request).settings.limits.posts
+    form, store, most = (
+        await forms.read(request),
+        get_services(request).store,
+        get_services(request).settings.limits.posts,
+    )
     access.check_form(viewer, form.get("csrf"))
     by, topic = access.account_of(viewer), store.topic(topic_id)
     try:

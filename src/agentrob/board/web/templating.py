@@ -25,7 +25,7 @@ from agentrob.board.content import notifications
 from agentrob.board.content.markdown import unmarked
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
-from agentrob.board.services import services
+from agentrob.board.services import get_services
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind, Role, StatusCard
 
@@ -59,7 +59,7 @@ ROLES = {
     Role.ADMIN: "administrator",
 }
 
-#: Pages show what this viewer may see, as it is now; `gate` adds the headers that every answer has.
+#: Pages show what this viewer may see, as it is now; `SecurityMiddleware` adds the headers that every answer has.
 _HEADERS = {"Cache-Control": "private, no-cache"}
 _MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
 _STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}
@@ -142,7 +142,7 @@ def show(
     request: Request, viewer: Viewer, template: str, data: Mapping[str, Any], *, status: int = 200, here: str = ""
 ) -> HTMLResponse:
     """A page for this viewer. `here` marks the part of the navigation it belongs to."""
-    known = services(request)
+    known = get_services(request)
     settings = known.settings
     frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
     frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}

@@ -39,4 +39,6 @@ def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | 
         return Shown(html, page.next, *(ids[:1] + ids[-1:])), len(html)
 
     form = viewer.csrf if viewer.account else ""  # in the buttons
-    return known.topics.of(known.store.reader, topic_id, (after, viewer.account, form, visibility.now()), make)
+    return known.topic_cache.of(
+        known.store.reader, topic_id, (after, viewer.account, form, visibility.readable_boards()), make
+    )

@@ -15,7 +15,7 @@ from agentrob.board.auth.access import Viewer
 from agentrob.board.content import reach, tags, uploads
 from agentrob.board.db.records import Post, Topic
 from agentrob.board.robots import view as robot_view
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.board.web import commands as pages_command
 from agentrob.board.web import feeds, find, forms
 from agentrob.board.web import posts as pages_posts
@@ -44,7 +44,7 @@ JUST_NOW = timedelta(minutes=10)
 # ------------------------------------------------------------------ boards and topics
 @router.get("/")
 async def home(request: Request, viewer: Reading, after: str | None = None) -> Response:
-    known = services(request)
+    known = get_services(request)
     boards = known.store.boards()
     data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "robots": robot_view.robots(known)}
     topics = known.store.latest(after)
@@ -54,7 +54,7 @@ async def home(request: Request, viewer: Reading, after: str | None = None) -> R
 
 @router.get("/b/{board_id}")
 async def board(request: Request, viewer: Reading, board_id: str, after: str | None = None) -> Response:
-    known = services(request)
+    known = get_services(request)
     newest = known.store.newest_event_id()  # before the topics are read, so that nothing falls between
     topics = known.store.topics(board_id, after)
     data: Data = {"board": known.store.board(board_id), "topics": topics, "robots": robot_view.robots(known)}
@@ -65,13 +65,13 @@ async def board(request: Request, viewer: Reading, board_id: str, after: str | N
 @router.get("/b/{board_id}/new")
 async def new_topic(request: Request, viewer: Reading, board_id: str, to: str = "") -> Response:
     access.account_of(viewer)
-    account = services(request).store.account(to)
+    account = get_services(request).store.account(to)
     return _new_topic(request, viewer, board_id, Composed(draft=f"@{account.name} " if account else ""))
 
 
 @router.post("/b/{board_id}/new")
 async def create_topic(request: Request, viewer: Anybody, board_id: str) -> Response:
-    form, known = await forms.read(request), services(request)
+    form, known = await forms.read(request), get_services(request)
     typed = Composed(forms.field(form, "body"), forms.field(form, "title"), forms.field(form, "tags"))
     try:
         access.check_form(viewer, form.get("csrf"))
@@ -96,7 +96,7 @@ async def topic(
     """`reply_to` and `quote` are posts that are to be answered: then the form says so and has what is quoted."""
     typed = Composed()
     if (answered := reply_to or quote) and viewer.account:
-        post = services(request).store.post(answered)
+        post = get_services(request).store.post(answered)
         if post.topic_id == topic_id and not post.removed:
             typed = Composed(draft=forms.quoted(post.raw) if quote else "", reply_to=post.id)
     return _topic(request, viewer, topic_id, after, typed)
@@ -104,7 +104,7 @@ async def topic(
 
 @router.post("/t/{topic_id}/reply")
 async def reply(request: Request, viewer: Anybody, topic_id: str) -> Response:
-    form, known = await forms.read(request), services(request)
+    form, known = await forms.read(request), get_services(request)
     typed = Composed(forms.field(form, "body"), reply_to=forms.field(form, "reply_to"))
     try:
         access.check_form(viewer, form.get("csrf"))
@@ -125,7 +125,7 @@ async def _replied(request: Request, author: Account, topic_id: str, typed: Comp
     text, pictures = forms.body(typed.draft), [image.id for image in typed.pictures]
     key = forms.key(form, topic_id, text)
     answered = typed.reply_to or None
-    store = services(request).store
+    store = get_services(request).store
     return (await store.reply(author, topic_id, text, key=key, reply_to=answered, images=pictures)).post
 
 
@@ -139,7 +139,7 @@ async def sign_in_form(request: Request, viewer: Anybody, next: str = "/") -> Re
 
 @router.get("/sign-up")
 async def sign_up_form(request: Request, viewer: Anybody, next: str = "/") -> Response:
-    if not services(request).settings.sign_up:
+    if not get_services(request).settings.sign_up:
         raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself")
     return show(request, viewer, "sign_in.html", {"up": True, "next": own_path(next), "draft": ""}, here="sign-in")
 
@@ -158,7 +158,7 @@ async def sign_up(request: Request, viewer: Anybody) -> Response:
 async def sign_out(request: Request, viewer: Anybody) -> Response:
     access.check_form(viewer, (await forms.read(request)).get("csrf"))
     response = go("/sign-in")
-    await access.sign_out(services(request), viewer, response)
+    await access.sign_out(get_services(request), viewer, response)
     return response
 
 
@@ -171,7 +171,7 @@ async def enter_form(request: Request, viewer: Anybody, secret: str) -> Response
 @router.post("/enter/{secret}")
 async def enter(request: Request, viewer: Anybody, secret: str) -> Response:
     access.check_form(viewer, (await forms.read(request)).get("csrf"))
-    known = services(request)
+    known = get_services(request)
     response = go("/")
     access.set_session(response, known, await access.enter(known, secret))
     return response
@@ -191,7 +191,7 @@ async def favicon() -> Response:
 async def _open_session(request: Request, viewer: Viewer, *, up: bool) -> Response:
     form = await forms.read(request)
     name, password, path = forms.field(form, "name").strip(), forms.field(form, "password"), own_path(form.get("next"))
-    known = services(request)
+    known = get_services(request)
     address = request.client.host if request.client else ""
     try:
         access.check_form(viewer, form.get("csrf"))
@@ -207,7 +207,7 @@ async def _open_session(request: Request, viewer: Viewer, *, up: bool) -> Respon
 def _new_topic(
     request: Request, viewer: Viewer, board_id: str, typed: Composed, error: BoardError | None = None
 ) -> Response:
-    known = services(request)
+    known = get_services(request)
     data: Data = {"board": known.store.board(board_id), "robots": robot_view.robots(known), "key": forms.nonce()}
     data["acting"] = reach.acting_on(board_id, known)
     data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
@@ -222,7 +222,7 @@ def _topic(
     typed: Composed,
     error: BoardError | None = None,
 ) -> Response:
-    known = services(request)
+    known = get_services(request)
     newest = known.store.newest_event_id()  # before the posts are read, so that nothing falls between
     found = known.store.topic(topic_id)
     shown = posts_of_topic(known, viewer, topic_id, after, POSTS)

@@ -9,14 +9,14 @@ from fastapi import APIRouter, Depends, Request
 from starlette.datastructures import FormData
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.admin import administration
+from agentrob.board.admin import management
 from agentrob.board.api.admin import audit_page, check_owner, erase_content
 from agentrob.board.auth import access
 from agentrob.board.auth.access import Viewer
 from agentrob.board.db.records import Board
 from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.board.web.admin import forms
 from agentrob.board.web.templating import go
 from agentrob.errors import BoardError
@@ -50,10 +50,10 @@ async def add_account(request: Request, viewer: Anybody) -> Response:
     role, shown = forms.one_of(Role, forms.field(form, "role")), forms.field(form, "display_name")
 
     def add(t: Any) -> tuple[str, str]:
-        made = administration.add_account(t.connection, by.name, name, kind=kind, role=role, display_name=shown)
+        made = management.add_account(t.connection, by.name, name, kind=kind, role=role, display_name=shown)
         if kind is AccountKind.HUMAN:
-            return made.name, administration.link(t.connection, by.name, made.name, "password")
-        return made.name, administration.add_token(t.connection, by.name, made.name, "", ("read", "write"))
+            return made.name, management.link(t.connection, by.name, made.name, "password")
+        return made.name, management.add_token(t.connection, by.name, made.name, "", ("read", "write"))
 
     try:
         made, secret = await forms.do(request, add)
@@ -88,27 +88,25 @@ async def _change_account(
         case "change":
             role, shown = forms.one_of(Role, forms.field(form, "role")), forms.field(form, "display_name")
             changes: dict[str, Any] = {"role": role, "display_name": shown, "suspended": "suspended" in form}
-            await forms.do(request, lambda t: administration.change_account(t.connection, by.name, name, **changes))
+            await forms.do(request, lambda t: management.change_account(t.connection, by.name, name, **changes))
         case "enter" | "password":
-            path = await forms.do(request, lambda t: administration.link(t.connection, by.name, name, deed))
+            path = await forms.do(request, lambda t: management.link(t.connection, by.name, name, deed))
             what = "that signs in" if deed == "enter" else "that sets a new password"
             return forms.told(request, viewer, page, f"A link {what}, once, for @{name}", path)
         case "sign-out":
-            await forms.do(request, lambda t: administration.sign_out_everywhere(t.connection, by.name, name))
+            await forms.do(request, lambda t: management.sign_out_everywhere(t.connection, by.name, name))
         case "token":
             scopes = tuple(s for s in ("read", "write", "admin") if s == "read" or s in form)
             label = forms.field(form, "label")
-            token = await forms.do(
-                request, lambda t: administration.add_token(t.connection, by.name, name, label, scopes)
-            )
+            token = await forms.do(request, lambda t: management.add_token(t.connection, by.name, name, label, scopes))
             return forms.told(request, viewer, page, f"A token of @{name}", token)
         case "revoke":
             token_id = forms.field(form, "token")
-            await forms.do(request, lambda t: administration.revoke_token(t.connection, by.name, token_id))
+            await forms.do(request, lambda t: management.revoke_token(t.connection, by.name, token_id))
         case "erase":
             if forms.field(form, "sure") != name:
                 raise BoardError(422, "not_sure", "nothing was deleted", f"type {name} to delete all it wrote")
-            await erase_content(services(request), by.name, name)
+            await erase_content(get_services(request), by.name, name)
         case _:
             raise BoardError(404, "no_such_page", "there is nothing at this address")
     return go(page)
@@ -121,16 +119,16 @@ def _accounts(
     error: BoardError | None = None,
     draft: Mapping[str, Any] | None = None,
 ) -> Response:
-    found = administration.all_accounts(services(request).store.reader, after, _PAGE + 1)
+    found = management.all_accounts(get_services(request).store.reader, after, _PAGE + 1)
     more = found[_PAGE - 1].name if len(found) > _PAGE else ""
     data = {"accounts": found[:_PAGE], "more": more, "draft": _EMPTY | dict(draft or {})}
     return forms.page(request, viewer, "admin_accounts.html", "accounts", data, error)
 
 
 def _account(request: Request, viewer: Viewer, name: str, error: BoardError | None = None) -> Response:
-    reader = services(request).store.reader
-    found = administration.account_named(reader.connection, name)
-    data = {"account": found, "tokens": administration.tokens(reader, found.name)}
+    reader = get_services(request).store.reader
+    found = management.account_named(reader.connection, name)
+    data = {"account": found, "tokens": management.tokens(reader, found.name)}
     return forms.page(request, viewer, "admin_account.html", "accounts", data, error)
 
 
@@ -146,7 +144,7 @@ async def add_board(request: Request, viewer: Anybody) -> Response:
     form, by = await forms.sent(request, viewer, Role.ADMIN)
     try:
         board = Board(forms.field(form, "id"), **_board_fields(form))
-        await forms.do(request, lambda t: administration.add_board(t.connection, by.name, board))
+        await forms.do(request, lambda t: management.add_board(t.connection, by.name, board))
     except BoardError as e:
         return _boards(request, viewer, e)
     return go("/admin/boards")
@@ -157,7 +155,7 @@ async def change_board(request: Request, viewer: Anybody, board_id: str) -> Resp
     form, by = await forms.sent(request, viewer, Role.ADMIN)
     try:
         fields = _board_fields(form)
-        await forms.do(request, lambda t: administration.change_board(t.connection, by.name, board_id, **fields))
+        await forms.do(request, lambda t: management.change_board(t.connection, by.name, board_id, **fields))
     except BoardError as e:
         return _boards(request, viewer, e)
     return go("/admin/boards")
@@ -169,7 +167,7 @@ def _board_fields(form: FormData) -> dict[str, Any]:
 
 
 def _boards(request: Request, viewer: Viewer, error: BoardError | None = None) -> Response:
-    data = {"boards": services(request).store.everything.all_boards(), "fresh": Board("", "")}
+    data = {"boards": get_services(request).store.everything.all_boards(), "fresh": Board("", "")}
     return forms.page(request, viewer, "admin_boards.html", "boards", data, error)
 
 
@@ -177,27 +175,27 @@ def _boards(request: Request, viewer: Viewer, error: BoardError | None = None) -
 @router.get("/admin/robots")
 async def robots(request: Request, viewer: Reading) -> Response:
     forms.admin_of(viewer)
-    reader = services(request).store.reader
+    reader = get_services(request).store.reader
     found = [(a, rights.settings_of(reader, a.name)) for a in reader.robots()]
     return forms.page(request, viewer, "admin_robots.html", "robots", {"robots": found})
 
 
 @router.get("/admin/robots/{name}")
 async def robot(request: Request, viewer: Reading, name: str) -> Response:
-    _robot_of(services(request), access.account_of(viewer), name)
+    _robot_of(get_services(request), access.account_of(viewer), name)
     return _robot(request, viewer, name)
 
 
 @router.post("/admin/robots/{name}")
 async def change_robot(request: Request, viewer: Anybody, name: str) -> Response:
     form, by = await forms.sent(request, viewer, Role.GUEST)
-    parts = services(request)
+    parts = get_services(request)
     _robot_of(parts, by, name)
     try:
         changes = _robot_fields(form)
         if by.role is Role.ADMIN:
             changes["owner"] = forms.field(form, "owner").removeprefix("@").lower()
-        await forms.do(request, lambda t: administration.change_robot(t.connection, by.name, name, **changes))
+        await forms.do(request, lambda t: management.change_robot(t.connection, by.name, name, **changes))
     except BoardError as e:
         return _robot(request, viewer, name, e, forms.field(form, "closed"))
     return go(f"/admin/robots/{name}")
@@ -223,7 +221,7 @@ def _robot_of(parts: Services, by: Account, name: str) -> None:
 def _robot(
     request: Request, viewer: Viewer, name: str, error: BoardError | None = None, typed: str | None = None
 ) -> Response:
-    kept = rights.settings_of(services(request).store.reader, name)
+    kept = rights.settings_of(get_services(request).store.reader, name)
     data = {"robot": name, "kept": kept, "hours": rights.hours_in_words(kept.closed) if typed is None else typed}
     return forms.page(request, viewer, "admin_robot.html", "robots", data, error)
 
@@ -240,24 +238,24 @@ async def invite(request: Request, viewer: Anybody) -> Response:
     form, by = await forms.sent(request, viewer, Role.ADMIN)
     try:
         if revoked := forms.field(form, "revoke"):
-            await forms.do(request, lambda t: administration.revoke_invite(t.connection, by.name, revoked))
+            await forms.do(request, lambda t: management.revoke_invite(t.connection, by.name, revoked))
             return go("/admin/invites")
         uses, days = forms.number(form, "uses"), forms.number(form, "days")
         role = forms.one_of(Role, forms.field(form, "role"))
-        path = await forms.do(request, lambda t: administration.invite(t.connection, by.name, role, uses, days, by))
+        path = await forms.do(request, lambda t: management.invite(t.connection, by.name, role, uses, days, by))
     except BoardError as e:
         return _invites(request, viewer, e)
     return forms.told(request, viewer, "/admin/invites", f"An invite for {uses}, as {role}", path)
 
 
 def _invites(request: Request, viewer: Viewer, error: BoardError | None = None) -> Response:
-    found = administration.invites(services(request).store.reader)
+    found = management.invites(get_services(request).store.reader)
     return forms.page(request, viewer, "admin_invites.html", "invites", {"invites": found}, error)
 
 
 @router.get("/admin/audit")
 async def audit_log(request: Request, viewer: Reading, after: str | None = None, target: str = "") -> Response:
     forms.admin_of(viewer)
-    found, more = audit_page(services(request), after, _PAGE, target[:80])
+    found, more = audit_page(get_services(request), after, _PAGE, target[:80])
     data = {"entries": found, "more": more, "target": target[:80]}
     return forms.page(request, viewer, "admin_audit.html", "audit", data)

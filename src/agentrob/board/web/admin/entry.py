@@ -9,7 +9,7 @@ from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.auth import access
 from agentrob.board.auth.access import Viewer
-from agentrob.board.services import Services, services
+from agentrob.board.services import Services, get_services
 from agentrob.board.web.admin import forms
 from agentrob.board.web.templating import go, show
 from agentrob.errors import BoardError
@@ -29,7 +29,7 @@ async def invited(request: Request, viewer: Anybody, secret: str) -> Response:
 @router.post("/invite/{secret}")
 async def accept_invite(request: Request, viewer: Anybody, secret: str) -> Response:
     form = await forms.read(request)
-    name, known = forms.field(form, "name"), services(request)
+    name, known = forms.field(form, "name"), get_services(request)
     try:
         access.check_form(viewer, form.get("csrf"))
         session = await access.sign_up(known, name, forms.password(form, "password"), forms.address(request), secret)
@@ -46,7 +46,7 @@ async def forgotten(request: Request, viewer: Anybody, secret: str) -> Response:
 
 @router.post("/password/{secret}")
 async def reset_password(request: Request, viewer: Anybody, secret: str) -> Response:
-    form, known = await forms.read(request), services(request)
+    form, known = await forms.read(request), get_services(request)
     try:
         access.check_form(viewer, form.get("csrf"))
         session = await access.new_password(known, secret, forms.password(form, "password"), forms.address(request))
@@ -65,7 +65,7 @@ async def own_password(request: Request, viewer: Reading) -> Response:
 @router.post("/password")
 async def change_password(request: Request, viewer: Anybody) -> Response:
     form, by = await forms.sent(request, viewer, Role.GUEST)
-    known, old, new = services(request), forms.password(form, "old"), forms.password(form, "password")
+    known, old, new = get_services(request), forms.password(form, "old"), forms.password(form, "password")
     try:
         session = await access.change_password(known, by, old, new, forms.address(request))
     except BoardError as e:

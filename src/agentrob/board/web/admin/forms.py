@@ -13,7 +13,7 @@ from agentrob.board.auth import access
 from agentrob.board.auth.access import Viewer
 from agentrob.board.db.writer import Job, T
 from agentrob.board.robots import rights
-from agentrob.board.services import services
+from agentrob.board.services import get_services
 from agentrob.board.web.templating import hint_of, sentence, show
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, ActionClass, Role
@@ -33,7 +33,7 @@ def admin_of(viewer: Viewer) -> Account:
 
 
 async def read(request: Request) -> FormData:
-    """The form that was sent; how large it may be is for `gate` to say."""
+    """The form that was sent; how large it may be is for `SecurityMiddleware` to say."""
     return await request.form(max_files=0)
 
 
@@ -47,7 +47,7 @@ async def sent(request: Request, viewer: Viewer, role: Role) -> tuple[FormData, 
 
 async def do(request: Request, job: Job[T]) -> T:
     """Run a job of the writer."""
-    return await services(request).store.do(job)
+    return await get_services(request).store.do(job)
 
 
 def page(
@@ -65,7 +65,7 @@ def page(
 
 def told(request: Request, viewer: Viewer, back: str, what: str, secret: str) -> Response:
     """A secret, shown this once. A path is shown as an address."""
-    shown = services(request).settings.base_url + secret if secret.startswith("/") else secret
+    shown = get_services(request).settings.base_url + secret if secret.startswith("/") else secret
     data = {"tab": "", "what": what, "secret": shown, "back": back}
     response = show(request, viewer, "admin_told.html", data, here="admin")
     response.headers["Cache-Control"] = "no-store"

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, insert, select
 from sqlalchemy.exc import DBAPIError
 
-from agentrob.board.admin import administration, audit
+from agentrob.board.admin import audit, management
 from agentrob.board.admin.audit import SHELL
 from agentrob.board.auth import accounts
 from agentrob.board.db import schema as db
@@ -37,7 +37,7 @@ def bootstrap(settings: BoardSettings, *, alone: bool = False) -> None:
             connection.execute(insert(db.boards), [row | {"position": n} for n, row in enumerate(rows)])
 
 
-def make(settings: BoardSettings) -> None:
+def ensure_database(settings: BoardSettings) -> None:
     """Make the database when there is none. One of another version is left as it is: 409 says how to migrate it."""
     if not check_version(settings):
         bootstrap(settings)
@@ -55,7 +55,7 @@ def create_account(
     """A new account. `BoardError` 409 when the name is taken, 422 when name or password cannot be."""
     password_hash = accounts.hash_password(password) if password is not None else None
     with writing(settings) as connection:
-        return administration.add_account(
+        return management.add_account(
             connection, SHELL, name, kind=kind, role=role, password_hash=password_hash, display_name=display_name
         )
 
@@ -80,7 +80,7 @@ def change_account(
     """Change what is given."""
     password_hash = accounts.hash_password(password) if password is not None else None
     with writing(settings) as connection:
-        administration.change_account(connection, SHELL, account.name, role=role, suspended=suspended)
+        management.change_account(connection, SHELL, account.name, role=role, suspended=suspended)
         if password_hash is not None:
             accounts.set_password(connection, int(account.id), password_hash)
 
@@ -89,7 +89,7 @@ def claim_robot(settings: BoardSettings, name: str, owner: str) -> None:
     """Make somebody the owner of a robot that has none."""
     with writing(settings) as connection:
         if not rights.settings_of(Reader(connection), name).owner:
-            administration.change_robot(connection, SHELL, name, owner=owner)
+            management.change_robot(connection, SHELL, name, owner=owner)
 
 
 def issue_token(
@@ -97,7 +97,7 @@ def issue_token(
 ) -> str:
     """A bearer token for a program. Only its hash is kept: it cannot be shown again."""
     with writing(settings) as connection:
-        return administration.add_token(connection, SHELL, account.name, label, scopes)
+        return management.add_token(connection, SHELL, account.name, label, scopes)
 
 
 def revoke_tokens(settings: BoardSettings, account: Account, label: str | None = None) -> int:
@@ -112,7 +112,7 @@ def revoke_tokens(settings: BoardSettings, account: Account, label: str | None =
 def issue_link(settings: BoardSettings, account: Account) -> str:
     """The path of a page that signs in once, within ten minutes: put `settings.base_url` before it."""
     with writing(settings) as connection:
-        return administration.link(connection, SHELL, account.name, "enter")
+        return management.link(connection, SHELL, account.name, "enter")
 
 
 @contextmanager
