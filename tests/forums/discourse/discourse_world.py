@@ -23,11 +23,11 @@ from agentrob.errors import ForumNotFound
 from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.discourse.http import Wire
 from agentrob.forums.discourse.settings import Credentials
-from agentrob.forums.discourse_double.app import create_app
-from agentrob.forums.discourse_double.document import paths
-from agentrob.forums.discourse_double.site import LIFTED, Post, Site
 from agentrob.forums.protocol import Event, EventKind
 from agentrob.model import AccountKind, Role
+from tests.doubles.discourse.app import create_app
+from tests.doubles.discourse.document import paths
+from tests.doubles.discourse.site import LIFTED, Post, Site
 
 GROUPS = {
     "operators": ("robot-operators",),

@@ -12,10 +12,10 @@ import pytest
 from agentrob.agent.agent import RobotAgent
 from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.discourse.markers import unmark
-from agentrob.forums.discourse_double.site import DEFAULTS
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Post, Role
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, robot_settings, serving
+from tests.doubles.discourse.site import DEFAULTS
 from tests.forums.discourse.discourse_world import DiscourseWorld, Double, double_world
 
 

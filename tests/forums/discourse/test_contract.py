@@ -3,7 +3,7 @@
     AGENTROB_TEST_DISCOURSE_URL=https://forum.example AGENTROB_TEST_DISCOURSE_KEY=… pytest tests/forums/…
 
 The key is an admin's for all users, of a Discourse that is for tests: accounts are made and suspended, and settings
-changed. `python -m agentrob.forums.discourse_double --lifted` serves one to try that on.
+changed. `python -m tests.doubles.discourse --lifted` serves one to try that on.
 """
 
 from __future__ import annotations

@@ -17,10 +17,10 @@ import pytest
 
 from agentrob.config import load
 from agentrob.errors import ForumError
-from agentrob.forums import discourse_double
 from agentrob.forums.discourse.settings import DiscourseOptions
-from agentrob.forums.discourse_double.document import DEPARTURES, filled, paths
-from agentrob.forums.discourse_double.site import DEFAULTS, LIFTED
+from tests.doubles import discourse
+from tests.doubles.discourse.document import DEPARTURES, filled, paths
+from tests.doubles.discourse.site import DEFAULTS, LIFTED
 from tests.forums.discourse.discourse_world import double_world
 
 ROOT = Path(__file__).parents[3]
@@ -51,7 +51,7 @@ def _properties(at: Any, beside: str) -> Iterator[dict[str, Any]]:
 @pytest.mark.parametrize("departure", DEPARTURES, ids=lambda d: f"{d[0]} {d[2]}")
 def test_each_departure_from_the_document_is_still_one(departure: tuple[str, str, str, dict[str, Any], str]) -> None:
     where, beside, name, schema, why = departure
-    document = json.loads((files(discourse_double) / "openapi.json").read_text(encoding="utf-8"))["paths"]
+    document = json.loads((files(discourse) / "openapi.json").read_text(encoding="utf-8"))["paths"]
     operations = {f"{m} {p}": o for p, methods in document.items() for m, o in methods.items()}
     found = [p for o, operation in operations.items() if where in ("*", o) for p in _properties(operation, beside)]
     assert found
@@ -67,14 +67,14 @@ def test_answers_are_filled_up_to_what_the_document_requires() -> None:
 
 
 def test_the_extract_is_small_and_says_whose_it_is() -> None:
-    text = (files(discourse_double) / "openapi.json").read_text(encoding="utf-8")
+    text = (files(discourse) / "openapi.json").read_text(encoding="utf-8")
     assert len(text) < 80_000
     assert "Copyright (c) 2016 Civilized Discourse Construction Kit, Inc." in text
 
 
 @pytest.mark.slow
 def test_the_contract_runs_against_a_discourse_that_is_named_by_its_address() -> None:
-    command = [sys.executable, "-m", "agentrob.forums.discourse_double", "--lifted", "--port", "0"]
+    command = [sys.executable, "-m", "tests.doubles.discourse", "--lifted", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as double:
         assert double.stdout is not None
         url, key, _ = (double.stdout.readline().strip() for _ in range(3))

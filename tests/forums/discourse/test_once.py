@@ -8,7 +8,7 @@ import pytest
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.discourse.markers import Marked, mark, unmark
-from agentrob.forums.discourse_double.site import DEFAULTS, Refusal
+from tests.doubles.discourse.site import DEFAULTS, Refusal
 from tests.forums.discourse.discourse_world import DiscourseWorld, Double, begin, texts
 
 

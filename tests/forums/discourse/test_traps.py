@@ -12,8 +12,8 @@ from agentrob.forums.contract import PIXEL
 from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.discourse.markers import Marked, mark
 from agentrob.forums.discourse.settings import DiscourseOptions, account
-from agentrob.forums.discourse_double.site import STUB
 from agentrob.model import Account, AccountKind, Role, StatusCard
+from tests.doubles.discourse.site import STUB
 from tests.forums.discourse.discourse_world import PASSWORD, DiscourseWorld, Double, begin, texts
 
 CARD = StatusCard("quadruped", "done", step=1, steps=1, trace_id="t1")

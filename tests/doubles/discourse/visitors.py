@@ -8,7 +8,7 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from agentrob.forums.discourse_double.site import Refusal, Site, User, denied
+from tests.doubles.discourse.site import Refusal, Site, User, denied
 
 
 class Visitors:

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
-from agentrob.forums.discourse_double.bus import MessageBus
-from agentrob.forums.discourse_double.cooking import cook
+from tests.doubles.discourse.bus import MessageBus
+from tests.doubles.discourse.cooking import cook
 
 STUB = "(post deleted by author)"
 

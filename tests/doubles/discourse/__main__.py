@@ -1,4 +1,4 @@
-"""`python -m agentrob.forums.discourse_double`: serve the double on loopback and say how to sign in."""
+"""`python -m tests.doubles.discourse`: serve the double on loopback and say how to sign in."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import sys
 
 import uvicorn
 
-from agentrob.forums.discourse_double.app import create_app
-from agentrob.forums.discourse_double.site import LIFTED, Site
+from tests.doubles.discourse.app import create_app
+from tests.doubles.discourse.site import LIFTED, Site
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m agentrob.forums.discourse_double", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.doubles.discourse", description=__doc__)
     parser.add_argument("--port", type=int, default=8090, help="0 for any free one")
     parser.add_argument("--lifted", action="store_true", help="with the limits lifted that docs/discourse.md names")
     asked = parser.parse_args()

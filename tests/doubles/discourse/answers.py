@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from agentrob.forums.discourse_double.document import filled
-from agentrob.forums.discourse_double.site import Category, Post, Site, Topic, User
+from tests.doubles.discourse.document import filled
+from tests.doubles.discourse.site import Category, Post, Site, Topic, User
 
 Json = dict[str, Any]
 TOPICS_A_PAGE = 30

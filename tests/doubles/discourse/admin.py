@@ -2,37 +2,26 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Any
-
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from agentrob.forums.discourse_double import answers
-from agentrob.forums.discourse_double.document import filled
-from agentrob.forums.discourse_double.site import Refusal, missing
-
-if TYPE_CHECKING:
-    from agentrob.forums.discourse_double.app import Caller
-
-
-async def _body(request: Request) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(await request.body() or b"{}")
-    return found
+from tests.doubles.discourse import answers
+from tests.doubles.discourse.caller import Caller, Handler, body
+from tests.doubles.discourse.document import filled
+from tests.doubles.discourse.site import Refusal, missing
 
 
 async def change_setting(request: Request, caller: Caller) -> Response:
     name = request.path_params["name"]
     if name not in caller.site.settings:
         raise Refusal(422, f"No setting named '{name}' exists")
-    value = (await _body(request))[name]
+    value = (await body(request))[name]
     caller.site.settings[name] = float({"true": 1, "false": 0}.get(str(value), value))
     return Response(status_code=200)
 
 
 async def add_category(request: Request, caller: Caller) -> Response:
-    given = await _body(request)
+    given = await body(request)
     if any(c.slug == given.get("slug") for c in caller.site.categories.values()):
         raise Refusal(422, "Slug is already in use")
     c = caller.site.add_category(given["name"], given.get("slug", ""), given.get("parent_category_id"))
@@ -41,7 +30,7 @@ async def add_category(request: Request, caller: Caller) -> Response:
 
 
 async def add_group(request: Request, caller: Caller) -> Response:
-    name = (await _body(request))["group"]["name"]
+    name = (await body(request))["group"]["name"]
     if any(g.name == name for g in caller.site.groups.values()):
         raise Refusal(422, "Name has already been taken")
     group = caller.site.add_group(name)
@@ -56,7 +45,7 @@ async def group(request: Request, caller: Caller) -> Response:
 
 
 async def add_members(request: Request, caller: Caller) -> Response:
-    names = (await _body(request))["usernames"].split(",")
+    names = (await body(request))["usernames"].split(",")
     for name in names:
         if (user := caller.site.named(name)) is not None:
             user.groups.add(int(request.path_params["id"]))
@@ -64,7 +53,7 @@ async def add_members(request: Request, caller: Caller) -> Response:
 
 
 async def remove_members(request: Request, caller: Caller) -> Response:
-    names = (await _body(request))["usernames"].split(",")
+    names = (await body(request))["usernames"].split(",")
     for name in names:
         if (user := caller.site.named(name)) is not None:
             user.groups.discard(int(request.path_params["id"]))
@@ -72,14 +61,14 @@ async def remove_members(request: Request, caller: Caller) -> Response:
 
 
 async def add_key(request: Request, caller: Caller) -> Response:
-    name = (await _body(request))["key"].get("username")
+    name = (await body(request))["key"].get("username")
     return JSONResponse({"key": {"key": caller.site.add_key(caller.site.named(name) if name else None)}})
 
 
 async def suspend(request: Request, caller: Caller) -> Response:
     by = caller.user
     user = caller.site.users[int(request.path_params["id"])]
-    given = await _body(request)
+    given = await body(request)
     user.suspended_till = given["suspend_until"]
     known = {
         "suspend_reason": given["reason"],
@@ -107,10 +96,8 @@ async def review(request: Request, caller: Caller) -> Response:
     return JSONResponse({"reviewable_perform_result": {"success": True}})
 
 
-def _admins_only(
-    handler: Callable[[Request, Caller], Awaitable[Response]],
-) -> Callable[[Request, Caller], Awaitable[Response]]:
-    """To everybody else these addresses are not there."""
+def _admins_only(handler: Handler) -> Handler:
+    """Answer 404 to everybody else, as Discourse does."""
 
     async def guarded(request: Request, caller: Caller) -> Response:
         if not caller.user.admin:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import secrets
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -12,43 +11,11 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from agentrob.forums.discourse_double import admin, answers
-from agentrob.forums.discourse_double.document import filled
-from agentrob.forums.discourse_double.site import Category, Post, Refusal, Site, Topic, User, denied, missing
-from agentrob.forums.discourse_double.visitors import Visitors
-
-Handler = Callable[[Request, "Caller"], Awaitable[Response]]
-
-
-class Caller:
-    """Who asks, as the headers or the session's cookie say."""
-
-    def __init__(self, site: Site, visitors: Visitors, user: User | None, by_api: bool) -> None:
-        self.site, self.visitors, self._user, self.by_api = site, visitors, user, by_api
-
-    @property
-    def user(self) -> User:
-        if self._user is None:
-            raise Refusal(403, "You need to be logged in to do that.", "not_logged_in")
-        return self._user
-
-    @property
-    def known(self) -> User | None:
-        return self._user
-
-    def post(self, request: Request) -> Post:
-        found = self.site.posts.get(int(request.path_params["id"]))
-        if found is None or not self.site.visible(self.user, found):
-            raise missing()
-        return found
-
-    def topic(self, request: Request) -> Topic:
-        found = self.site.topics.get(int(request.path_params["id"]))
-        if found is None or (found.deleted and not self.user.staff):
-            raise missing()
-        if not self.site.sees(self.user, found):
-            raise denied()
-        return found
+from tests.doubles.discourse import admin, answers
+from tests.doubles.discourse.caller import Caller, Handler, body
+from tests.doubles.discourse.document import filled
+from tests.doubles.discourse.site import Category, Refusal, Site, missing
+from tests.doubles.discourse.visitors import Visitors
 
 
 def create_app(site: Site) -> Starlette:
@@ -224,11 +191,6 @@ async def upload(request: Request, caller: Caller) -> Response:
     }  # fmt: skip
     caller.site.limit("upload", user.id, caller.site.settings.get("uploads_per_minute", 0), 60)
     return JSONResponse(filled("post", "/uploads.json", known))
-
-
-async def body(request: Request) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(await request.body() or b"{}")
-    return found
 
 
 # ---------------------------------------------------------------- accounts, and what happens
