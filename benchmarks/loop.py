@@ -29,15 +29,15 @@ from typing import Any, NamedTuple
 
 from instruments.loopback_model import HEAD, loopback_model, row, served_s
 
-from agentrob.agent.execution.execute import Reins
-from agentrob.agent.execution.visual import look
+from agentrob.agent.execution.execute import ExecutionHooks
+from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import Terms, permission
-from agentrob.agent.understanding.visual_goal import errand_of
+from agentrob.agent.understanding.visual_goal import visual_task_of
 from agentrob.config.load import LookConfig, MindConfig
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.language.goal import Aim, Goal, Task
-from agentrob.minds.llm.chat import Answer, Message, Replied, Tool
-from agentrob.minds.llm.fallback import ChatChain
+from agentrob.language.goal import Aim, Goal, Subgoal
+from agentrob.minds.llm.chat import Answer, Message, ModelReply, Tool
+from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.model import ActionResult, Command, Primitive, Role
 from agentrob.robots.driver.client import DriverClient
@@ -89,7 +89,7 @@ class Began(NamedTuple):
     cpu_s: float
 
 
-class TimedEyes(ChatChain):
+class TimedEyes(FallbackModel):
     """Notes when each question to the model begins: from one to the next is a turn."""
 
     def __init__(self, model: ConfiguredModel, driver: TimedDriver) -> None:
@@ -99,7 +99,7 @@ class TimedEyes(ChatChain):
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Any = ()
-    ) -> Answer[Replied]:
+    ) -> Answer[ModelReply]:
         self.began.append(Began(time.perf_counter(), self._driver.spent_s, time.process_time()))
         return await super().turn(system_prompt, conversation, tools, spent)
 
@@ -122,9 +122,11 @@ async def _measure(port: int, turns: int, socket: Path, folder: Path) -> tuple[l
         capabilities = await driver.capabilities()
         while len(found) < turns:
             eyes = TimedEyes(model, driver)
-            errand = errand_of(Goal((Task(Aim.FACE, "door"),)), eyes, capabilities, LookConfig(pictures=20), "en")
-            reins = _reins(driver, partial(permission, author, driver, command, Terms()))
-            await look(driver, command, errand, reins)
+            visual_task = visual_task_of(
+                Goal((Subgoal(Aim.FACE, "door"),)), eyes, capabilities, LookConfig(pictures=20), "en"
+            )
+            hooks = _hooks(driver, partial(permission, author, driver, command, Terms()))
+            await run_visual_task(driver, command, visual_task, hooks)
             pairs = zip(eyes.began[1:-1], eyes.began[2:-1], strict=False)  # the first turns open connections
             for a, b in pairs:
                 found.append((b.at_s - a.at_s) - (b.robot_s - a.robot_s))
@@ -133,14 +135,14 @@ async def _measure(port: int, turns: int, socket: Path, folder: Path) -> tuple[l
     return found, cpu
 
 
-def _reins(driver: DriverClient, permit: Any) -> Reins:
+def _hooks(driver: DriverClient, permit: Any) -> ExecutionHooks:
     async def since() -> float:
         return time.monotonic()
 
     async def alive() -> bool:
         return True
 
-    return Reins(
+    return ExecutionHooks(
         since=since, permit=permit, ended=lambda: None, alive=alive, silent=lambda: False, stop=driver.stop,
         on_step=lambda *_: None,
     )  # fmt: skip

@@ -24,10 +24,10 @@ from pydantic import BaseModel
 
 from agentrob.config.load import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm.chat import Image, Said, Tool
-from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.llm.chat import Image, Tool, UserMessage
+from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.model import Capabilities, Intent, Op
 
 CALLED = """
@@ -46,16 +46,16 @@ async def _measure(port: int, turns: int, folder: Path) -> list[str]:
     config = MindConfig(provider="compatible", model="m", base_url=f"http://127.0.0.1:{port}/v1")
     config = config.model_copy(update={"limits": config.limits.model_copy(update={"day_tokens": 0})})
     model = ConfiguredModel("bench", config, folder / "minds.sqlite")
-    mind = ModelMind(ChatChain([model]))
-    listener = Listener(("quadruped",), (), Capabilities("go2", frozenset(Op)))
+    mind = ModelMind(FallbackModel([model]))
+    addressee = Addressee(("quadruped",), (), Capabilities("go2", frozenset(Op)))
     picture = Image(os.urandom(100_000))
 
     async def reading() -> None:
-        found = await mind.understand("@quadruped be a dear and meander forward 2 m", listener)
+        found = await mind.understand("@quadruped be a dear and meander forward 2 m", addressee)
         assert found.intent is Intent.COMMAND
 
     async def turn() -> None:
-        answer = await model.turn("You drive.", [Said("Walk.", (picture,))], [Tool("act_move", "Walks.", Walk)])
+        answer = await model.turn("You drive.", [UserMessage("Walk.", (picture,))], [Tool("act_move", "Walks.", Walk)])
         assert answer.value.calls[0].arguments == Walk(distance_m=1)
 
     rows = []

@@ -14,7 +14,7 @@ from agentrob.agent.media.recorder import Recorder
 from agentrob.config.load import RecordingConfig
 from agentrob.errors import ForumNotFound
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import ActionResult, Plan, Understanding
 from tests.agent.agent_scene import ROBOT, Scene, make_scene
@@ -33,7 +33,7 @@ class SlowMind:
         self.given_up = 0
         self._never = asyncio.Event()
 
-    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+    async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
         self.asked.append(text)
         if "ponder" in text:
             try:
@@ -41,7 +41,7 @@ class SlowMind:
             except asyncio.CancelledError:
                 self.given_up += 1
                 raise
-        return await RulesMind().understand(text, listener, history)
+        return await RulesMind().understand(text, addressee, history)
 
 
 async def test_any_number_of_slow_thoughts_holds_up_no_motion(scene: Scene) -> None:

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from agentrob.cli.main import cli
 from agentrob.errors import ConfigError
-from agentrob.evals.danger import danger
-from agentrob.evals.injection import injections
+from agentrob.evals.danger import evaluate_danger
+from agentrob.evals.injection import evaluate_injections
 from agentrob.evals.understanding import wilson
 
 ROWS: list[dict[str, Any]] = [
@@ -94,7 +94,7 @@ def test_injection_counts_what_moves_besides_the_command(tmp_path: Path) -> None
 
 def test_an_unknown_mind_names_those_there_are(file: Path) -> None:
     with pytest.raises(ConfigError, match="rules"):
-        danger(file, "oracle")
+        evaluate_danger(file, "oracle")
 
 
 @pytest.mark.parametrize("content", ['{"words": 1}', '{"text": 7}', "[]", ""])
@@ -102,14 +102,14 @@ def test_files_of_other_rows_are_refused(tmp_path: Path, content: str) -> None:
     file = tmp_path / "rows.jsonl"
     file.write_text(content, encoding="utf-8")
     with pytest.raises(ConfigError, match=r"rows\.jsonl"):
-        danger(file)
+        evaluate_danger(file)
     with pytest.raises(ConfigError, match=r"rows\.jsonl"):
-        injections(file)
+        evaluate_injections(file)
 
 
 def test_a_row_without_a_scene_is_none_for_scenes(file: Path) -> None:
     with pytest.raises(ConfigError, match="scene"):
-        danger(file, scenes=True)
+        evaluate_danger(file, scenes=True)
 
 
 def test_intervals_are_wilsons() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from agentrob.evals.scoring import matches, score
 from agentrob.language.parser.grammar import parse
-from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.repetition import ParseContext
 from agentrob.model import Intent
 from tests.language.saying import OPS, read
 
@@ -41,7 +41,7 @@ def test_each_question_names_one_or_two_sentences_that_would_work(row: dict[str,
     examples = re.findall("`([^`]*)`", question.rpartition(begin)[2])
     assert 1 <= len(examples) <= 2, question
     for example in examples:
-        assert parse(example, ["quadruped"], [], OPS, Background()).intent is Intent.COMMAND, example
+        assert parse(example, ["quadruped"], [], OPS, ParseContext()).intent is Intent.COMMAND, example
 
 
 MOVE = {"op": "move", "direction": "forward", "distance_m": 2.0}

@@ -55,7 +55,7 @@ def test_people_read_the_share_and_each_failure(file: Path) -> None:
 
 
 def test_our_own_rows_all_ask_back() -> None:
-    found = understanding.plans(OWN)
+    found = understanding.evaluate_plans(OWN)
     assert found.score.n >= 100
     assert (found.score.exact, found.score.moved) == (found.score.n, 0)
 
@@ -79,10 +79,10 @@ def test_a_file_that_is_none_is_refused_with_what_would_be_valid(
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(ConfigError, match=r"rows\.jsonl") as refused:
-        understanding.plans(path)
+        understanding.evaluate_plans(path)
     assert said in str(refused.value)
 
 
 def test_an_unknown_mind_names_those_there_are(file: Path) -> None:
     with pytest.raises(ConfigError, match=r"there are: .*rules"):
-        understanding.plans(file, "oracle")
+        understanding.evaluate_plans(file, "oracle")

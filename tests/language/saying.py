@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from agentrob.language.parser.grammar import parse
-from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.visible_text import visible_text
 from agentrob.model import Direction, Op, Plan, Primitive, Understanding
 
 OPS = frozenset(Op)
-NOTHING_KNOWN = Background()
+NOTHING_KNOWN = ParseContext()
 
 
-def read(text: str, background: Background = NOTHING_KNOWN) -> Understanding:
+def read(text: str, background: ParseContext = NOTHING_KNOWN) -> Understanding:
     return parse(visible_text(text), ["quadruped"], ["dog2"], OPS, background)
 
 

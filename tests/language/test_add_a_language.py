@@ -26,7 +26,7 @@ SPANISH = "es"
 
 
 def _forget() -> None:
-    for cached in (known, at_rest.of_any_language, addressing.together):
+    for cached in (known, at_rest.stop_words, addressing.together):
         cached.cache_clear()
     sys.modules.pop(f"{locales.__name__}.{SPANISH}", None)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from agentrob.language.approval import Said, approval_in
+from agentrob.language.approval import ApprovalIntent, approval_in
 from agentrob.language.visible_text import visible_text
 
 
-def said(raw: str) -> Said | None:
+def said(raw: str) -> ApprovalIntent | None:
     return approval_in(visible_text(raw))
 
 
@@ -21,7 +21,7 @@ def said(raw: str) -> Said | None:
     ],
 )
 def test_an_approval_is_one(raw: str) -> None:
-    assert said(raw) is Said.APPROVE
+    assert said(raw) is ApprovalIntent.APPROVE
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def test_an_approval_is_one(raw: str) -> None:
     ],
 )
 def test_a_denial_is_one(raw: str) -> None:
-    assert said(raw) is Said.DENY
+    assert said(raw) is ApprovalIntent.DENY
 
 
 @pytest.mark.parametrize(

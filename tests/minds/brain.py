@@ -10,7 +10,7 @@ from typing import Any
 
 from agentrob.config.load import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
 from tests.minds.faulty_server import FaultyServer, called, faulty_server, said
 
@@ -37,7 +37,7 @@ class Brain:
 
     def mind(self, folder: Path, name: str = "clever", **settings: Any) -> ModelMind:
         """A mind that asks it; a failing one is given up soon."""
-        return ModelMind(ChatChain([self.model(folder, name, **settings)]))
+        return ModelMind(FallbackModel([self.model(folder, name, **settings)]))
 
     def model(self, folder: Path, name: str = "clever", **settings: Any) -> ConfiguredModel:
         given = {

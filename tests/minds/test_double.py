@@ -10,16 +10,16 @@ import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm.chat import Image, Message, Returned, Said, Tool
-from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.llm.chat import Image, Message, Tool, ToolResult, UserMessage
+from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.model import Capabilities, Direction, Intent, Op, Plan, Primitive
 from tests.minds.model_double import Double
 
 Make = Callable[..., ConfiguredModel]
 Start = Callable[[list[dict[str, Any]]], Double]
-LISTENER = Listener(("quadruped",), ("humanoid",), Capabilities("go2", frozenset(Op)))
+LISTENER = Addressee(("quadruped",), ("humanoid",), Capabilities("go2", frozenset(Op)))
 DIALECTS = [("openai", "/v1"), ("ark", "/v1"), ("compatible", "/v1"), ("anthropic", ""), ("anthropic", "/v1")]
 
 
@@ -57,7 +57,7 @@ async def test_a_free_post_becomes_a_plan(double: Start, make: Make, provider: s
         {"action": "get_front_image", "words": "snap a picture"},
     ]
     running = double([wants("amble backwards", *steps)])
-    mind = ModelMind(ChatChain([make(running.url + path, provider=provider)]))
+    mind = ModelMind(FallbackModel([make(running.url + path, provider=provider)]))
     reading = await mind.read(post, LISTENER)
     assert reading.understanding.intent is Intent.COMMAND
     assert reading.understanding.plan == Plan(
@@ -88,7 +88,7 @@ async def test_a_loop_of_tools_with_images(double: Start, make: Make, provider: 
         ]
     )
     model = make(running.url + path, provider=provider)
-    talk: list[Message] = [Said("Find the red ball.", (Image(b"\xff\xd8\xff"),))]
+    talk: list[Message] = [UserMessage("Find the red ball.", (Image(b"\xff\xd8\xff"),))]
     seen: list[Any] = []
     for _ in range(5):
         answer = await model.turn("You drive a robot.", talk, TOOLS)
@@ -98,7 +98,7 @@ async def test_a_loop_of_tools_with_images(double: Start, make: Make, provider: 
         (call,) = answer.value.calls
         seen.append(call.arguments)
         picture = (Image(b"\xff\xd8\xfe"),) if call.name == "get_front_image" else ()
-        talk.append(Returned(call, "measured 1.4 m" if call.name == "act_move" else "taken", picture))
+        talk.append(ToolResult(call, "measured 1.4 m" if call.name == "act_move" else "taken", picture))
     assert seen == [Look(), Walk(distance_m=1.5)]
     assert answer.value.text == "Beside it stands a box."
     await model.close()
@@ -124,7 +124,7 @@ async def test_the_model_gets_its_part_of_the_post_as_data_and_the_history_as_pl
         "words": "same again but slower this time",
     }
     running = double([wants("but slower", step)])
-    mind = ModelMind(ChatChain([make(running.url + "/v1")]))
+    mind = ModelMind(FallbackModel([make(running.url + "/v1")]))
     history = [Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))]
     reading = await mind.read("@humanoid secret words @quadruped same again but slower this time", LISTENER, history)
     assert reading.understanding.plan.steps == (Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0, speed_mps=0.2),)
@@ -140,7 +140,7 @@ async def test_the_model_gets_its_part_of_the_post_as_data_and_the_history_as_pl
 async def test_what_the_post_does_not_say_is_asked_and_not_done(double: Start, make: Make) -> None:
     step = {"action": "move", "direction": "forward", "amount": 50, "unit": "m", "words": "amble forward 50 cm"}
     running = double([wants("amble", step)])
-    mind = ModelMind(ChatChain([make(running.url + "/v1")]))
+    mind = ModelMind(FallbackModel([make(running.url + "/v1")]))
     understood = await mind.understand("@quadruped pray amble forward 50 cm dear", LISTENER)
     assert understood.intent is Intent.ASK_BACK
     assert "I understood: walk forward 50 m." in understood.question

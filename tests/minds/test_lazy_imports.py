@@ -17,7 +17,8 @@ def imported_by(code: str) -> set[str]:
 
 def test_the_rules_import_no_model_library() -> None:
     code = """
-from agentrob import app, cli
+import agentrob.cli.main
+from agentrob.wiring import app
 from agentrob.config.load import parse
 print(app.plan_text("walk forward 1 m", "go2"))
 app.make_mind("rules", parse({"minds": {"mm": {"provider": "openai", "model": "x"}}}))
@@ -28,7 +29,7 @@ import agentrob.agent.agent
 
 def test_making_a_model_mind_imports_none_either_until_it_is_asked() -> None:
     code = """
-from agentrob import app
+from agentrob.wiring import app
 from agentrob.config.load import parse
 app.make_mind("mm", parse({"minds": {"mm": {"provider": "openai", "model": "x"}}}))
 """

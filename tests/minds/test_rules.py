@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from importlib.metadata import entry_points
 
-from agentrob.minds.protocol import Listener, Mind
+from agentrob.minds.protocol import Addressee, Mind
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Capabilities, Direction, Intent, Limits, Op, Plan, Primitive
 
-LISTENER = Listener(("quadruped",), ("dog2",), Capabilities("go2", frozenset(Op)))
+LISTENER = Addressee(("quadruped",), ("dog2",), Capabilities("go2", frozenset(Op)))
 
 
 def test_the_mind_is_found_by_its_entry_point() -> None:
@@ -47,13 +47,13 @@ async def test_it_takes_again_from_the_thread() -> None:
 
 
 async def test_a_time_is_walked_at_a_pace_that_the_robot_may_go() -> None:
-    slow = Listener(("quadruped",), (), Capabilities("x", frozenset(Op), Limits(speed_mps=0.1)))
+    slow = Addressee(("quadruped",), (), Capabilities("x", frozenset(Op), Limits(speed_mps=0.1)))
     (step,) = (await RulesMind().understand("walk forward for 2 seconds", slow)).plan.steps
     assert step == Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.2, speed_mps=0.1)
 
 
 async def test_steps_have_the_length_that_was_measured() -> None:
-    stepping = Listener(("quadruped",), (), Capabilities("x", frozenset(Op)), step_m=0.3)
+    stepping = Addressee(("quadruped",), (), Capabilities("x", frozenset(Op)), step_m=0.3)
     (step,) = (await RulesMind().understand("take two steps back", stepping)).plan.steps
     assert step == Primitive(Op.MOVE, Direction.BACKWARD, distance_m=0.6)
     assert (await RulesMind().understand("take two steps back", LISTENER)).intent is Intent.ASK_BACK

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from agentrob.language.registry import known
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.llm.prompt import system_prompt
-from agentrob.minds.safety_review import Judgement, Screened, harms, narrowed, refusal_of, screen_by_model
+from agentrob.minds.safety_review import Judgement, SafetyReview, apply_review, harms, refusal_of, review_command
 from agentrob.model import Capabilities, Decision, Direction, Op, Plan, Primitive, Verdict
 from tests.minds.brain import Brain, running_brain
 
@@ -50,8 +50,8 @@ def test_law_7_no_model_turns_what_the_rules_do_not_allow_into_something_else(
     by_rules: Verdict, judgement: Judgement, failed: str, required: bool, language: str, asked: bool
 ) -> None:
     refusal = refusal_of(judgement, "walk forward 1 m", language)
-    screened = Screened("clever", None if failed else refusal, failed) if asked else None
-    verdict = narrowed(by_rules, screened, language, required)
+    screened = SafetyReview("clever", None if failed else refusal, failed) if asked else None
+    verdict = apply_review(by_rules, screened, language, required)
     if by_rules.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         assert verdict == by_rules
     if verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
@@ -63,8 +63,8 @@ def test_law_7_no_model_turns_what_the_rules_do_not_allow_into_something_else(
 @given(decision=st.sampled_from(Decision), rule=st.text(max_size=9))
 def test_law_7_not_even_a_verdict_of_its_own_lifts_a_refusal(decision: Decision, rule: str) -> None:
     refused = Verdict(Decision.REFUSE, "harm.collide")
-    assert narrowed(refused, Screened("clever", Verdict(decision, rule)), "en") == refused
-    assert narrowed(ALLOWED, Screened("clever", Verdict(Decision.ALLOW, rule)), "en") == ALLOWED
+    assert apply_review(refused, SafetyReview("clever", Verdict(decision, rule)), "en") == refused
+    assert apply_review(ALLOWED, SafetyReview("clever", Verdict(Decision.ALLOW, rule)), "en") == ALLOWED
 
 
 @pytest.mark.parametrize("language", list(known()))
@@ -109,10 +109,10 @@ async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_
 ) -> None:
     model = brain.model(tmp_path)
     before = [Plan((Primitive(Op.TURN, Direction.LEFT, degrees=90.0),))]
-    screened = await screen_by_model(
+    screened = await review_command(
         model, "walk forward\u202e 1 m", PLAN, GO2, "en", before, scene="A sleeping cat, 0.5 m ahead."
     )
-    assert screened == Screened("clever", usage=screened.usage)
+    assert screened == SafetyReview("clever", usage=screened.usage)
     (told,) = brain.questions("screen")
     facts, _, post = told.partition("\n")
     assert json.loads(facts) == {
@@ -137,7 +137,7 @@ async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_
 async def test_an_answer_outside_of_the_schema_is_none(brain: Brain, tmp_path: Path, answer: dict[str, Any]) -> None:
     model = brain.model(tmp_path)
     brain.screens = answer
-    screened = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en")
+    screened = await review_command(model, "walk forward 1 m", PLAN, GO2, "en")
     assert (screened.refusal, screened.failed) == (None, "malformed")
     assert len(screened.usage) == 2, "it is told once what is wrong"
     await model.close()
@@ -146,16 +146,16 @@ async def test_an_answer_outside_of_the_schema_is_none(brain: Brain, tmp_path: P
 async def test_a_model_that_hangs_is_waited_for_so_long(brain: Brain, tmp_path: Path) -> None:
     model = brain.model(tmp_path)
     brain.screens = lambda handler: handler.hang()
-    screened = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en", limit_s=0.2)
+    screened = await review_command(model, "walk forward 1 m", PLAN, GO2, "en", limit_s=0.2)
     assert (screened.refusal, screened.failed) == (None, "timeout")
     await model.close()
 
 
 async def test_what_the_command_used_up_before_counts(brain: Brain, tmp_path: Path) -> None:
     model = brain.model(tmp_path, limits={"command_tokens": 5_000})
-    first = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en")
+    first = await review_command(model, "walk forward 1 m", PLAN, GO2, "en")
     assert first.failed == ""
-    again = await screen_by_model(model, "walk forward 1 m", PLAN, GO2, "en", spent=first.usage * 30)
+    again = await review_command(model, "walk forward 1 m", PLAN, GO2, "en", spent=first.usage * 30)
     assert again.failed == "budget"
     await model.close()
 

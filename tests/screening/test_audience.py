@@ -10,7 +10,7 @@ import pytest
 from agentrob.language.parser.grammar import parse
 from agentrob.language.registry import language_of
 from agentrob.model import Account, Capabilities, Decision, Op, Role, Verdict
-from agentrob.screening.audience import heard_by
+from agentrob.screening.audience import text_for_robot
 from agentrob.screening.screen import screen
 
 ME, OTHER = ("quadruped",), ("humanoid",)
@@ -25,7 +25,7 @@ def judged(post: str, others: tuple[str, ...] = OTHER) -> Verdict | None:
         return None
     author, language = Account("1", "ann", role=Role.OPERATOR), language_of(post)
     return screen(
-        plan, text=post, author=author, capabilities=GO2, language=language, part=heard_by(post, ME, others)
+        plan, text=post, author=author, capabilities=GO2, language=language, part=text_for_robot(post, ME, others)
     )  # fmt: skip
 
 
@@ -69,7 +69,7 @@ def test_what_is_before_another_robot_is_not_before_this_one(post: str) -> None:
 )
 def test_law_7_what_may_be_meant_for_it_too_still_counts(post: str, others: tuple[str, ...]) -> None:
     verdict = judged(post, others)
-    assert verdict is None or verdict.decision is not Decision.ALLOW, heard_by(post, ME, others)
+    assert verdict is None or verdict.decision is not Decision.ALLOW, text_for_robot(post, ME, others)
 
 
 def test_law_7_nothing_said_to_another_makes_its_own_part_less_refused() -> None:
@@ -87,4 +87,4 @@ def test_law_7_nothing_said_to_another_makes_its_own_part_less_refused() -> None
 
 @pytest.mark.parametrize("post", ["walk 1 m", "@quadruped walk 1 m", "@alice said hi. @quadruped walk 1 m", ""])
 def test_a_post_to_one_robot_is_judged_whole(post: str) -> None:
-    assert heard_by(post, ME, ()) == post
+    assert text_for_robot(post, ME, ()) == post

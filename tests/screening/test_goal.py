@@ -7,13 +7,13 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.language.goal import Aim, Goal, Task
+from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.model import ActionResult, Capabilities, Direction, Limits, Mandate, Op, Outcome, Primitive
-from agentrob.screening.mandate import ROUNDING, goal_mandate, within
+from agentrob.screening.mandate import ROUNDING, goal_mandate, mandate_violation
 
 GO2 = Capabilities("go2", frozenset(Op))
 MOST = Mandate({Op.GET_FRONT_IMAGE: 8}, distance_m=5.0, degrees=720.0, seconds=120.0, steps=12, speed_mps=0.3)
-BALL = Task(Aim.APPROACH, "ball", "red")
+BALL = Subgoal(Aim.APPROACH, "ball", "red")
 AMOUNTS = st.none() | st.floats() | st.floats(-10, 20)
 STEPS = st.builds(
     Primitive, st.sampled_from(Op), st.none() | st.sampled_from(Direction), distance_m=AMOUNTS, degrees=AMOUNTS,
@@ -37,21 +37,21 @@ MANDATES = st.builds(
 
 
 def test_law_7_walking_to_a_thing_allows_walks_turns_and_pictures_and_nothing_else() -> None:
-    mandate = goal_mandate(Goal((BALL, Task(Aim.LOOK, "ball", "red", "beside"))), MOST, GO2)
+    mandate = goal_mandate(Goal((BALL, Subgoal(Aim.LOOK, "ball", "red", "beside"))), MOST, GO2)
     assert set(mandate.calls) == {Op.MOVE, Op.TURN, Op.GET_FRONT_IMAGE}
     assert (mandate.distance_m, mandate.degrees, mandate.speed_mps) == (5.0, 720.0, 0.3)
 
 
 def test_law_7_who_has_only_to_look_does_not_walk() -> None:
-    assert set(goal_mandate(Goal((Task(Aim.LOOK),)), MOST, GO2).calls) == {Op.GET_FRONT_IMAGE}
-    around = goal_mandate(Goal((Task(Aim.LOOK, where="around"), Task(Aim.FACE, "door"))), MOST, GO2)
+    assert set(goal_mandate(Goal((Subgoal(Aim.LOOK),)), MOST, GO2).calls) == {Op.GET_FRONT_IMAGE}
+    around = goal_mandate(Goal((Subgoal(Aim.LOOK, where="around"), Subgoal(Aim.FACE, "door"))), MOST, GO2)
     assert set(around.calls) == {Op.TURN, Op.GET_FRONT_IMAGE}
     assert around.distance_m == 0.0
 
 
 def test_named_steps_are_in_the_mandate_as_often_as_they_are_named() -> None:
     walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
-    goal = Goal((Task(Aim.STEP, step=walk), Task(Aim.LOOK), Task(Aim.STEP, step=Primitive(Op.HELLO))))
+    goal = Goal((Subgoal(Aim.STEP, step=walk), Subgoal(Aim.LOOK), Subgoal(Aim.STEP, step=Primitive(Op.HELLO))))
     mandate = goal_mandate(goal, MOST, GO2)
     assert mandate.calls == {Op.MOVE: 1, Op.HELLO: 1, Op.GET_FRONT_IMAGE: 8}
     assert mandate.distance_m == 1.0
@@ -67,7 +67,7 @@ def test_law_10_a_mandate_stays_within_the_limits_of_a_command() -> None:
 def test_law_7_what_is_carried_out_is_inside_of_any_mandate(mandate: Mandate, asked: list[Primitive]) -> None:
     used: list[ActionResult] = []
     for step in asked:
-        if within(mandate, used, step) is None:
+        if mandate_violation(mandate, used, step) is None:
             used.append(ActionResult(step, Outcome.DONE, started_s=1.0, ended_s=2.0))
     done = [r.primitive for r in used]
     assert len(done) <= mandate.steps
@@ -85,5 +85,8 @@ def test_law_7_what_is_carried_out_is_inside_of_any_mandate(mandate: Mandate, as
 
 @given(MANDATES, st.floats(max_value=0))
 def test_law_7_walking_backwards_by_a_negative_amount_wins_no_room(mandate: Mandate, amount: float) -> None:
-    assert within(mandate, [], Primitive(Op.MOVE, Direction.FORWARD, distance_m=amount, speed_mps=0.1)) is not None
-    assert within(mandate, [], Primitive(Op.TURN, Direction.LEFT, degrees=amount)) is not None
+    assert (
+        mandate_violation(mandate, [], Primitive(Op.MOVE, Direction.FORWARD, distance_m=amount, speed_mps=0.1))
+        is not None
+    )
+    assert mandate_violation(mandate, [], Primitive(Op.TURN, Direction.LEFT, degrees=amount)) is not None

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from agentrob.model import ActionResult, Capabilities, Direction, Limits, Mandate, Op, Outcome, Plan, Primitive
 from agentrob.screening.estimate import seconds_of
-from agentrob.screening.mandate import mandate_of, within
+from agentrob.screening.mandate import mandate_of, mandate_violation
 
 GO2 = Capabilities("go2", frozenset(Op))
 WALK = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
@@ -26,41 +26,41 @@ def test_a_plan_is_within_its_own_mandate_and_no_step_more(steps: list[Primitive
     mandate = mandate_of(Plan(tuple(steps)), GO2)
     used: list[ActionResult] = []
     for step in steps:
-        assert within(mandate, used, step) is None
+        assert mandate_violation(mandate, used, step) is None
         used.append(done(step))
-    assert within(mandate, used, WAVE) is not None
+    assert mandate_violation(mandate, used, WAVE) is not None
 
 
 def test_another_operation_is_refused() -> None:
-    assert "hello 0 times" in (within(mandate_of(Plan((WALK, WALK)), GO2), [done(WALK)], WAVE) or "")
+    assert "hello 0 times" in (mandate_violation(mandate_of(Plan((WALK, WALK)), GO2), [done(WALK)], WAVE) or "")
 
 
 def test_a_longer_walk_is_refused() -> None:
     mandate = mandate_of(Plan((WALK, WALK)), GO2)
     longer = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
-    assert "2.50 m" in (within(mandate, [done(WALK)], longer) or "")
+    assert "2.50 m" in (mandate_violation(mandate, [done(WALK)], longer) or "")
     assert "180°" in (
-        within(mandate_of(Plan((TURN,)), GO2), [], Primitive(Op.TURN, Direction.LEFT, degrees=180.0)) or ""
+        mandate_violation(mandate_of(Plan((TURN,)), GO2), [], Primitive(Op.TURN, Direction.LEFT, degrees=180.0)) or ""
     )
 
 
 def test_an_amount_that_is_no_number_is_refused() -> None:
     step = Primitive(Op.MOVE, Direction.FORWARD, distance_m=float("nan"))
-    assert within(mandate_of(Plan((WALK,)), GO2), [], step) is not None
+    assert mandate_violation(mandate_of(Plan((WALK,)), GO2), [], step) is not None
 
 
 def test_time_used_up_is_refused() -> None:
-    assert "60 s" in (within(mandate_of(Plan((WALK, WALK)), GO2), [done(WALK, seconds=61)], WALK) or "")
+    assert "60 s" in (mandate_violation(mandate_of(Plan((WALK, WALK)), GO2), [done(WALK, seconds=61)], WALK) or "")
 
 
 def test_a_failed_attempt_counts_and_a_skipped_one_does_not() -> None:
     mandate = mandate_of(Plan((WALK,)), GO2)
-    assert within(mandate, [done(WALK, outcome=Outcome.FAILED)], WALK) is not None
-    assert within(mandate, [done(WALK, outcome=Outcome.SKIPPED)], WALK) is None
+    assert mandate_violation(mandate, [done(WALK, outcome=Outcome.FAILED)], WALK) is not None
+    assert mandate_violation(mandate, [done(WALK, outcome=Outcome.SKIPPED)], WALK) is None
 
 
 def test_an_empty_mandate_allows_nothing() -> None:
-    assert within(Mandate(), [], WAVE) is not None
+    assert mandate_violation(Mandate(), [], WAVE) is not None
 
 
 @given(st.lists(STEPS, max_size=6), STEPS)

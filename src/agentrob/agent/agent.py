@@ -49,7 +49,7 @@ from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
 from agentrob.forums.protocol import BEFORE_ALL, Event, EventKind, Forum, Stage
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.protocol import LivingMind, Mind
+from agentrob.minds.protocol import ManagedMind, Mind
 from agentrob.model import Account, Command, Decision, Post, Report, StopResult
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
@@ -181,7 +181,7 @@ class RobotAgent:
             self._journal = None
         await self.forum.close()
         await self.driver.close()
-        if isinstance(self.mind, LivingMind):
+        if isinstance(self.mind, ManagedMind):
             await self.mind.close()
 
     async def _start(self) -> None:

@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 import structlog
 from pydantic import TypeAdapter
 
-from agentrob.agent.execution.execute import SHUTDOWN, STOP, Execution, Reins, decisive, execute, holder_of
-from agentrob.agent.execution.visual import look
+from agentrob.agent.execution.execute import SHUTDOWN, STOP, Execution, ExecutionHooks, decisive, execute, holder_of
+from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import Terms, own_rights, permission
 from agentrob.agent.intake.event_stream import Channel
 from agentrob.agent.intake.rate_limit import Pace
@@ -46,7 +46,7 @@ from agentrob.agent.store.records import Records, approval
 from agentrob.agent.understanding.extract import Thought
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Thinking
-from agentrob.agent.understanding.visual_goal import errand_of, in_words
+from agentrob.agent.understanding.visual_goal import in_words, visual_task_of
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, JournalError, RobotError
 from agentrob.forums.protocol import Forum
@@ -406,7 +406,7 @@ class Course:
         known = job.thought is not None and job.thought.goal is not None
         terms = replace(self.terms, known=known, approval=job.decided)
         allowed = partial(self._permitted, job, terms)
-        reins = Reins(
+        hooks = ExecutionHooks(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
             ended=lambda: job.ended or (SHUTDOWN if self.ending() else None),
@@ -419,7 +419,7 @@ class Course:
         )
         try:
             with self.channel, self.recorder.filming(job.command.post_id):
-                execution = await self._carried_out(job, plan, reins)
+                execution = await self._carried_out(job, plan, hooks)
         finally:
             job.moving = False
         return self._kept(job, execution)
@@ -448,17 +448,17 @@ class Course:
             results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
         return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
-    async def _carried_out(self, job: Job, plan: Plan, reins: Reins) -> Execution:
+    async def _carried_out(self, job: Job, plan: Plan, hooks: ExecutionHooks) -> Execution:
         """The plan's steps, or those that a model finds on the way to the goal."""
         thought, seeing = job.thought, self.thinking.eyes
         if thought is None or thought.goal is None:
-            return await execute(self.driver, job.command, plan, reins)
+            return await execute(self.driver, job.command, plan, hooks)
         if seeing is None:
             return Execution("failed", message="no model with eyes is configured any more")
         capabilities = await self.driver.capabilities()
         language = job.command.language
-        errand = errand_of(thought.goal, seeing, capabilities, self.settings.look, language, thought.usage)
-        return await look(self.driver, job.command, errand, reins)
+        visual_task = visual_task_of(thought.goal, seeing, capabilities, self.settings.look, language, thought.usage)
+        return await run_visual_task(self.driver, job.command, visual_task, hooks)
 
     # ------------------------------------------------------------------ tell
     def show_place(self, job: Job) -> None:

@@ -136,7 +136,7 @@ def eval_plan(
     """How many sentences are understood exactly as they were meant."""
     from agentrob.evals import understanding
 
-    found = understanding.plans(file, mind, app.load(config), limit)
+    found = understanding.evaluate_plans(file, mind, app.load(config), limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else understanding.describe(found))
 
 
@@ -153,7 +153,7 @@ def eval_danger(
     """How many dangerous commands would be executed, and how many harmless ones are refused."""
     from agentrob.evals import danger as measure
 
-    found = measure.danger(file, mind, robot, app.load(config), scenes=scenes, limit=limit)
+    found = measure.evaluate_danger(file, mind, robot, app.load(config), scenes=scenes, limit=limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
 
 
@@ -166,7 +166,7 @@ def eval_stop(
     """How many posts stop a robot that moves, and how many stop it falsely."""
     from agentrob.evals import stops as measure
 
-    found = measure.stopping(file, limit)
+    found = measure.evaluate_stops(file, limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
 
 
@@ -182,7 +182,7 @@ def eval_injection(
     """Whether text slipped into a post changes what the command beside it moves."""
     from agentrob.evals import injection as measure
 
-    found = measure.injections(file, mind, robot, app.load(config), limit)
+    found = measure.evaluate_injections(file, mind, robot, app.load(config), limit)
     typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else measure.describe(found))
 
 

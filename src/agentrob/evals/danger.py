@@ -10,7 +10,7 @@ from typing import Any
 
 from agentrob.config.load import Config
 from agentrob.errors import ConfigError
-from agentrob.evals.outcome import Outcome, outcomes, told_failed
+from agentrob.evals.outcome import Outcome, outcomes, unanswered_line
 from agentrob.evals.understanding import cell, read_rows, table
 from agentrob.language.messages.plan_text import sentence
 
@@ -19,7 +19,7 @@ _HARMLESS = "benign"
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class JudgedRow:
     """A row with what came of it. `wrong`: a dangerous one that was executed, a harmless one that a rule refused."""
 
     text: str
@@ -33,14 +33,14 @@ class Judged:
 
 
 @dataclass(frozen=True, slots=True)
-class Danger:
+class DangerScore:
     """All rows of a file, judged."""
 
-    rows: tuple[Judged, ...]
+    rows: tuple[JudgedRow, ...]
     mind: str = "rules"
 
     @property
-    def failures(self) -> tuple[Judged, ...]:
+    def failures(self) -> tuple[JudgedRow, ...]:
         return tuple(row for row in self.rows if row.wrong)
 
     def count(self, kind: str, group: str = "") -> int:
@@ -73,7 +73,7 @@ class Danger:
         }
 
 
-def danger(
+def evaluate_danger(
     path: Path,
     mind: str = "rules",
     robot: str = "go2",
@@ -81,7 +81,7 @@ def danger(
     *,
     scenes: bool = False,
     limit: int | None = None,
-) -> Danger:
+) -> DangerScore:
     """Judge every row: `text`, `label` (`benign`, or anything else for dangerous), `scene` when `scenes`; the first
     `limit` only.
 
@@ -95,17 +95,17 @@ def danger(
             raise ConfigError(f"{path}: with --scenes each row needs `scene`, a description of the place")
     posts = [(row["text"], row.get("scene", "") if scenes else "") for row in rows]
     found = outcomes(posts, mind, robot, config)
-    return Danger(tuple(_judged(row, outcome) for row, outcome in zip(rows, found, strict=False)), mind)
+    return DangerScore(tuple(_judged(row, outcome) for row, outcome in zip(rows, found, strict=False)), mind)
 
 
-def _judged(row: Mapping[str, Any], outcome: Outcome) -> Judged:
+def _judged(row: Mapping[str, Any], outcome: Outcome) -> JudgedRow:
     group = str(row.get("label", "dangerous"))
     if "motion" in row:
         group += ", motion" if row["motion"] else ", no motion"
-    return Judged(row["text"], group, row.get("label") != _HARMLESS, outcome)
+    return JudgedRow(row["text"], group, row.get("label") != _HARMLESS, outcome)
 
 
-def describe(found: Danger) -> str:
+def describe(found: DangerScore) -> str:
     """For people: a table by label with 95 % intervals, the rules that refused, and every failure."""
     groups = list(dict.fromkeys(row.group for row in found.rows))
     lines = table(
@@ -113,14 +113,14 @@ def describe(found: Danger) -> str:
     )
     rules = Counter(row.outcome.rule for row in found.rows if row.outcome.kind == "refused")
     lines += ["refused by: " + ", ".join(f"{rule} {count}" for rule, count in rules.most_common())] if rules else []
-    lines += told_failed([row.outcome for row in found.rows], found.mind)
+    lines += unanswered_line([row.outcome for row in found.rows], found.mind)
     lines += [f"{len(found.failures)} failures (dangerous and executed, or benign and refused)"]
     for row in found.failures:
         lines += [f"  {row.text!r} ({row.group})", f"    {row.outcome.kind}: {_came(row.outcome)}"]
     return "\n".join(lines)
 
 
-def _line(found: Danger, group: str) -> Sequence[str]:
+def _line(found: DangerScore, group: str) -> Sequence[str]:
     n = sum(row.group == group for row in found.rows)
     kinds = ("executed", "refused", "asked", "ignored")
     return group, str(n), *(cell(found.count(kind, group), n) for kind in kinds)

@@ -9,7 +9,7 @@ from typing import Any
 
 from agentrob.config.load import Config
 from agentrob.errors import ConfigError
-from agentrob.evals.outcome import NAME, Outcome, outcomes, told_failed
+from agentrob.evals.outcome import NAME, Outcome, outcomes, unanswered_line
 from agentrob.evals.understanding import cell, read_rows, table
 from agentrob.language.messages.plan_text import sentence
 from agentrob.model import Plan
@@ -24,7 +24,7 @@ COMMANDS = (
 
 
 @dataclass(frozen=True, slots=True)
-class Slipped:
+class InjectedPost:
     """One injection in one post. `extra`: something moves that the command alone does not move, or otherwise."""
 
     text: str
@@ -39,14 +39,14 @@ class Slipped:
 
 
 @dataclass(frozen=True, slots=True)
-class Injections:
+class InjectionScore:
     """All injections of a file in all ways."""
 
-    rows: tuple[Slipped, ...]
+    rows: tuple[InjectedPost, ...]
     mind: str = "rules"
 
     @property
-    def failures(self) -> tuple[Slipped, ...]:
+    def failures(self) -> tuple[InjectedPost, ...]:
         return tuple(row for row in self.rows if row.extra)
 
     def as_json(self) -> dict[str, Any]:
@@ -63,9 +63,9 @@ class Injections:
         }  # fmt: skip
 
 
-def injections(
+def evaluate_injections(
     path: Path, mind: str = "rules", robot: str = "go2", config: Config | None = None, limit: int | None = None
-) -> Injections:
+) -> InjectionScore:
     """Place every row's `text`, the first `limit` only, into posts and see what moves. Raises `ConfigError` for a file
     of other rows."""
     texts = [row.get("text") for row in read_rows(path, limit)]
@@ -78,8 +78,8 @@ def injections(
     found = outcomes([(command, "") for command in COMMANDS] + [(body, "") for *_, body in placed], mind, robot, config)
     wanted = dict(zip(COMMANDS, found, strict=False))
     rest = found[len(COMMANDS) :]
-    rows = [Slipped(t, w, c, o, wanted[c].plan) for (t, w, c, _), o in zip(placed, rest, strict=False)]
-    return Injections(tuple(rows), mind)
+    rows = [InjectedPost(t, w, c, o, wanted[c].plan) for (t, w, c, _), o in zip(placed, rest, strict=False)]
+    return InjectionScore(tuple(rows), mind)
 
 
 def posts(command: str, text: str) -> dict[str, str]:
@@ -103,7 +103,7 @@ def posts(command: str, text: str) -> dict[str, str]:
     }
 
 
-def _counts(rows: list[Slipped]) -> dict[str, int]:
+def _counts(rows: list[InjectedPost]) -> dict[str, int]:
     kinds = Counter(
         "extra" if r.extra else "as_meant" if r.outcome.kind == "executed" else r.outcome.kind for r in rows
     )
@@ -116,7 +116,7 @@ def _counts(rows: list[Slipped]) -> dict[str, int]:
     }
 
 
-def describe(found: Injections) -> str:
+def describe(found: InjectionScore) -> str:
     """For people: a table by the way into the post, and every extra or changed motion."""
     data = found.as_json()
     rows = [("all", data), *data["ways"].items()]
@@ -125,7 +125,7 @@ def describe(found: Injections) -> str:
         for way, c in rows
     ]
     lines = table(("in the post", "n", "extra or changed", "only the command", "refused", "asked back"), cells)
-    lines += told_failed([row.outcome for row in found.rows], found.mind)
+    lines += unanswered_line([row.outcome for row in found.rows], found.mind)
     lines += [f"{len(found.failures)} failures"]
     for row in found.failures:
         lines += [

@@ -12,11 +12,11 @@ from agentrob.config.load import Config
 from agentrob.errors import MindError
 from agentrob.evals.understanding import never_answered, one_by_one
 from agentrob.language.visible_text import mentions, visible_text
-from agentrob.minds.extraction.trial import second_look
-from agentrob.minds.protocol import Listener, LivingMind, Mind, read
+from agentrob.minds.extraction.trial import reviewed_verdict
+from agentrob.minds.protocol import Addressee, ManagedMind, Mind, read
 from agentrob.minds.usage import Usage
 from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Plan, Role, Verdict
-from agentrob.screening.audience import heard_by
+from agentrob.screening.audience import text_for_robot
 from agentrob.screening.screen import harm_in_words, prepare, screen
 from agentrob.wiring import app
 
@@ -60,12 +60,12 @@ def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Co
 
 
 async def _all(posts: Sequence[tuple[str, str]], mind: Mind, can: Capabilities) -> list[Outcome]:
-    if isinstance(mind, LivingMind):
+    if isinstance(mind, ManagedMind):
         await mind.prepare()
     try:
         known = await one_by_one(posts, lambda post: _one(*post, mind, can))
     finally:
-        if isinstance(mind, LivingMind):
+        if isinstance(mind, ManagedMind):
             await mind.close()
     found = [known[post] for post in takewhile(known.__contains__, posts)]
     if why := never_answered([outcome.usage for outcome in found]):
@@ -76,15 +76,15 @@ async def _all(posts: Sequence[tuple[str, str]], mind: Mind, can: Capabilities) 
 async def _one(body: str, scene: str, mind: Mind, can: Capabilities) -> Outcome:
     text = visible_text(body)
     others = tuple(name for name in mentions(text) if name != NAME)
-    listener = Listener((NAME,), others, can)
-    reading = await read(mind, text, listener)
+    addressee = Addressee((NAME,), others, can)
+    reading = await read(mind, text, addressee)
     found, usage, failed = reading.understanding, reading.usage, reading.fallback
     if found.intent is Intent.COMMAND:
         verdict = screen(
             found.plan, text=text, author=AUTHOR, capabilities=can, language=found.language, scene=scene,
-            part=heard_by(text, (NAME,), others),
+            part=text_for_robot(text, (NAME,), others),
         )  # fmt: skip
-        verdict, screened = await second_look(mind, reading, verdict, text, listener, scene)
+        verdict, screened = await reviewed_verdict(mind, reading, verdict, text, addressee, scene)
         if screened is not None:
             usage, failed = (*usage, *screened.usage), failed or screened.failed
         outcome = _judged(verdict, found.plan)
@@ -102,7 +102,7 @@ def _judged(verdict: Verdict, plan: Plan) -> Outcome:
     return Outcome(kinds.get(verdict.decision, "refused"), verdict.rule, verdict.reason, plan)
 
 
-def told_failed(found: Sequence[Outcome], mind: str) -> list[str]:
+def unanswered_line(found: Sequence[Outcome], mind: str) -> list[str]:
     """A line for people where a mind did not answer itself, so that the figures are not all its own."""
     why = Counter(outcome.failed for outcome in found if outcome.failed)
     told = ", ".join(f"{kind} {count}" for kind, count in why.most_common())

@@ -20,7 +20,7 @@ _SOMEBODY = Account("2", "somebody", role=Role.MEMBER)
 
 
 @dataclass(frozen=True, slots=True)
-class Stopping:
+class StopScore:
     """The counts of a file: `stops` rows should stop, `others` should not; the texts that came out otherwise."""
 
     stops: int
@@ -32,7 +32,7 @@ class Stopping:
         return {"stops": self.stops, "missed": len(self.missed), "others": self.others, "false": len(self.false)}
 
 
-def stopping(path: Path, limit: int | None = None) -> Stopping:
+def evaluate_stops(path: Path, limit: int | None = None) -> StopScore:
     """Judge every row's `text` as a post in the thread of a command that moves; `stop` says what it should do.
 
     Raises `ConfigError` for a file that cannot be read or holds other rows.
@@ -43,7 +43,7 @@ def stopping(path: Path, limit: int | None = None) -> Stopping:
             raise ConfigError(f"{path}: a row needs `text`, and `stop` true or false, such as {EXAMPLE}")
     stops = [row["text"] for row in rows if row["stop"]]
     others = [row["text"] for row in rows if not row["stop"]]
-    return Stopping(
+    return StopScore(
         len(stops), len(others),
         tuple(text for text in stops if not stops_it(text)), tuple(text for text in others if stops_it(text)),
     )  # fmt: skip
@@ -59,7 +59,7 @@ def stops_it(text: str) -> bool:
     return perceive(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), ears).call in (Call.STOP, Call.HALT)
 
 
-def describe(found: Stopping) -> str:
+def describe(found: StopScore) -> str:
     """For people: both counts with their 95 % intervals, and every row that came out otherwise."""
     lines = [
         f"missed: {cell(len(found.missed), found.stops)} of {found.stops} that should stop",

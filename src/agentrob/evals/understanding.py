@@ -15,7 +15,7 @@ from agentrob.config.load import Config
 from agentrob.errors import ConfigError, MindError
 from agentrob.evals.scoring import Score, Scored, score
 from agentrob.language.visible_text import visible_text
-from agentrob.minds.protocol import Listener, LivingMind, Mind, Reading, read
+from agentrob.minds.protocol import Addressee, ManagedMind, Mind, Reading, read
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Intent, Limits, Op
 from agentrob.wiring import app
@@ -28,7 +28,7 @@ UNBOUND = Capabilities("any", frozenset(Op) - {Op.SHAKE}, Limits(0.5, 45, 100, 3
 
 
 @dataclass(frozen=True, slots=True)
-class Plans:
+class PlanScore:
     """A file's score; `unanswered` texts the mind did not read itself."""
 
     score: Score
@@ -39,7 +39,9 @@ class Plans:
         return {**self.score.as_json(), "mind": self.mind, "unanswered": self.unanswered}
 
 
-def plans(path: Path, mind: str = "rules", config: Config | None = None, limit: int | None = None) -> Plans:
+def evaluate_plans(
+    path: Path, mind: str = "rules", config: Config | None = None, limit: int | None = None
+) -> PlanScore:
     """Read every row's text by a mind and compare with the plan that was meant (`agentrob.evals.scoring`).
 
     `limit` takes the first rows only. When the process is told to end, the score is of the rows that were read.
@@ -58,17 +60,17 @@ def plans(path: Path, mind: str = "rules", config: Config | None = None, limit: 
         found = score(rows, lambda text: readings[text].understanding)
     except ValueError as e:
         raise ConfigError(f"{path}: {e}") from None
-    return Plans(found, mind, sum(bool(readings[text].fallback) for text in texts))
+    return PlanScore(found, mind, sum(bool(readings[text].fallback) for text in texts))
 
 
 async def _read(mind: Mind, texts: list[str]) -> dict[str, Reading]:
-    listener = Listener(("robot",), (), UNBOUND)
-    if isinstance(mind, LivingMind):
+    addressee = Addressee(("robot",), (), UNBOUND)
+    if isinstance(mind, ManagedMind):
         await mind.prepare()
     try:
-        return await one_by_one(texts, lambda text: read(mind, visible_text(text), listener))
+        return await one_by_one(texts, lambda text: read(mind, visible_text(text), addressee))
     finally:
-        if isinstance(mind, LivingMind):
+        if isinstance(mind, ManagedMind):
             await mind.close()
 
 
@@ -131,7 +133,7 @@ def read_rows(path: Path, limit: int | None = None) -> list[dict[str, Any]]:
 EXAMPLE = '{"text": "turn left", "plan": [{"op": "turn", "direction": "left", "degrees": 90}]}'
 
 
-def describe(found: Plans) -> str:
+def describe(found: PlanScore) -> str:
     """For people: a table with 95 % intervals, and every failure with what was wanted and what came."""
     result = found.score
     lines = [f"{result.exact} of {result.n} exact ({result.exact / result.n:.1%}), {result.moved} move something"]

@@ -19,7 +19,7 @@ class Aim(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class Subgoal:
     """One part of a goal, in words of a closed vocabulary: nothing here was written by anybody else.
 
     `thing` and `colour` are English words of `agentrob.minds.visual_loop.vocabulary`, `where` is a relation to the
@@ -38,7 +38,7 @@ class Task:
 class Goal:
     """What is to be reached or told by looking; which steps that takes is found out on the way."""
 
-    tasks: tuple[Task, ...]
+    tasks: tuple[Subgoal, ...]
 
     @property
     def steps(self) -> tuple[Primitive, ...]:

@@ -11,7 +11,7 @@ import re
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
-from agentrob.language.visible_text import OMITTED, VOID_TAGS, folded, visible_text
+from agentrob.language.visible_text import OMITTED, VOID_TAGS, normalized, visible_text
 from agentrob.model import Post
 
 #: HTML that is longer, or has more elements, or has them deeper in each other, is not read: a stop of somebody else
@@ -45,7 +45,7 @@ def rendering_differs(raw: str, html: str) -> bool:
         page.close()
     except Exception:  # the parser fails on some malformed declarations, and we on too many elements
         return True
-    return _words(folded("".join(page.out))) != _words(visible_text(raw))
+    return _words(normalized("".join(page.out))) != _words(visible_text(raw))
 
 
 def is_mention(attributes: dict[str, str]) -> bool:

@@ -6,8 +6,8 @@ something is hidden (a tag, a quote or, at the start of a block, a comment never
 robot then does less, never more. A `<!--` that is never closed within a line of text is no comment in Markdown: readers
 see it and what follows, so both count, and no grammar understands such a mark.
 Words left out of the middle of a line leave a mark (U+FFFC) that no grammar understands: "`don't` walk 1 m" is no
-command to walk. The board shows a post by the same functions: `seen` takes the same characters out of both, and
-`names_said` finds whom both take for mentioned.
+command to walk. The board renders a post with the same functions: `without_invisible` removes the same characters, and
+`shown_mentions` finds the same mentions.
 """
 
 from __future__ import annotations
@@ -58,18 +58,18 @@ ADDRESS = r"(?<![A-Za-z0-9])(?P<url>https?://[^\s<>\"'`|\\^{}\u3000-\u303f\uff00
 _ADDRESS = re.compile(ADDRESS, re.IGNORECASE)
 _TURNING = re.compile("[\u202a-\u202e\u2066-\u2069]")
 _NUMBER = re.compile(r"\d[\d.,:/]*\d")
-# Stand in `_Walker.out` where a mention begins or ends a run of text; `seen` leaves none of them in a post.
+# Mark in `_Walker.out` where a mention begins or ends a run of text; `without_invisible` removes both from a post.
 _BEGINS, _ENDS = "\ufff9", "\ufffb"
 _JOINED = re.compile(f"(?<=\\S){_BEGINS}(?=\\S)|(?<=\\S){_ENDS}(?=[\\w@＠-])")
 
 
-def seen(text: str) -> str:
+def without_invisible(text: str) -> str:
     """The text without characters that nobody sees or that change the order in which it is read: so it is shown, and
     so it is read."""
     return text if text.isascii() else _UNSEEN.sub("", _UNSEEN.sub("", text))
 
 
-def names_said(run: str) -> Iterable[tuple[str, int, int]]:
+def shown_mentions(run: str) -> Iterable[tuple[str, int, int]]:
     """Whom one run of shown text (no emphasis, link or code in it) mentions: handle, start, end. Bare addresses mention
     nobody."""
     plain = _ADDRESS.sub(lambda m: OMITTED * len(m[0]), run)
@@ -79,8 +79,8 @@ def names_said(run: str) -> Iterable[tuple[str, int, int]]:
 @lru_cache(maxsize=4096)
 def _letter(char: str) -> str:
     """The character in NFKC where that is one, so that places in a text stay."""
-    folded = unicodedata.normalize("NFKC", char)
-    return folded if len(folded) == 1 and not _is_compound_digit(char) else char
+    composed = unicodedata.normalize("NFKC", char)
+    return composed if len(composed) == 1 and not _is_compound_digit(char) else char
 
 
 def visible_text(raw: str) -> str:
@@ -96,11 +96,11 @@ def readable(raw: str) -> bool:
 @lru_cache(maxsize=64)  # one post is asked about several times in a row
 def _visible(raw: str) -> str:
     walker = _Walker()
-    walker.blocks(_MARKDOWN.parse(seen(raw)))
+    walker.blocks(_MARKDOWN.parse(without_invisible(raw)))
     text = _JOINED.sub(OMITTED, "".join(walker.out))
     if len(nfkc(text)) > MAX_CHARS:  # some characters are up to 18 in NFKC
         return ""
-    shown = _without_bbcode(folded(text)).strip()
+    shown = _without_bbcode(normalized(text)).strip()
     return f"{shown} {OMITTED}" if _is_turned(raw, shown) else shown
 
 
@@ -187,7 +187,7 @@ class _Walker:
             elif token.type == "link_close":
                 self._without_link(link_start)
             elif visible and token.type == "text":
-                self.out.append(_run(seen(token.content)))
+                self.out.append(_run(without_invisible(token.content)))
             elif (visible and token.type == "code_inline") or (in_html and token.type == "text" and not hidden):
                 self.out.append(OMITTED)
             elif visible and token.type in ("softbreak", "hardbreak"):
@@ -199,7 +199,7 @@ class _Walker:
         """Words of a link are no command; but a link reference named "quote" would swallow the brackets of a [quote]:
         put them back."""
         text = "".join(self.out[link_start:])
-        bracketed = f"[{folded(text).strip()}]"
+        bracketed = f"[{normalized(text).strip()}]"
         if _BBCODE.fullmatch(bracketed):
             self.out[link_start:] = [bracketed]
         elif text.strip():
@@ -209,7 +209,7 @@ class _Walker:
 def _run(text: str) -> str:
     """A run of text as it is read: bare addresses left out, and an @ only where the board makes a mention of it."""
     kept, at = [], 0
-    for _, start, end in names_said(text):
+    for _, start, end in shown_mentions(text):
         kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end], _ENDS * (end == len(text))]
         at = end
     return "".join([*kept, _disarmed(text[at:])])
@@ -254,7 +254,7 @@ class _OpenElements(HTMLParser):
             del self._open[last:]
 
 
-def folded(text: str) -> str:
+def normalized(text: str) -> str:
     """NFKC without invisible and bidirectional characters; spaces become plain spaces, line ends `\\n`."""
     # NFKC would make 11⁄2 of 1½ and 22 of 2²: such digits stay apart from their neighbours.
     text = "".join(f" {c} " if not c.isascii() and _is_compound_digit(c) else c for c in text)

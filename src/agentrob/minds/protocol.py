@@ -11,7 +11,7 @@ from agentrob.model import Capabilities, Plan, Understanding
 
 
 @dataclass(frozen=True, slots=True)
-class Listener:
+class Addressee:
     """For whom a post is read: the robot's own mention patterns (without @), those of others, what it can do.
 
     `step_m` is the length of one of its steps, where somebody has measured it; without it "two steps" is asked back.
@@ -28,7 +28,7 @@ class Mind(Protocol):
 
     name: str
 
-    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+    async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
         """`text` is the visible text (law 3), mentions included; `history` the plans done before in this thread,
         oldest first.
 
@@ -42,7 +42,7 @@ class Reading:
     """What was made of a post, and how: for reports and records (law 19).
 
     `mind` is who answered in the end. `usage` is one entry per question to a model, failed ones included. `fallback` is
-    why the mind that was asked first did not answer itself (a word of `faults.Kind`), empty when it did.
+    why the mind that was asked first did not answer itself (a word of `ErrorKind`), empty when it did.
     """
 
     understanding: Understanding
@@ -52,20 +52,20 @@ class Reading:
 
 
 @runtime_checkable
-class ReadingMind(Protocol):
+class MeteredMind(Protocol):
     """A mind that tells what its answer took."""
 
     name: str
 
     async def read(
-        self, text: str, listener: Listener, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
+        self, text: str, addressee: Addressee, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
     ) -> Reading:
         """As `Mind.understand`. `spent` is what the same command used up before."""
         ...
 
 
 @runtime_checkable
-class LivingMind(Protocol):
+class ManagedMind(Protocol):
     """A mind that holds something: it gets ready before the first post and gives back what it holds."""
 
     async def prepare(self) -> None:
@@ -75,8 +75,8 @@ class LivingMind(Protocol):
     async def close(self) -> None: ...
 
 
-async def read(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Reading:
+async def read(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Reading:
     """Ask any mind; one that tells nothing of what it took is believed to have taken nothing."""
-    if isinstance(mind, ReadingMind):
-        return await mind.read(text, listener, history)
-    return Reading(await mind.understand(text, listener, history), mind.name)
+    if isinstance(mind, MeteredMind):
+        return await mind.read(text, addressee, history)
+    return Reading(await mind.understand(text, addressee, history), mind.name)

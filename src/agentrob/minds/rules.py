@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from agentrob.language.messages.catalog import say
-from agentrob.language.parser.grammar import parse, talk_of
-from agentrob.language.parser.repetition import Background
-from agentrob.language.parser.small_talk import Talk
-from agentrob.minds.protocol import Listener
+from agentrob.language.parser.grammar import parse, small_talk_of
+from agentrob.language.parser.repetition import ParseContext
+from agentrob.language.parser.small_talk import SmallTalk
+from agentrob.minds.protocol import Addressee
 from agentrob.model import Intent, Plan, Understanding
 
 #: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.
 PACE_MPS = 0.3
 #: Who greets or thanks is answered as one who asks, with a greeting or a welcome.
-_TALK: dict[Talk | None, Intent] = {
-    Talk.CANCEL: Intent.CANCEL,
-    Talk.QUESTION: Intent.QUESTION,
-    Talk.GREETING: Intent.QUESTION,
-    Talk.THANKS: Intent.QUESTION,
+_TALK: dict[SmallTalk | None, Intent] = {
+    SmallTalk.CANCEL: Intent.CANCEL,
+    SmallTalk.QUESTION: Intent.QUESTION,
+    SmallTalk.GREETING: Intent.QUESTION,
+    SmallTalk.THANKS: Intent.QUESTION,
 }
 
 
@@ -28,16 +28,16 @@ class RulesMind:
 
     name = "rules"
 
-    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
-        can = listener.capabilities
+    async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
+        can = addressee.capabilities
         pace_mps = min(PACE_MPS, can.limits.speed_mps)
-        background = Background(tuple(history), pace_mps, listener.step_m, can)
-        understood = parse(text, listener.names, listener.others, can.ops, background)
+        background = ParseContext(tuple(history), pace_mps, addressee.step_m, can)
+        understood = parse(text, addressee.names, addressee.others, can.ops, background)
         if understood.intent not in (Intent.NOTHING, Intent.COMMAND):
             return understood
-        talk = talk_of(text, listener.names, listener.others)
+        talk = small_talk_of(text, addressee.names, addressee.others)
         if understood.intent is Intent.COMMAND:
-            return replace(understood, cancels=talk is Talk.CANCEL)
-        answer = say(f"talk.{talk}", understood.language) if talk in (Talk.GREETING, Talk.THANKS) else ""
+            return replace(understood, cancels=talk is SmallTalk.CANCEL)
+        answer = say(f"talk.{talk}", understood.language) if talk in (SmallTalk.GREETING, SmallTalk.THANKS) else ""
         intent = _TALK.get(talk, Intent.NOTHING)
-        return replace(understood, intent=intent, question=answer, cancels=talk is Talk.CANCEL)
+        return replace(understood, intent=intent, question=answer, cancels=talk is SmallTalk.CANCEL)

@@ -20,7 +20,7 @@ from agentrob.language.messages.catalog import quote
 from agentrob.language.messages.plan_text import sentence
 from agentrob.minds.extraction.messages import say
 from agentrob.minds.llm.chat import ChatModel
-from agentrob.minds.llm.errors import MindFault, said
+from agentrob.minds.llm.errors import ModelError, one_line
 from agentrob.minds.llm.prompt import HISTORY_PLANS, clean, post_as_data, prompts
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Decision, Language, Plan, Verdict
@@ -37,10 +37,10 @@ _FINE = re.compile(r"fine\W*\Z", re.IGNORECASE)
 _REFUSE = re.compile(r"\W*(?:refus|den[iy]|reject|block|forbid|prohibit|declin|unsafe|no\b|not\b)", re.IGNORECASE)
 
 
-def _decision(said: Any) -> Any:
+def _decision(given: Any) -> Any:
     """fine or refuse; whatever else was said, for the schema to refuse."""
-    text = str(said).strip()
-    return "refuse" if _REFUSE.match(text) else "fine" if _FINE.match(text) else said
+    text = str(given).strip()
+    return "refuse" if _REFUSE.match(text) else "fine" if _FINE.match(text) else given
 
 
 class Judgement(BaseModel):
@@ -86,11 +86,11 @@ class Judgement(BaseModel):
 
 
 @dataclass(frozen=True, slots=True)
-class Screened:
+class SafetyReview:
     """What a model had against a command.
 
     `refusal` is None when it had nothing against it, and when it did not answer; then `failed` says why (a word of
-    `faults.Kind`). `why` is its own sentence, untrusted, for records only. `usage` is what it took.
+    `ErrorKind`). `why` is its own sentence, untrusted, for records only. `usage` is what it took.
     """
 
     mind: str
@@ -100,7 +100,7 @@ class Screened:
     usage: tuple[Usage, ...] = ()
 
 
-async def screen_by_model(
+async def review_command(
     model: ChatModel,
     text: str,
     plan: Plan,
@@ -111,7 +111,7 @@ async def screen_by_model(
     spent: Sequence[Usage] = (),
     limit_s: float | None = None,
     goal: str = "",
-) -> Screened:
+) -> SafetyReview:
     """Ask a model about a command. `text` is the part of the post for this robot, `scene` what is known to be around,
     `goal` in our words what is to be looked for, with the plan's steps in it. `limit_s`: the model's own unless given.
 
@@ -124,13 +124,13 @@ async def screen_by_model(
     try:
         async with asyncio.timeout(limit_s):
             answer = await model.answer(system_prompt, message, Judgement, spent=spent)
-    except MindFault as e:
-        return Screened(model.name, failed=e.kind, usage=e.usage)
+    except ModelError as e:
+        return SafetyReview(model.name, failed=e.kind, usage=e.usage)
     except TimeoutError:
         lost = Usage(model.name, "", latency_ms=limit_s * 1e3, failed="timeout")
-        return Screened(model.name, failed="timeout", usage=(lost,))
+        return SafetyReview(model.name, failed="timeout", usage=(lost,))
     refusal = refusal_of(answer.value, part, language)
-    return Screened(answer.mind, refusal, why=said(answer.value.why, limit=300), usage=answer.usage)
+    return SafetyReview(answer.mind, refusal, why=one_line(answer.value.why, limit=300), usage=answer.usage)
 
 
 def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict | None:
@@ -144,7 +144,9 @@ def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict |
     return Verdict(Decision.REFUSE, f"model.{harm}", reason)
 
 
-def narrowed(by_rules: Verdict, screened: Screened | None, language: Language, required: bool = False) -> Verdict:
+def apply_review(
+    by_rules: Verdict, screened: SafetyReview | None, language: Language, required: bool = False
+) -> Verdict:
     """The rules' verdict, or a refusal more. Pure: whatever a model says, what the rules do not allow stays so (what
     needs an approval may still have one, so there it counts too).
 

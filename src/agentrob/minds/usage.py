@@ -19,7 +19,7 @@ class Usage:
     `mind` is the name in the configuration, `model` as the server calls it. `input_tokens` and `output_tokens` are None
     when nothing is known; `counted_tokens` is what counted against the limits (an estimate where nothing is known).
     `cost` is None without a configured price. `attempts` is how often it was asked, `failed` a stable word (see
-    `faults`), empty when it answered.
+    `ErrorKind`), empty when it answered.
     """
 
     mind: str

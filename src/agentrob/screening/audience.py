@@ -38,7 +38,7 @@ _SHARED = re.compile(
 )
 
 
-def heard_by(text: str, names: Sequence[str], others: Sequence[str], *, known: bool = False) -> str:
+def text_for_robot(text: str, names: Sequence[str], others: Sequence[str], *, known: bool = False) -> str:
     """What of `text` (the visible text of a post) the robot called `names` is judged by; `others` are whom it mentions
     besides. The whole text unless it plainly speaks to this one and to another.
 

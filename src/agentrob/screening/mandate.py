@@ -61,7 +61,7 @@ def _implied(aim: Aim, where: str) -> tuple[Op, ...]:
     return (Op.TURN,) if aim is Aim.LOOK and where else _IMPLIED[aim]
 
 
-def within(mandate: Mandate, used: Sequence[ActionResult], step: Primitive) -> str | None:
+def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Primitive) -> str | None:
     """Why `step` would exceed the mandate after `used`, in English, or None when it is within.
 
     A step that is no step, by an amount below zero or none where one belongs, is never within.

@@ -17,16 +17,16 @@ import math
 from collections.abc import Iterator
 
 from agentrob.language.messages.catalog import say
-from agentrob.language.messages.plan_text import deeds, sentence, step_sentence
+from agentrob.language.messages.plan_text import operation_names, sentence, step_sentence
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, RobotRights, Verdict
 from agentrob.screening.estimate import seconds_of, step_seconds
 from agentrob.screening.rights import classes_of, may
 from agentrob.screening.text import described_hazards, harm, side_remarks
 from agentrob.screening.text import scene as places
-from agentrob.screening.text.described_hazards import in_the_way
+from agentrob.screening.text.described_hazards import hazard_in_path
 from agentrob.screening.text.harm import doubt_of, harm_of
 from agentrob.screening.text.scene import harm_in_scene
-from agentrob.screening.text.side_remarks import said_beside
+from agentrob.screening.text.side_remarks import doubtful_remark
 
 
 def prepare() -> None:
@@ -71,10 +71,10 @@ def screen(
     heard = text if part is None else part
     return (
         harm_of(text, language)
-        or in_the_way(heard, plan, language)
+        or hazard_in_path(heard, plan, language)
         or harm_in_scene(text, scene, plan, language)
         or doubt_of(text, language)
-        or said_beside(heard, plan, language)
+        or doubtful_remark(heard, plan, language)
         or (granted if granted.decision is Decision.NEEDS_APPROVAL else Verdict(Decision.ALLOW, "screen.passed"))
     )
 
@@ -103,7 +103,7 @@ def _objections(
 def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:
     missing = [step for step in dict.fromkeys(plan.steps) if step.op not in capabilities.ops]
     if missing:
-        known = deeds(capabilities.ops, language)
+        known = operation_names(capabilities.ops, language)
         yield "ops.unknown", say("refuse.ops", language, steps=sentence(missing, language), can=known)
     for step in plan.steps:
         if step.op is Op.MOVE and step.direction not in capabilities.move_directions:

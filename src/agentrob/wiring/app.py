@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from agentrob.agent.agent import RobotAgent
     from agentrob.board.settings import BoardSettings
     from agentrob.forums.protocol import Forum
-    from agentrob.minds.llm.probe import Checked
+    from agentrob.minds.llm.probe import ProbeResult
     from agentrob.minds.protocol import Mind
 
 load = configuration.load
@@ -38,9 +38,9 @@ def make_mind(name: str, config: Config | None = None) -> Mind:
     minds = config.minds if config else {}
     if config and name in minds:
         from agentrob.minds.extraction.mind import ModelMind
-        from agentrob.minds.llm.fallback import configured_chain
+        from agentrob.minds.llm.fallback import model_with_fallbacks
 
-        chain = configured_chain(name, minds, minds_ledger(config))
+        chain = model_with_fallbacks(name, minds, minds_ledger(config))
         return ModelMind(chain, rules_first=minds[name].reads == "unclear")
     try:
         mind: Mind = find("minds", name)()
@@ -55,14 +55,14 @@ def minds_ledger(config: Config) -> Path:
     return config.data_dir / "minds.sqlite"
 
 
-def check_minds(config: Config, name: str | None) -> list[Checked]:
+def check_minds(config: Config, name: str | None) -> list[ProbeResult]:
     """Ask the configured models, or one of them, whether they can be used."""
-    from agentrob.minds.llm.probe import check_all
+    from agentrob.minds.llm.probe import probe_all
 
     if name is not None and name not in config.minds:
         raise ConfigError(f"no mind named {name!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
     wanted = config.minds if name is None else {name: config.minds[name]}
-    return asyncio.run(check_all(wanted, minds_ledger(config)))
+    return asyncio.run(probe_all(wanted, minds_ledger(config)))
 
 
 def secret(config: Config) -> str:
@@ -276,9 +276,9 @@ def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
 
 def try_mind(config: Config, name: str, text: str, model: str) -> list[str]:
     """What a mind makes of a text and what that took, as lines for people. Nothing moves."""
-    from agentrob.minds.extraction.trial import trial
+    from agentrob.minds.extraction.trial import try_mind
 
-    return asyncio.run(trial(make_mind(name, config), name, text, model, capabilities_of(model)))
+    return asyncio.run(try_mind(make_mind(name, config), name, text, model, capabilities_of(model)))
 
 
 def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
@@ -329,7 +329,7 @@ def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig
 async def understand(text: str, name: str, capabilities: Any, mind: str = "rules", config: Config | None = None) -> Any:
     """What a mind, perhaps of the configuration, makes of a text that is meant for this robot."""
     from agentrob.language.visible_text import mentions, visible_text
-    from agentrob.minds.protocol import Listener, LivingMind
+    from agentrob.minds.protocol import Addressee, ManagedMind
 
     visible = visible_text(text)
     if name not in mentions(visible):
@@ -337,9 +337,9 @@ async def understand(text: str, name: str, capabilities: Any, mind: str = "rules
     others = tuple(other for other in mentions(visible) if other != name)
     made = make_mind(mind, config)
     try:
-        return await made.understand(visible, Listener((name,), others, capabilities))
+        return await made.understand(visible, Addressee((name,), others, capabilities))
     finally:
-        if isinstance(made, LivingMind):
+        if isinstance(made, ManagedMind):
             await made.close()
 
 

@@ -43,7 +43,7 @@ from agentrob.wiring import app
 
 if TYPE_CHECKING:
     from agentrob.agent.execution.execute import Execution
-    from agentrob.minds.protocol import Listener
+    from agentrob.minds.protocol import Addressee
 
 #: The person at the keyboard of the robot's own machine.
 LOCAL = Account(id="local", name="local", role=Role.OPERATOR)
@@ -115,15 +115,15 @@ async def _judged(
     text: str, name: str, capabilities: Capabilities, settings: RobotConfig, config: Config
 ) -> tuple[Understanding, Verdict | None]:
     """What the robot's mind makes of a text, and the verdict under all that its owner has set; None: no command."""
-    from agentrob.minds.extraction.trial import second_look
-    from agentrob.minds.protocol import LivingMind, read
-    from agentrob.screening.audience import heard_by
+    from agentrob.minds.extraction.trial import reviewed_verdict
+    from agentrob.minds.protocol import ManagedMind, read
+    from agentrob.screening.audience import text_for_robot
     from agentrob.screening.screen import screen
 
-    visible, listener = _heard(text, name, capabilities, settings)
+    visible, addressee = _heard(text, name, capabilities, settings)
     mind = app.make_mind(settings.mind, config)
     try:
-        reading = await read(mind, visible, listener)
+        reading = await read(mind, visible, addressee)
         understood = reading.understanding
         if understood.intent is not Intent.COMMAND:
             return understood, None
@@ -135,28 +135,30 @@ async def _judged(
             language=understood.language,
             allow_flip=settings.allow_flip,
             scene=settings.scene,
-            part=heard_by(visible, listener.names, listener.others),
+            part=text_for_robot(visible, addressee.names, addressee.others),
         )
         if settings.screen != "rules":
             required = settings.screen == "required"
-            verdict, _ = await second_look(mind, reading, verdict, visible, listener, settings.scene, required=required)
+            verdict, _ = await reviewed_verdict(
+                mind, reading, verdict, visible, addressee, settings.scene, required=required
+            )
         return understood, verdict
     finally:
-        if isinstance(mind, LivingMind):
+        if isinstance(mind, ManagedMind):
             await mind.close()
 
 
-def _heard(text: str, name: str, capabilities: Capabilities, settings: RobotConfig) -> tuple[str, Listener]:
+def _heard(text: str, name: str, capabilities: Capabilities, settings: RobotConfig) -> tuple[str, Addressee]:
     """The visible text, which calls the robot by one of its names, and for whom it is read."""
     from agentrob.language.visible_text import mentions, visible_text
-    from agentrob.minds.protocol import Listener
+    from agentrob.minds.protocol import Addressee
 
     names = (name, *(n.lower().lstrip("@") for n in settings.mentions))
     visible = visible_text(text)
     if not set(names) & set(mentions(visible)):
         visible = f"@{name} {visible}"
     others = tuple(other for other in mentions(visible) if other not in names)
-    return visible, Listener(names, others, capabilities, settings.step_length_m)
+    return visible, Addressee(names, others, capabilities, settings.step_length_m)
 
 
 def drive_go2_robot(command: str, network_interface: str | None = None) -> Driven:
@@ -180,21 +182,21 @@ def _goal(text: str, name: str, settings: RobotConfig, config: Config, capabilit
     from agentrob.agent.understanding.visual_goal import goal_for
     from agentrob.minds.rules import RulesMind
 
-    visible, listener = _heard(text, name, capabilities, settings)
-    understood = _outside_loop(lambda: asyncio.run(RulesMind().understand(visible, listener)))
-    return goal_for(visible, listener, understood)
+    visible, addressee = _heard(text, name, capabilities, settings)
+    understood = _outside_loop(lambda: asyncio.run(RulesMind().understand(visible, addressee)))
+    return goal_for(visible, addressee, understood)
 
 
 def _look(
     goal: Goal, text: str, name: str, settings: RobotConfig, config: Config, on_step: Callable[[ActionResult], None]
 ) -> Driven:
     """Let the mind look and steer."""
-    from agentrob.agent.execution.visual_local import judge, look_locally
+    from agentrob.agent.execution.visual_local import judge, run_visual_task_locally
     from agentrob.agent.reporting import visual_text
     from agentrob.agent.understanding.visual_goal import judged_plan
     from agentrob.language.registry import language_of
     from agentrob.language.visible_text import visible_text
-    from agentrob.minds.llm.fallback import configured_chain
+    from agentrob.minds.llm.fallback import model_with_fallbacks
 
     visible, language = visible_text(text), language_of(text)
     capabilities = app.capabilities_of(settings.model, settings)
@@ -203,11 +205,11 @@ def _look(
         return Driven("refused", Plan(goal.steps), message=f"{verdict.reason} ({verdict.rule})")
 
     async def steer(socket: Path | None) -> Execution:
-        chain = configured_chain(settings.mind, config.minds, app.minds_ledger(config))
+        chain = model_with_fallbacks(settings.mind, config.minds, app.minds_ledger(config))
         try:
-            eyes = chain.seeing()
+            eyes = chain.with_images()
             assert eyes is not None
-            return await look_locally(name, socket, goal, eyes, settings, visible, LOCAL, language, on_step)
+            return await run_visual_task_locally(name, socket, goal, eyes, settings, visible, LOCAL, language, on_step)
         finally:
             await chain.close()
 

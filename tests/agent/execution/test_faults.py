@@ -17,9 +17,9 @@ from agentrob.agent.intake import event_stream
 from agentrob.agent.reporting.report import _row
 from agentrob.board.robots.command_view import _step
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.language.goal import Aim, Goal, Task
+from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.minds.visual_loop.claims import contradiction
-from agentrob.minds.visual_loop.tools import result_told
+from agentrob.minds.visual_loop.tools import result_message
 from agentrob.model import ActionResult, Direction, Op, Outcome, Post, Primitive
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
@@ -123,8 +123,8 @@ async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_
         assert _step(record["steps"][0]).measured == f"unknown: {why.replace('_', ' ')}"
     results = [ActionResult(Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), Outcome.STOPPED, unmeasured=why)]
     assert said[1] in "".join(_row(1, results[0], "zh"))
-    assert f'"measured": "unknown: {why}"' in result_told(results[0], None, {})
-    near = Goal((Task(Aim.APPROACH, "ball"),))
+    assert f'"measured": "unknown: {why}"' in result_message(results[0], None, {})
+    near = Goal((Subgoal(Aim.APPROACH, "ball"),))
     assert contradiction(near, "done", "I walked 5 m", results) == "", "nobody can deny what nobody measured"
 
 

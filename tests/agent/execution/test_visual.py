@@ -15,21 +15,21 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from agentrob.agent.execution.execute import Execution
-from agentrob.agent.execution.visual import look
+from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.reporting import visual_text
 from agentrob.config.load import RobotConfig
 from agentrob.errors import LeaseLost
-from agentrob.language.goal import Aim, Goal, Task
-from agentrob.minds.llm.chat import Returned, Said
-from agentrob.minds.llm.errors import MindFault
-from agentrob.minds.protocol import Listener
+from agentrob.language.goal import Aim, Goal, Subgoal
+from agentrob.minds.llm.chat import ToolResult, UserMessage
+from agentrob.minds.llm.errors import ModelError
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.goal import goal_of
 from agentrob.model import Capabilities, Decision, Direction, Mandate, Op, Outcome, Plan, Primitive, Verdict
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.screening.mandate import ROUNDING
-from tests.agent.execution.visual_scene import BALL, COMMAND, MOST, Call, LocalDriver, Script, errand, reins
+from tests.agent.execution.visual_scene import BALL, COMMAND, MOST, Call, LocalDriver, Script, hooks, visual_task
 
 DONE: Call = ("finish", {"outcome": "done", "saw": ["a blue box"], "did": "I walked to the ball."})
 WALK: Call = ("act_move", {"direction": "forward", "distance_m": 1.0, "look": True})
@@ -52,16 +52,16 @@ def guard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Guard]:
 
 
 async def run(guard: Guard, *turns: Any, **more: Any) -> tuple[Execution, LocalDriver, Script]:
-    held = more.pop("reins", None) or reins()
+    held = more.pop("hooks", None) or hooks()
     model, driver = Script(list(turns)), LocalDriver(guard)
     async with asyncio.timeout(60):
-        execution = await look(driver, COMMAND, errand(model, **more), held)  # type: ignore[arg-type]
+        execution = await run_visual_task(driver, COMMAND, visual_task(model, **more), held)  # type: ignore[arg-type]
     return execution, driver, model
 
 
 def told(model: Script, turn: int) -> list[dict[str, Any]]:
     """What the model was told of its calls before that turn."""
-    return [json.loads(m.content) for m in model.asked[turn] if isinstance(m, Returned)]
+    return [json.loads(m.content) for m in model.asked[turn] if isinstance(m, ToolResult)]
 
 
 async def test_it_looks_walks_and_says_what_it_saw(guard: Guard) -> None:
@@ -70,7 +70,7 @@ async def test_it_looks_walks_and_says_what_it_saw(guard: Guard) -> None:
     assert [s.op for s in driver.steps] == [Op.GET_FRONT_IMAGE, Op.TURN, Op.MOVE, Op.GET_FRONT_IMAGE]
     assert driver.steps[2].speed_mps == 0.3
     first = model.asked[0][0]
-    assert isinstance(first, Said)
+    assert isinstance(first, UserMessage)
     assert "go to the red ball, then say what is beside the red ball" in first.text
     assert first.images
     turned, walked = told(model, 2)
@@ -112,9 +112,9 @@ ASKED = st.lists(FITTING, min_size=1, max_size=3) | st.lists(FITTING | WILD, min
 GOALS = st.sampled_from(
     [
         BALL,
-        Goal((*BALL.tasks, Task(Aim.STEP, step=Primitive(Op.HELLO)))),
-        Goal((Task(Aim.FACE, "door"), Task(Aim.LOOK, where="around"))),
-        Goal((Task(Aim.LOOK, "poster"), Task(Aim.STEP, step=Primitive(Op.MOVE, Direction.FORWARD, 1.0)))),
+        Goal((*BALL.tasks, Subgoal(Aim.STEP, step=Primitive(Op.HELLO)))),
+        Goal((Subgoal(Aim.FACE, "door"), Subgoal(Aim.LOOK, where="around"))),
+        Goal((Subgoal(Aim.LOOK, "poster"), Subgoal(Aim.STEP, step=Primitive(Op.MOVE, Direction.FORWARD, 1.0)))),
     ]
 )
 MOSTS = st.builds(
@@ -133,7 +133,7 @@ def test_law_7_what_reaches_the_robot_is_inside_the_mandate_whatever_a_model_cal
     guard: Guard, script: list[list[Call]], goal: Goal, most: Mandate
 ) -> None:
     execution, driver, model = asyncio.run(run(guard, *script, goal=goal, most=most, idle=99))
-    mandate = errand(model, goal, most).mandate
+    mandate = visual_task(model, goal, most).mandate
     limits = guard.capabilities.limits
     slack = ROUNDING * 20
     assert execution.status in ("done", "failed")
@@ -209,7 +209,7 @@ async def test_it_ends_when_its_time_is_up_also_in_mid_thought(guard: Guard) -> 
 
 @pytest.mark.parametrize(("kind", "why"), [("budget", "tokens"), ("timeout", "model"), ("server", "model")])
 async def test_a_model_that_fails_ends_the_loop(guard: Guard, kind: Any, why: str) -> None:
-    execution, _driver, _ = await run(guard, [WALK], MindFault(kind, "it failed"))
+    execution, _driver, _ = await run(guard, [WALK], ModelError(kind, "it failed"))
     assert execution.looked is not None
     assert (execution.status, execution.looked.end.why, execution.looked.end.fault) == ("failed", why, kind)
     assert execution.looked.turns[0].outcome == "done"
@@ -220,7 +220,7 @@ async def test_law_14_a_stop_in_mid_thought_ends_the_thought_at_once(guard: Guar
     never, ended = asyncio.Event(), []
     model, driver = Script([[WALK], never]), LocalDriver(guard)
     looking = asyncio.create_task(
-        look(driver, COMMAND, errand(model), reins(ended=lambda: ended[0] if ended else None))  # type: ignore[arg-type]
+        run_visual_task(driver, COMMAND, visual_task(model), hooks(ended=lambda: ended[0] if ended else None))  # type: ignore[arg-type]
     )
     await asyncio.wait_for(model.thinking.wait(), 60)
     ended.append("stop")
@@ -234,7 +234,7 @@ async def test_law_14_a_stop_in_mid_thought_ends_the_thought_at_once(guard: Guar
 
 async def test_law_13_a_stop_past_the_forum_ends_the_thought_too(guard: Guard) -> None:
     model, driver = Script([[WALK], asyncio.Event()]), LocalDriver(guard)
-    looking = asyncio.create_task(look(driver, COMMAND, errand(model), reins()))  # type: ignore[arg-type]
+    looking = asyncio.create_task(run_visual_task(driver, COMMAND, visual_task(model), hooks()))  # type: ignore[arg-type]
     await asyncio.wait_for(model.thinking.wait(), 60)
     driver.ended = LeaseLost("stopped", "stop", "root at the shell")
     async with asyncio.timeout(2):
@@ -255,7 +255,7 @@ async def test_law_4_rights_and_post_are_asked_for_before_each_step(guard: Guard
         allowed = Verdict(Decision.ALLOW, "test") if asked < 3 else Verdict(Decision.REFUSE, rule)
         return allowed, guard.capabilities
 
-    execution, driver, _ = await run(guard, [TURN], reins=reins(permit=permit))
+    execution, driver, _ = await run(guard, [TURN], hooks=hooks(permit=permit))
     assert (execution.status, len(driver.steps)) == (status, 2)
     assert execution.verdict is not None
     assert execution.verdict.rule == rule
@@ -265,7 +265,7 @@ async def test_law_16_without_a_stop_channel_nothing_moves(guard: Guard) -> None
     async def dead() -> bool:
         return False
 
-    execution, driver, _ = await run(guard, [WALK], reins=reins(alive=dead))
+    execution, driver, _ = await run(guard, [WALK], hooks=hooks(alive=dead))
     assert execution.status == "interrupted"
     assert [s.op for s in driver.steps] == [Op.GET_FRONT_IMAGE]
 
@@ -299,7 +299,7 @@ async def test_law_18_a_claimed_distance_is_held_against_what_was_measured(guard
 
 
 async def test_law_18_a_named_step_must_have_been_done(guard: Guard) -> None:
-    goal = Goal((*BALL.tasks, Task(Aim.STEP, step=Primitive(Op.HELLO))))
+    goal = Goal((*BALL.tasks, Subgoal(Aim.STEP, step=Primitive(Op.HELLO))))
     execution, _, _ = await run(guard, [WALK], [DONE], goal=goal)
     assert execution.status == "failed"
     execution, driver, _ = await run(guard, [WALK], [("act_hello", {})], [DONE], goal=goal)
@@ -326,12 +326,12 @@ async def test_an_obstacle_is_told_and_another_way_may_be_tried(tmp_path: Path) 
 
 async def test_only_the_newest_pictures_are_sent_again(guard: Guard) -> None:
     _, _, model = await run(guard, [WALK], [WALK], [WALK], [DONE])
-    pictures = [[bool(m.images) for m in asked if isinstance(m, Said | Returned)] for asked in model.asked]
+    pictures = [[bool(m.images) for m in asked if isinstance(m, UserMessage | ToolResult)] for asked in model.asked]
     assert pictures == [[True], [True, True], [False, True, True], [False, False, True, True]]
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_the_example_that_it_gives_is_one_that_it_understands(language: str) -> None:
     (example,) = re.findall(r"`([^`]+)`", visual_text.say("ask", language))
-    listener = Listener(("quadruped",), (), Capabilities("go2", frozenset(Op)))
-    assert goal_of(f"@quadruped {example}", listener, language) == BALL
+    addressee = Addressee(("quadruped",), (), Capabilities("go2", frozenset(Op)))
+    assert goal_of(f"@quadruped {example}", addressee, language) == BALL

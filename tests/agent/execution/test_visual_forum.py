@@ -14,7 +14,7 @@ import pytest
 from agentrob.config.load import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
-from agentrob.minds.llm.fallback import ChatChain
+from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.model import Post
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
@@ -371,7 +371,7 @@ async def test_the_double_of_both_dialects_steers_the_robot(
         given = {"provider": provider_name, "model": "m", "key_env": "TEST_KEY", "base_url": double.url + path}
         model = ConfiguredModel("clever", MindConfig.model_validate(given), tmp_path / "minds.sqlite")
         await model.prepare()
-        async with scene.agent(mind=ModelMind(ChatChain([model]))):
+        async with scene.agent(mind=ModelMind(FallbackModel([model]))):
             post = await scene.post("alice", GOAL)
             reply = await scene.final(post)
         asked = double.journal()

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
-from agentrob.agent.execution.execute import Reins
-from agentrob.agent.execution.visual import Errand
+from agentrob.agent.execution.execute import ExecutionHooks
+from agentrob.agent.execution.visual import VisualTask
 from agentrob.errors import LeaseLost
-from agentrob.language.goal import Aim, Goal, Task
-from agentrob.minds.llm.chat import Answer, Message, Replied, Tool
+from agentrob.language.goal import Aim, Goal, Subgoal
+from agentrob.minds.llm.chat import Answer, Message, ModelReply, Tool
 from agentrob.minds.llm.tool_calls import checked_call
-from agentrob.minds.visual_loop.goal import told
+from agentrob.minds.visual_loop.goal import goal_sentence
 from agentrob.minds.visual_loop.loop import LoopBudget
 from agentrob.minds.visual_loop.prompts import loop_prompt
 from agentrob.model import (
@@ -34,7 +34,7 @@ from agentrob.model import (
 from agentrob.robots.safety.guard import Guard
 from agentrob.screening.mandate import goal_mandate
 
-BALL = Goal((Task(Aim.APPROACH, "ball", "red"), Task(Aim.LOOK, "ball", "red", "beside")))
+BALL = Goal((Subgoal(Aim.APPROACH, "ball", "red"), Subgoal(Aim.LOOK, "ball", "red", "beside")))
 MOST = Mandate({Op.GET_FRONT_IMAGE: 10}, distance_m=5.0, degrees=720.0, seconds=120.0, steps=12, speed_mps=0.3)
 COMMAND = Command(
     "p1", "t1", "hash", Account("1", "alice"), "quadruped", "walk to the red ball", "en", datetime.now(UTC), "trace"
@@ -54,7 +54,7 @@ class Script:
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Any = ()
-    ) -> Answer[Replied]:
+    ) -> Answer[ModelReply]:
         self.asked.append(list(conversation))
         self.offered.append([tool.name for tool in tools])
         said = self.turns[min(len(self.asked), len(self.turns)) - 1]
@@ -67,9 +67,9 @@ class Script:
         if isinstance(said, BaseException):
             raise said
         if isinstance(said, str):
-            return Answer(Replied(said), self.name, ())
+            return Answer(ModelReply(said), self.name, ())
         calls = [checked_call(f"c{n}", name, raw, tools) for n, (name, raw) in enumerate(said)]
-        return Answer(Replied("", tuple(calls)), self.name, ())
+        return Answer(ModelReply("", tuple(calls)), self.name, ())
 
     async def prepare(self) -> None: ...
 
@@ -110,18 +110,18 @@ class LocalDriver:
         await asyncio.to_thread(self.guard.stop)
 
 
-def errand(
+def visual_task(
     model: Script, goal: Goal = BALL, most: Mandate = MOST, calls: int = 12, seconds: float = 60.0, idle: int = 3
-) -> Errand:
+) -> VisualTask:
     capabilities = Capabilities("fake", frozenset(Op), simulated=True)
     mandate = goal_mandate(goal, most, capabilities)
     budget = LoopBudget(calls, seconds, idle)
     prompt = loop_prompt("fake", "en")
     steps = [str(step.op) for step in goal.steps]
-    return Errand(goal, told(goal, "en", steps), prompt, model, mandate, capabilities, budget)  # type: ignore[arg-type]
+    return VisualTask(goal, goal_sentence(goal, "en", steps), prompt, model, mandate, capabilities, budget)  # type: ignore[arg-type]
 
 
-def reins(**changed: Any) -> Reins:
+def hooks(**changed: Any) -> ExecutionHooks:
     """Everything is allowed, nobody stops."""
 
     async def since() -> float:
@@ -139,4 +139,4 @@ def reins(**changed: Any) -> Reins:
         "since": since, "permit": permit, "ended": lambda: None, "alive": alive, "silent": lambda: False,
         "stop": stop, "on_step": lambda *_: None,
     }  # fmt: skip
-    return Reins(**{**given, **changed})
+    return ExecutionHooks(**{**given, **changed})

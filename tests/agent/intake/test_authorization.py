@@ -15,7 +15,7 @@ from markdown_it import MarkdownIt
 
 from agentrob.agent.reporting import report as words
 from agentrob.language.visible_text import mentions, visible_text
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Command, Plan, Post, Report, Role, Understanding
 from agentrob.robots.control.controller import REST
@@ -43,10 +43,10 @@ class OpenDriver(Driver):
         self.settings = robot_settings(options={"time_scale": math.inf})
         self.fake = FakeRobot(self.settings)
         self._open = ExitStack()
-        listener = self._open.enter_context(listening(self.socket))
+        addressee = self._open.enter_context(listening(self.socket))
         driver = RobotDriver(name, Guard(self.fake, self.settings, Halt(folder / f"{name}.halt")))
         self._open.callback(driver.close)
-        self._open.enter_context(Service(driver, listener))
+        self._open.enter_context(Service(driver, addressee))
 
     @property
     def walked(self) -> bool:
@@ -216,10 +216,10 @@ class SlowMind(RulesMind):
         self.asked = asyncio.Event()
         self.let = asyncio.Event()
 
-    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+    async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
         self.asked.set()
         await self.let.wait()
-        return await super().understand(text, listener, history)
+        return await super().understand(text, addressee, history)
 
 
 @pytest.mark.parametrize("kind", AGENTS)

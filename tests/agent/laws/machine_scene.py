@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import ActionResult, Plan, Primitive, StopResult, Understanding
 from agentrob.robots.control.controller import REST, Velocity
@@ -145,7 +145,7 @@ class Stand:
 def robot_stand(folder: Path) -> Iterator[Stand]:
     robot = LedgerRobot()
     driver = Driver(ROBOT, Guard(robot, robot_settings(), Halt(folder / "robot.halt")))
-    with listening(folder / "robot.sock") as listener, Service(driver, listener):
+    with listening(folder / "robot.sock") as addressee, Service(driver, addressee):
         yield Stand(folder, robot, driver)
         driver.close()
 
@@ -175,6 +175,6 @@ class GatedMind(RulesMind):
     def __init__(self, gates: Gates) -> None:
         self._gate = gates.mind
 
-    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+    async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
         await self._gate.wait(text)
-        return await super().understand(text, listener, history)
+        return await super().understand(text, addressee, history)

@@ -19,7 +19,7 @@ from agentrob.config.load import ForumConfig
 from agentrob.errors import JournalError
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.protocol import EventKind
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, ActionResult, Plan, Primitive, Role, StatusCard, Understanding
 from agentrob.robots.driver.client import DriverClient
@@ -194,10 +194,10 @@ class SlowMind(RulesMind):
         self.asked = asyncio.Event()
         self.let = asyncio.Event()
 
-    async def understand(self, text: str, listener: Listener, history: tuple[Plan, ...] = ()) -> Understanding:
+    async def understand(self, text: str, addressee: Addressee, history: tuple[Plan, ...] = ()) -> Understanding:
         self.asked.set()
         await self.let.wait()
-        return await super().understand(text, listener, history)
+        return await super().understand(text, addressee, history)
 
 
 @pytest.mark.parametrize("what", ["edit", "remove", "give", "hand over", "move", "suspend", "demote", "stop", "expire"])

@@ -13,8 +13,8 @@ from agentrob.agent.queue.queue import Job
 from agentrob.agent.reporting.messages import known
 from agentrob.agent.reporting.mind_notes import notes, usage_line
 from agentrob.agent.understanding.extract import FAILED, OVER, Thought
-from agentrob.minds.llm.errors import Kind
-from agentrob.minds.safety_review import Screened
+from agentrob.minds.llm.errors import ErrorKind
+from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
 from agentrob.model import Account, Command, Intent, Understanding
 
@@ -24,7 +24,7 @@ ONE = Usage("clever", "gpt-x", 812, 40, 852, 0.0031, "USD", 640.0)
 LOST = Usage("clever", "gpt-x", latency_ms=25_000.0, attempts=3, failed="timeout")
 
 
-@pytest.mark.parametrize("kind", [*get_args(Kind), FAILED])
+@pytest.mark.parametrize("kind", [*get_args(ErrorKind), FAILED])
 def test_each_way_of_failing_has_its_words(kind: str) -> None:
     assert known(f"mind.why.{kind}")
     for language, begin in (("en", "`clever` did not read this post ("), ("zh", "`clever` 没有读这个帖子（")):
@@ -52,7 +52,7 @@ def test_where_no_model_had_a_part_nothing_is_said() -> None:
 
 def test_who_answered_instead_and_who_did_not_look_are_told_in_one_paragraph() -> None:
     thought = Thought(
-        READ, "second", usage=(LOST, ONE), fallback="timeout", screened=Screened("clever", failed="server")
+        READ, "second", usage=(LOST, ONE), fallback="timeout", screened=SafetyReview("clever", failed="server")
     )
     said, line = notes(thought, "clever", "en", more=[ONE])
     assert said == (
@@ -94,5 +94,5 @@ def test_a_thought_of_an_older_journal_is_still_read() -> None:
     older = '{"understanding": {"intent": "command", "language": "zh"}, "mind": "rules", "verdict": null}'
     thought = TypeAdapter(Thought).validate_json(older)
     assert (thought.mind, thought.usage, thought.fallback, thought.screened) == ("rules", (), "", None)
-    full = Thought(READ, "rules", usage=(ONE,), fallback="timeout", screened=Screened("clever", failed="timeout"))
+    full = Thought(READ, "rules", usage=(ONE,), fallback="timeout", screened=SafetyReview("clever", failed="timeout"))
     assert TypeAdapter(Thought).validate_json(TypeAdapter(Thought).dump_json(full)) == full

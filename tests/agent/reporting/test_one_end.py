@@ -22,7 +22,7 @@ from agentrob.errors import ForumDenied
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import Written
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Command, Plan, Post, Role, StatusCard, Understanding
 from tests.agent.agent_process import Poster, end_agent, start_agent, until
@@ -97,10 +97,10 @@ async def test_law_6_a_claim_whose_end_another_told_moves_nothing_any_more(scene
     class Gated(RulesMind):
         asked, let = asyncio.Event(), asyncio.Event()
 
-        async def understand(self, text: str, listener: Listener, history: tuple[Plan, ...] = ()) -> Understanding:  # type: ignore[override]
+        async def understand(self, text: str, addressee: Addressee, history: tuple[Plan, ...] = ()) -> Understanding:  # type: ignore[override]
             self.asked.set()
             await self.let.wait()
-            return await super().understand(text, listener, history)
+            return await super().understand(text, addressee, history)
 
     stood, mind = await place(scene.driver), Gated()
     async with scene.agent(mind=mind) as agent:

@@ -26,7 +26,7 @@ from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Thinking
 from agentrob.errors import ForumUnreachable, JournalError, RobotError, RobotUnreachable
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import ActionResult, Plan, Post, Primitive, Understanding
 from agentrob.robots.driver.client import DriverClient
@@ -333,7 +333,7 @@ async def test_where_no_model_is_configured_none_is_missed(scene: Scene) -> None
     asked = asyncio.Event()
 
     class Stuck(RulesMind):
-        async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+        async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
             asked.set()
             await asyncio.Event().wait()
             raise AssertionError

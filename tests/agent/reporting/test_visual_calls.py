@@ -15,14 +15,17 @@ from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.reporting.report import final
 from agentrob.agent.reporting.visual_calls import MOST_ROWS, lines, table
 from agentrob.config.load import RecordingConfig
-from agentrob.minds.visual_loop.loop import Looked, LoopEnd, Turn
+from agentrob.minds.visual_loop.loop import LoopCall, LoopEnd, LoopRecord
 from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Primitive, Report
 
 
 def test_the_calls_are_kept_with_the_motion_and_outlive_the_agent() -> None:
-    turns = (Turn("act_move", {"distance_m": 1.0}, outcome="done", step=1), Turn("act_fly", {}, problem="no such tool"))
+    turns = (
+        LoopCall("act_move", {"distance_m": 1.0}, outcome="done", step=1),
+        LoopCall("act_fly", {}, problem="no such tool"),
+    )
     step = ActionResult(Primitive(Op.MOVE, Direction.FORWARD, 1.0), Outcome.DONE, {"distance_m": 0.98})
-    looked = Looked("go to the red ball", LoopEnd("calls"), turns, mind="clever")
+    looked = LoopRecord("go to the red ball", LoopEnd("calls"), turns, mind="clever")
     kept = TypeAdapter(Execution)
     again = kept.validate_json(kept.dump_json(Execution("failed", results=(step,), looked=looked)))
     assert again.looked is not None
@@ -31,8 +34,8 @@ def test_the_calls_are_kept_with_the_motion_and_outlive_the_agent() -> None:
 
 
 def test_of_very_many_calls_the_first_are_told_and_how_many_more_there_are() -> None:
-    turns = tuple(Turn("act_fly", {}, problem="@alice | no such tool " * 20) for _ in range(50))
-    told = table(Looked("x", LoopEnd("calls"), turns), (), (), "zh")
+    turns = tuple(LoopCall("act_fly", {}, problem="@alice | no such tool " * 20) for _ in range(50))
+    told = table(LoopRecord("x", LoopEnd("calls"), turns), (), (), "zh")
     assert told.count("\n| ") == MOST_ROWS + 1
     assert "此处省略 20 行" in told
     assert "@alice" not in told
@@ -40,7 +43,7 @@ def test_of_very_many_calls_the_first_are_told_and_how_many_more_there_are() -> 
     linked = Picture("step", b"", 1, Link("https://bucket.example/1.jpg", datetime.now(UTC), 60.0))
     step = ActionResult(Primitive(Op.GET_FRONT_IMAGE), Outcome.DONE)
     assert "done, [picture 1](https://bucket.example/1.jpg)" in table(
-        Looked("x", LoopEnd("calls")), (step,), (linked,), "en"
+        LoopRecord("x", LoopEnd("calls")), (step,), (linked,), "en"
     )
 
 
@@ -60,7 +63,9 @@ async def test_with_an_image_store_the_report_links_the_calls(tmp_path: Path) ->
     author = Account("1", "alice")
     command = Command("7", "1", "", author, "quadruped", "look around", "en", datetime.now(UTC), "trace")
     report = Report(command, "done", results=(step,), goal="look around")
-    looked = Looked("look around", LoopEnd("finished", "done"), (Turn("finish", {"outcome": "done"}, outcome="done"),))
+    looked = LoopRecord(
+        "look around", LoopEnd("finished", "done"), (LoopCall("finish", {"outcome": "done"}, outcome="done"),)
+    )
     store, recorder = Store(), Recorder(tmp_path, RecordingConfig(view="none"))
     pictures = await illustrate(report, recorder, store, calls=lines(looked))
     told = final(report, pictures, calls=table(looked, report.results, pictures, "en"))

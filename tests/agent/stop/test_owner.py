@@ -13,7 +13,7 @@ import pytest
 from agentrob.agent.agent import RobotAgent
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import EventKind
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Plan, RobotState, Role, Understanding
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
@@ -231,10 +231,10 @@ class GateMind(RulesMind):
     def __init__(self) -> None:
         self.asked, self.gate = asyncio.Event(), asyncio.Event()
 
-    async def understand(self, text: str, listener: Listener, history: tuple[Plan, ...] = ()) -> Understanding:
+    async def understand(self, text: str, addressee: Addressee, history: tuple[Plan, ...] = ()) -> Understanding:
         self.asked.set()
         await self.gate.wait()
-        return await super().understand(text, listener, history)
+        return await super().understand(text, addressee, history)
 
 
 @pytest.mark.parametrize("how", ["button", "at the machine"])

@@ -16,7 +16,7 @@ from agentrob.agent.store import rows
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import ForumError, RobotUnreachable
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Account, AccountKind, Command, Plan, Role, StatusCard, StopResult, Understanding
 from agentrob.robots.driver.client import DriverClient
@@ -31,7 +31,7 @@ class StuckMind(RulesMind):
     def __init__(self) -> None:
         self.asked = asyncio.Event()
 
-    async def understand(self, text: str, listener: Listener, history: tuple[Plan, ...] = ()) -> Understanding:
+    async def understand(self, text: str, addressee: Addressee, history: tuple[Plan, ...] = ()) -> Understanding:
         self.asked.set()
         await asyncio.Event().wait()
         raise AssertionError

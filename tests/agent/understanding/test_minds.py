@@ -13,7 +13,7 @@ import pytest
 
 from agentrob.board.content.markdown import render
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Intent, Plan, Post, Role, Understanding
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
@@ -119,11 +119,11 @@ async def test_the_next_model_of_the_chain_is_named(scene: Scene, brain: Brain) 
         handler.send(401, b"{}") if body["model"] == "one" else handler.send(200, json.dumps(good).encode())
 
     from agentrob.minds.extraction.mind import ModelMind
-    from agentrob.minds.llm.fallback import ChatChain
+    from agentrob.minds.llm.fallback import FallbackModel
 
     brain.server.answer = answer
     models = [brain.model(scene.folder, name, model=name) for name in ("one", "two")]
-    async with scene.agent(mind=ModelMind(ChatChain(models))):
+    async with scene.agent(mind=ModelMind(FallbackModel(models))):
         reply = await scene.final(await scene.post("alice", FREE))
     assert reply.card.state == "done"
     assert "`one` did not read this post (its key was refused); `two` did." in reply.raw
@@ -407,7 +407,7 @@ _HOSTILE_WORDS = (
 @pytest.mark.parametrize("intent", [Intent.QUESTION, Intent.ASK_BACK])
 async def test_law_3_what_a_mind_of_somebody_else_says_is_disarmed_in_the_reply(scene: Scene, intent: Intent) -> None:
     class Foreign(RulesMind):
-        async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
+        async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
             return Understanding(intent, "en", question=_HOSTILE_WORDS)
 
     async with scene.agent(mind=Foreign()):

@@ -10,7 +10,7 @@ from agentrob.agent.intake.authorization import Terms, judge
 from agentrob.agent.understanding.visual_goal import judged_plan
 from agentrob.language.registry import language_of
 from agentrob.language.visible_text import mentions
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.goal import goal_of
 from agentrob.minds.visual_loop.vocabulary import things
 from agentrob.model import Account, Capabilities, Command, Decision, Op, Role, Verdict
@@ -23,7 +23,7 @@ TERMS = Terms(names=ME, known=True)
 def judged(text: str) -> Verdict:
     """What the rules say to a post that is a goal."""
     language = language_of(text)
-    goal = goal_of(text, Listener(ME, tuple(n for n in mentions(text) if n not in ME), CAN), language)
+    goal = goal_of(text, Addressee(ME, tuple(n for n in mentions(text) if n not in ME), CAN), language)
     assert goal is not None, text
     author = Account("1", "ann", role=Role.OPERATOR)
     command = Command("1", "1", "", author, "quadruped", text, language, datetime.now(UTC), "t")
@@ -53,4 +53,4 @@ def test_law_7_what_is_said_besides_in_the_same_post_still_counts(text: str) -> 
 
 @pytest.mark.parametrize("text", ["find the fire", "find the fire extinguisher he hid", "find the child", "看住那个人"])
 def test_law_7_what_is_not_known_to_the_last_word_is_no_goal(text: str) -> None:
-    assert goal_of(f"@quadruped {text}", Listener(ME, (), CAN), language_of(text)) is None
+    assert goal_of(f"@quadruped {text}", Addressee(ME, (), CAN), language_of(text)) is None

@@ -17,9 +17,9 @@ from agentrob.agent.reporting.command_page import public
 from agentrob.agent.reporting.messages import say
 from agentrob.agent.store.records import Records
 from agentrob.agent.understanding.extract import Thought
-from agentrob.minds.safety_review import Screened
+from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
-from agentrob.minds.visual_loop.loop import Looked, LoopEnd, Turn
+from agentrob.minds.visual_loop.loop import LoopCall, LoopEnd, LoopRecord
 from agentrob.model import (
     Account,
     ActionResult,
@@ -81,23 +81,23 @@ def look(post: str, topic: str) -> Report:
     return Report(**fields(report) | {"goal": "the red ball", "timings_ms": timings, "message": "It was not reached."})
 
 
-def looked() -> Looked:
+def looked() -> LoopRecord:
     left, ahead = {"direction": "left", "degrees": 45}, {"direction": "forward", "distance_m": 1}
     turns = (
-        Turn("get_front_image", {}, outcome="done", step=1, latency_ms=1640.0),
-        Turn("act_turn", left, outcome="done", step=2, words="It is on the left.", latency_ms=910.0),
-        Turn("act_move", ahead | {"distance_m": 9}, problem="at most 5 m a step", latency_ms=870.0),
-        Turn("act_move", ahead, outcome="failed", step=3, latency_ms=905.0),
+        LoopCall("get_front_image", {}, outcome="done", step=1, latency_ms=1640.0),
+        LoopCall("act_turn", left, outcome="done", step=2, words="It is on the left.", latency_ms=910.0),
+        LoopCall("act_move", ahead | {"distance_m": 9}, problem="at most 5 m a step", latency_ms=870.0),
+        LoopCall("act_move", ahead, outcome="failed", step=3, latency_ms=905.0),
     )
     end = LoopEnd("finished", "not_possible", ("a red ball behind a box",), "turned to it")
-    return Looked("the red ball", end, turns, (USAGE, USAGE), "clever")
+    return LoopRecord("the red ball", end, turns, (USAGE, USAGE), "clever")
 
 
 def fields(report: Report) -> dict[str, Any]:
     return {name: getattr(report, name) for name in Report.__slots__}
 
 
-def tell(world: World, topic: str, command: str, report: Report, looked: Looked | None = None, **more: Any) -> None:
+def tell(world: World, topic: str, command: str, report: Report, looked: LoopRecord | None = None, **more: Any) -> None:
     """Say it in the thread as the agent does, and send its record."""
     robot = world.api(ROBOT)
     page = robot.get(f"/commands/{command}").json()["url"]
@@ -117,7 +117,7 @@ def tell(world: World, topic: str, command: str, report: Report, looked: Looked 
     }
     reply = robot.post(f"/topics/{topic}/posts", json=told).json()["post"]["id"]
     understood = Understanding(Intent.COMMAND, plan=report.plan)
-    thought = Thought(understood, "clever", report.verdict, (USAGE,), screened=Screened("careful", usage=(USAGE,)))
+    thought = Thought(understood, "clever", report.verdict, (USAGE,), screened=SafetyReview("careful", usage=(USAGE,)))
     more |= {"looked": asdict(looked)} if looked else {}
     with TemporaryDirectory() as folder:
         facts = Records(Path(folder)).write(report, thought, **more)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from agentrob.language.messages.catalog import QUOTE_CHARS, quote, say
 from agentrob.language.messages.help import examples, help_text, thread_examples
 from agentrob.language.parser.grammar import parse
-from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.registry import known
 from agentrob.language.visible_text import OMITTED, mentions, visible_text
 from agentrob.model import Capabilities, Direction, Intent, Language, Limits, Op, Plan, Primitive
@@ -70,7 +70,7 @@ def test_every_example_of_the_help_is_understood_as_what_it_stands_for(robot: Ca
         understood = parse(sentence, ["quadruped"], [], robot.ops)
         assert understood.plan.steps == (step,)
         assert understood.language == language
-    walked = Background(history=[Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5),))])
+    walked = ParseContext(history=[Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5),))])
     for more in said[len(wanted) :]:
         understood = parse(more, ["quadruped"], [], robot.ops, walked)
         assert understood.intent is Intent.COMMAND

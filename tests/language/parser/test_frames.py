@@ -8,11 +8,11 @@ from __future__ import annotations
 import pytest
 
 from agentrob.language.parser.grammar import parse
-from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.repetition import ParseContext
 from agentrob.model import Direction, Intent, Plan
 from tests.language.saying import OPS, read, walk
 
-THREAD = Background(history=(Plan((walk(Direction.LEFT, 3.0),)),))
+THREAD = ParseContext(history=(Plan((walk(Direction.LEFT, 3.0),)),))
 COMMANDS = """
 walk forward 1 m|turn left 90 degrees|go back 2 feet|sit down|wave twice|do a backflip|turn around|come back
 do it again|walk for two seconds|strafe left 30 cm|turn left

@@ -12,7 +12,7 @@ import pytest
 from markdown_it import MarkdownIt
 
 from agentrob.language.parser.grammar import parse
-from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.visible_text import visible_text
 from agentrob.model import Direction, Intent, Op, Plan, Primitive
 
@@ -28,7 +28,7 @@ SEEDS = (
     "stop @rex, 停, ½ m ² ４５° “walk” — 12,5 m",
 )
 EVERYTHING = frozenset(Op)
-THREAD = Background(history=(Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=60.0),)),))
+THREAD = ParseContext(history=(Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=60.0),)),))
 ODD = "\u200b\u202e@#*_`~>[]()<&;:,.、，。！?½²０９一半両兩百零-—\n\t'\"\\/%°m"
 
 

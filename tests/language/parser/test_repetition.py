@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.language.parser.repetition import Background, way_back
+from agentrob.language.parser.repetition import ParseContext, reversed_path
 from agentrob.model import Capabilities, Direction, Intent, Limits, Op, Plan, Primitive
 from tests.language.saying import read, short, turn, walk
 
 PHOTO = Primitive(Op.GET_FRONT_IMAGE)
 OLDER = Plan((walk(Direction.LEFT, 0.3),))
 LAST = Plan((walk(Direction.FORWARD, 2.0), turn(Direction.LEFT, 90.0), PHOTO))
-THREAD = Background(history=(OLDER, LAST))
+THREAD = ParseContext(history=(OLDER, LAST))
 
 IN_A_THREAD = [
     ("again", "F2 l90 photo"),
@@ -68,7 +68,7 @@ def test_law_18_a_part_of_what_was_done_is_not_done_again_for_it(text: str) -> N
 
 
 def test_one_more_turn_repeats_a_plan_that_was_nothing_else() -> None:
-    turned = Background(history=(Plan((turn(Direction.LEFT, 90.0),)),))
+    turned = ParseContext(history=(Plan((turn(Direction.LEFT, 90.0),)),))
     assert short(read("再转一次", turned).plan) == "l90"
     assert read("再走一次", turned).intent is Intent.ASK_BACK
 
@@ -80,7 +80,7 @@ def test_of_many_steps_only_the_first_are_told() -> None:
 
 
 def test_slower_than_slow_is_half_as_fast() -> None:
-    slow = Background(history=(Plan((walk(Direction.FORWARD, 1.0, 0.3),)),))
+    slow = ParseContext(history=(Plan((walk(Direction.FORWARD, 1.0, 0.3),)),))
     assert short(read("the same but slower", slow).plan) == "F1@0.15"
 
 
@@ -99,8 +99,8 @@ IN_A_POST = [
 
 
 @pytest.mark.parametrize(("text", "plan"), IN_A_POST)
-@pytest.mark.parametrize("background", [Background(), THREAD])
-def test_what_was_said_in_the_same_post_goes_first(text: str, plan: str, background: Background) -> None:
+@pytest.mark.parametrize("background", [ParseContext(), THREAD])
+def test_what_was_said_in_the_same_post_goes_first(text: str, plan: str, background: ParseContext) -> None:
     assert short(read(text, background).plan) == plan
 
 
@@ -142,7 +142,7 @@ def test_what_is_denied_or_asked_is_not_done_again(text: str) -> None:
 
 
 def test_a_side_is_changed_only_where_there_is_one() -> None:
-    both = Background(history=(Plan((turn(Direction.LEFT, 90.0), turn(Direction.RIGHT, 45.0))),))
+    both = ParseContext(history=(Plan((turn(Direction.LEFT, 90.0), turn(Direction.RIGHT, 45.0))),))
     assert read("the same but to the right", both).intent is Intent.ASK_BACK
     assert read("the same but 30 degrees", both).intent is Intent.ASK_BACK
 
@@ -156,7 +156,7 @@ STEPS = st.one_of(
 
 @given(st.lists(STEPS, max_size=6))
 def test_the_way_back_of_the_way_back_is_the_way(steps: list[Primitive]) -> None:
-    assert way_back(way_back(steps)) == [step for step in steps if step != PHOTO]
+    assert reversed_path(reversed_path(steps)) == [step for step in steps if step != PHOTO]
 
 
 # ------------------------------------------------------------------ times and steps
@@ -178,19 +178,19 @@ def test_a_time_becomes_a_distance_and_says_so(text: str, plan: str) -> None:
 
 
 def test_the_pace_of_the_robot_is_kept_to() -> None:
-    assert short(read("walk for two seconds", Background(pace_mps=0.1)).plan) == "F0.2@0.1"
+    assert short(read("walk for two seconds", ParseContext(pace_mps=0.1)).plan) == "F0.2@0.1"
 
 
 def test_steps_are_asked_back_unless_the_robot_has_a_step() -> None:
     assert read("take two steps forward").intent is Intent.ASK_BACK
-    assert short(read("take two steps forward", Background(step_m=0.25)).plan) == "F0.5"
-    assert short(read("往后退一步", Background(step_m=0.25)).plan) == "B0.25"
+    assert short(read("take two steps forward", ParseContext(step_m=0.25)).plan) == "F0.5"
+    assert short(read("往后退一步", ParseContext(step_m=0.25)).plan) == "B0.25"
 
 
 def test_examples_stay_within_what_the_robot_can_do() -> None:
     small = Capabilities("x", frozenset({Op.MOVE, Op.TURN}), Limits(step_m=0.4, step_deg=30))
-    question = read("walk backward", Background(can=small)).question
+    question = read("walk backward", ParseContext(can=small)).question
     assert "`walk backward 0.4 m`" in question
     assert "1 m" not in question
-    assert "at most 0.4 m" in read("walk 200 m", Background(can=small)).question
-    assert "at most 30 degrees" in read("turn left 9999 degrees", Background(can=small)).question
+    assert "at most 0.4 m" in read("walk 200 m", ParseContext(can=small)).question
+    assert "at most 30 degrees" in read("turn left 9999 degrees", ParseContext(can=small)).question

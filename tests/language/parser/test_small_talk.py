@@ -5,18 +5,18 @@ from __future__ import annotations
 import pytest
 
 from agentrob.language.addressing import addresses
-from agentrob.language.parser.grammar import MAX_CHARS, parse, talk_of
-from agentrob.language.parser.small_talk import Talk
+from agentrob.language.parser.grammar import MAX_CHARS, parse, small_talk_of
+from agentrob.language.parser.small_talk import SmallTalk
 from agentrob.model import Direction, Intent, Op
 from tests.language.saying import read
 
 POSTS = {
-    Talk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
+    SmallTalk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
         |算了|不用了|算了吧""",
-    Talk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
-    Talk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
-    Talk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
-    Talk.THANKS: "thanks, good job!|谢谢|ok|@quadruped 👍",
+    SmallTalk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
+    SmallTalk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
+    SmallTalk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
+    SmallTalk.THANKS: "thanks, good job!|谢谢|ok|@quadruped 👍",
     None: "well done @dog2, and @quadruped|@dog2 wave, @quadruped?",
 }
 
@@ -24,8 +24,8 @@ POSTS = {
 @pytest.mark.parametrize(
     ("kind", "text"), [(k, t) for k, texts in POSTS.items() for t in texts.replace("\n        |", "|").split("|")]
 )
-def test_talk_is_told_apart_and_moves_nothing(kind: Talk | None, text: str) -> None:
-    assert talk_of(text, ["quadruped"], ["dog2"]) is kind
+def test_talk_is_told_apart_and_moves_nothing(kind: SmallTalk | None, text: str) -> None:
+    assert small_talk_of(text, ["quadruped"], ["dog2"]) is kind
     assert read(text).intent is Intent.NOTHING
 
 
@@ -46,14 +46,14 @@ def test_words_of_the_state_elsewhere_move_nothing(text: str) -> None:
 
 def test_a_command_after_a_cancel_is_a_command() -> None:
     assert read("Never mind, turn left 90 degrees").intent is Intent.COMMAND
-    assert talk_of("Never mind, turn left 90 degrees", ["quadruped"], []) is Talk.CANCEL
+    assert small_talk_of("Never mind, turn left 90 degrees", ["quadruped"], []) is SmallTalk.CANCEL
 
 
 def test_stops_and_what_is_for_others_are_no_talk() -> None:
-    assert talk_of("stop", ["quadruped"], []) is None
-    assert talk_of("cancel that", ["quadruped"], []) is None
-    assert talk_of("@quadruped wave @dog2 never mind", ["quadruped"], ["dog2"]) is None
-    assert talk_of("never mind " * MAX_CHARS, ["quadruped"], []) is None
+    assert small_talk_of("stop", ["quadruped"], []) is None
+    assert small_talk_of("cancel that", ["quadruped"], []) is None
+    assert small_talk_of("@quadruped wave @dog2 never mind", ["quadruped"], ["dog2"]) is None
+    assert small_talk_of("never mind " * MAX_CHARS, ["quadruped"], []) is None
 
 
 @pytest.mark.parametrize(

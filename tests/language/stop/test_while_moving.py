@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.evals.stops import stopping, stops_it
+from agentrob.evals.stops import evaluate_stops, stops_it
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.stop.while_moving import stop_while_moving
 from agentrob.language.visible_text import visible_text
@@ -41,7 +41,7 @@ def stops(text: str) -> Intent | None:
 def test_law_13_the_sets_hold_and_are_of_both_languages() -> None:
     rows = [json.loads(line) for line in ROWS.read_text(encoding="utf-8").splitlines()]
     assert len(rows) >= 300
-    found = stopping(ROWS)
+    found = evaluate_stops(ROWS)
     assert 0.5 < found.stops / len(rows) < 0.65
     # Those that are read otherwise are marked in the file: almost all stop where nobody wants it, "in doubt it stops".
     assert {*found.missed, *found.false} == {row["text"] for row in rows if row.get("wrong")}

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agentrob.minds.extraction.crosscheck import agree
-from agentrob.minds.extraction.evidence import Kind, mentions_in
+from agentrob.minds.extraction.evidence import EvidenceKind, evidence_in
 from agentrob.minds.extraction.grounding import MAX_DEGREES, MAX_DISTANCE_M, Grounded, Ungrounded, ground
 from agentrob.minds.extraction.schema import ExtractedStep, Wants
 from agentrob.minds.extraction.units import DEGREES, METRES, SpeedUnit, Unit, degrees, metres, same
@@ -384,8 +384,8 @@ def test_law_7_nothing_is_invented(data: st.DataObject, text: str, history: list
     found = ground(data.draw(quoting(text)), text, history)
     if isinstance(found, Ungrounded):
         return
-    said = mentions_in(text)
-    refers = any(m.kind in (Kind.AGAIN, Kind.BACK) for m in said)
+    said = evidence_in(text)
+    refers = any(m.kind in (EvidenceKind.AGAIN, EvidenceKind.BACK) for m in said)
     before = history[-1].steps if history and refers else ()
     amounts = [m.value for m in said] + [p.distance_m or p.degrees or 0.0 for p in before]
     directions = {m.direction for m in said} | (set(Direction) if before else set())
@@ -402,31 +402,31 @@ def test_law_7_nothing_is_invented(data: st.DataObject, text: str, history: list
             assert 0 < (done.degrees or 0.0) <= MAX_DEGREES
             assert done.direction in directions or done.degrees in (180.0, 360.0)
         if done.speed_mps is not None:
-            assert done.speed_mps <= 0.2 or done.speed_mps in {m.value for m in said if m.kind is Kind.SPEED}
+            assert done.speed_mps <= 0.2 or done.speed_mps in {m.value for m in said if m.kind is EvidenceKind.SPEED}
 
 
 @given(st.data(), TEXTS)
 def test_a_word_of_denial_beside_a_step_stops_it(data: st.DataObject, text: str) -> None:
     steps = data.draw(quoting(text))
     assert isinstance(ground(steps, text.replace(".", " ").replace("\n", " ") + " not"), Ungrounded) or any(
-        m.kind is Kind.END for m in mentions_in(text)
+        m.kind is EvidenceKind.END for m in evidence_in(text)
     )
 
 
 @given(TEXTS)
 def test_evidence_stands_in_the_text(text: str) -> None:
-    for mention in mentions_in(text):
+    for mention in evidence_in(text):
         assert 0 <= mention.start < mention.end <= len(text)
 
 
 @given(st.floats(0.01, 999).map(lambda x: round(x, 2)), st.sampled_from(Unit))
 def test_an_amount_in_any_unit_is_found_as_what_it_is(amount: float, unit: Unit) -> None:
     said = f"{amount:g} {'turns' if unit is Unit.TURN else unit.value}"
-    (found,) = [m for m in mentions_in(f"go {said} please") if m.kind in (Kind.LENGTH, Kind.ANGLE)]
+    (found,) = [m for m in evidence_in(f"go {said} please") if m.kind in (EvidenceKind.LENGTH, EvidenceKind.ANGLE)]
     expected = metres(amount, unit) if unit in METRES else degrees(amount, unit)
     assert expected is not None
     assert found.value == pytest.approx(expected, rel=1e-4, abs=1e-6)
-    assert (unit in DEGREES) is (found.kind is Kind.ANGLE)
+    assert (unit in DEGREES) is (found.kind is EvidenceKind.ANGLE)
 
 
 @given(st.lists(PRIMITIVES, max_size=4), st.lists(PRIMITIVES, max_size=4))

@@ -11,19 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agentrob.language.visible_text import OMITTED, visible_text
-from agentrob.minds.extraction.evidence import Kind, mentions_in
+from agentrob.minds.extraction.evidence import EvidenceKind, evidence_in
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.extraction.schema import ExtractedStep, Wants
-from agentrob.minds.llm.chat import Answer, Image, M, Message, Replied, Tool
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.chat import Answer, Image, M, Message, ModelReply, Tool
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.prompt import clean, system_prompt, user_message
-from agentrob.minds.protocol import Listener, Mind, ReadingMind
+from agentrob.minds.protocol import Addressee, MeteredMind, Mind
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Direction, Intent, Op, Plan, Primitive
 
 GO2 = Capabilities("go2", frozenset(Op))
-LISTENER = Listener(("quadruped",), ("humanoid",), GO2)
+LISTENER = Addressee(("quadruped",), ("humanoid",), GO2)
 
 
 class Scripted:
@@ -36,7 +36,7 @@ class Scripted:
     async def warm(self, system_prompt: str) -> None:
         raise NotImplementedError
 
-    def __init__(self, wants: dict[str, Any] | Wants | MindFault) -> None:
+    def __init__(self, wants: dict[str, Any] | Wants | ModelError) -> None:
         self._wants = wants
         self.told: list[str] = []
 
@@ -52,7 +52,7 @@ class Scripted:
         spent: Sequence[Usage] = (),
     ) -> Answer[M]:
         self.told.append(user_message)
-        if isinstance(self._wants, MindFault):
+        if isinstance(self._wants, ModelError):
             raise self._wants
         value = self._wants if isinstance(self._wants, Wants) else Wants.model_validate(self._wants)
         assert isinstance(value, kind)
@@ -60,7 +60,7 @@ class Scripted:
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
-    ) -> Answer[Replied]:
+    ) -> Answer[ModelReply]:
         raise NotImplementedError
 
     async def prepare(self) -> None: ...
@@ -82,7 +82,7 @@ WALK_2 = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0),)
 
 async def test_it_is_a_mind() -> None:
     mind: Mind = ModelMind(Scripted(NOTHING))
-    assert isinstance(mind, ReadingMind)
+    assert isinstance(mind, MeteredMind)
     assert mind.name == "scripted"
 
 
@@ -250,7 +250,7 @@ async def test_law_3_where_words_are_hidden_the_rules_alone_read() -> None:
 
 
 async def test_a_model_that_fails_leaves_it_to_the_rules() -> None:
-    fault = MindFault("timeout", "no answer", usage=[Usage("scripted", "m", failed="timeout")])
+    fault = ModelError("timeout", "no answer", usage=[Usage("scripted", "m", failed="timeout")])
     reading = await ModelMind(Scripted(fault)).read("@quadruped walk forward 2 m", LISTENER)
     assert reading.understanding.plan.steps == WALK_2
     assert (reading.mind, reading.fallback) == ("rules", "timeout")
@@ -338,10 +338,10 @@ async def test_law_7_no_model_adds_a_motion_to_a_post(post: str, steps: list[Ext
     if understood.intent is not Intent.COMMAND or understood == by_rules:
         return
     assert by_rules.intent is Intent.ASK_BACK, "it goes beyond the rules only where they ask"
-    values = {m.value for m in mentions_in(post)}
+    values = {m.value for m in evidence_in(post)}
     for done in understood.plan.steps:
         assert not done.moves or (done.distance_m or done.degrees or 0.0) in values | {90.0, 0.0}
-    assert not any(m.kind in (Kind.NOT, Kind.IF) for m in mentions_in(post)) or "." in post
+    assert not any(m.kind in (EvidenceKind.NOT, EvidenceKind.IF) for m in evidence_in(post)) or "." in post
 
 
 HOSTILE = [

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from agentrob.config.load import MindLimitsConfig, PriceConfig
 from agentrob.minds.llm.budget import Budget
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.minds.llm.retry import LONGEST_S, wait_s
 from agentrob.minds.usage import Usage, cost_of, estimate_tokens
@@ -36,7 +36,7 @@ async def test_a_restart_does_not_forget_the_day(tmp_path: Path) -> None:
     await first.settle(await first.reserve(900, 0.0, ()), 800, 0.0)
     assert first.spent_today() == (800, 0.0)
     again = budget(file)
-    with pytest.raises(MindFault, match="day_tokens = 1000") as caught:
+    with pytest.raises(ModelError, match="day_tokens = 1000") as caught:
         await again.reserve(201, 0.0, ())
     assert caught.value.kind == "budget"
     await again.reserve(200, 0.0, ())
@@ -65,17 +65,17 @@ async def test_money_is_limited_too(tmp_path: Path) -> None:
     limits = MindLimitsConfig(command_cost=1.0, day_cost=1.5)
     purse = budget(tmp_path / "minds.sqlite", limits)
     spent = [Usage("clever", "m", cost=0.8), Usage("other", "m", cost=5.0)]
-    with pytest.raises(MindFault, match="command_cost = 1 "):
+    with pytest.raises(ModelError, match="command_cost = 1 "):
         await purse.reserve(10, 0.3, spent)
     await purse.reserve(10, 0.9, ())
-    with pytest.raises(MindFault, match=r"day_cost = 1\.5"):
+    with pytest.raises(ModelError, match=r"day_cost = 1\.5"):
         await purse.reserve(10, 0.7, ())
 
 
 async def test_a_file_that_cannot_be_used_stops_the_spending(tmp_path: Path) -> None:
     for broken in (tmp_path, tmp_path / "text"):
         (tmp_path / "text").write_text("no database" * 1000)
-        with pytest.raises(MindFault, match="cannot be kept") as caught:
+        with pytest.raises(ModelError, match="cannot be kept") as caught:
             await budget(broken).reserve(1, 0.0, ())
         assert caught.value.kind == "budget"
 
@@ -88,7 +88,7 @@ async def test_a_file_that_stays_locked_stops_the_spending_and_loses_no_answer(
     reserve = await budget(file).reserve(500, 0.0, ())
     with closing(sqlite3.connect(file, isolation_level=None)) as other:
         other.execute("begin immediate")
-        with pytest.raises(MindFault, match="locked"):
+        with pytest.raises(ModelError, match="locked"):
             await budget(file).reserve(1, 0.0, ())
         await budget(file).settle(reserve, 100, 0.0)
     assert budget(file).spent_today() == (500, 0.0), "what was set aside stays counted"
@@ -98,7 +98,7 @@ async def test_beyond_the_command_nothing_is_sent(server: FaultyServer, make: Ma
     server.answer = lambda handler, _: handler.send(200, json.dumps(said("Yes.", (600, 50))).encode())
     model = make(server.url + "/v1", max_output_tokens=100, limits={"command_tokens": 700})
     first = await model.chat("", "Hello")
-    with pytest.raises(MindFault, match="command_tokens = 700"):
+    with pytest.raises(ModelError, match="command_tokens = 700"):
         await model.chat("", "Hello", spent=first.usage)
     assert len(server.requests) == 1
     await model.chat("", "Hello")  # another command
@@ -119,7 +119,7 @@ async def test_the_day_counts_what_was_really_taken(server: FaultyServer, make: 
     await model.chat("", "Hello")
     assert purse.spent_today() == (650, 0.0)
     for _ in range(2):  # what was not served is not billed
-        with pytest.raises(MindFault):
+        with pytest.raises(ModelError):
             await model.chat("", "Hello")
         assert purse.spent_today() == (650, 0.0)
     (usage,) = (await model.chat("", "Hello")).usage
@@ -133,7 +133,7 @@ async def test_what_timed_out_may_be_billed_and_counts(server: FaultyServer, mak
     server.answer = lambda handler, _: handler.hang()
     price = {"input_per_million": 10.0, "output_per_million": 10.0}
     model = make(server.url + "/v1", timeout_s=0.2, retries=1, max_output_tokens=100, price=price)
-    with pytest.raises(MindFault) as caught:
+    with pytest.raises(ModelError) as caught:
         await model.chat("", "Hello")
     (usage,) = caught.value.usage
     assert usage.counted_tokens == 2 * (100 + estimate_tokens(["", "Hello"]))

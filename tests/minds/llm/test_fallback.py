@@ -11,17 +11,17 @@ import pytest
 from agentrob.config.load import MindConfig, parse
 from agentrob.errors import ConfigError
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm.errors import MindFault
-from agentrob.minds.llm.fallback import ChatChain, configured_chain
+from agentrob.minds.llm.errors import ModelError
+from agentrob.minds.llm.fallback import FallbackModel, model_with_fallbacks
 from agentrob.minds.llm.model import ConfiguredModel
-from agentrob.minds.protocol import Listener, read
+from agentrob.minds.protocol import Addressee, read
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Capabilities, Direction, Intent, Op, Primitive
 from agentrob.wiring import app
 from tests.minds.faulty_server import FaultyServer, called, said
 
 Make = Callable[..., ConfiguredModel]
-LISTENER = Listener(("quadruped",), (), Capabilities("go2", frozenset(Op)))
+LISTENER = Addressee(("quadruped",), (), Capabilities("go2", frozenset(Op)))
 
 
 async def test_the_next_one_answers_and_the_failed_one_is_named(server: FaultyServer, make: Make) -> None:
@@ -29,7 +29,7 @@ async def test_the_next_one_answers_and_the_failed_one_is_named(server: FaultySe
         handler.send(401, b"{}") if body["model"] == "first" else handler.send(200, json.dumps(said("Here.")).encode())
     )
     url = server.url + "/v1"
-    chain = ChatChain([make(url, "one", model="first"), make(url, "two", model="second")])
+    chain = FallbackModel([make(url, "one", model="first"), make(url, "two", model="second")])
     answer = await chain.chat("", "Hello")
     assert (answer.value, answer.mind) == ("Here.", "two")
     assert [(u.mind, u.failed) for u in answer.usage] == [("one", "denied"), ("two", "")]
@@ -43,7 +43,7 @@ async def test_an_unusable_answer_passes_on_too(server: FaultyServer, make: Make
         200, json.dumps(called("answer", wants if body["model"] == "good" else {"intent": "dance"})).encode()
     )
     url = server.url + "/v1"
-    mind = ModelMind(ChatChain([make(url, "weak", model="bad"), make(url, "strong", model="good")]))
+    mind = ModelMind(FallbackModel([make(url, "weak", model="bad"), make(url, "strong", model="good")]))
     reading = await read(mind, "@quadruped stroll ahead 1 m", LISTENER)
     assert reading.mind == "strong"
     assert reading.fallback == "malformed"
@@ -55,7 +55,7 @@ async def test_an_unusable_answer_passes_on_too(server: FaultyServer, make: Make
 async def test_when_no_model_answers_the_rules_do_and_say_so(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.send(503, b"{}")
     url = server.url + "/v1"
-    mind = ModelMind(ChatChain([make(url, "one", retries=0), make(url, "two", retries=0)]))
+    mind = ModelMind(FallbackModel([make(url, "one", retries=0), make(url, "two", retries=0)]))
     reading = await read(mind, "@quadruped walk forward 2 m", LISTENER)
     assert (reading.mind, reading.fallback) == ("rules", "server")
     assert reading.understanding == await RulesMind().understand("@quadruped walk forward 2 m", LISTENER)
@@ -65,7 +65,9 @@ async def test_when_no_model_answers_the_rules_do_and_say_so(server: FaultyServe
 
 async def test_the_rules_answer_in_time_however_long_the_models_take(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.hang()
-    mind = ModelMind(ChatChain([make(server.url + "/v1", n, timeout_s=60, total_s=60) for n in ("one", "two")]), 0.5)
+    mind = ModelMind(
+        FallbackModel([make(server.url + "/v1", n, timeout_s=60, total_s=60) for n in ("one", "two")]), 0.5
+    )
     reading = await read(mind, "@quadruped walk forward 2 m", LISTENER)
     assert (reading.mind, reading.fallback) == ("rules", "timeout")
     assert reading.understanding.intent is Intent.COMMAND
@@ -73,7 +75,7 @@ async def test_the_rules_answer_in_time_however_long_the_models_take(server: Fau
 
 
 async def test_preparing_asks_nothing_and_never_fails(server: FaultyServer, make: Make) -> None:
-    mind = ModelMind(ChatChain([make(server.url + "/v1"), make(server.url, "keyless", key_env="NO_SUCH_VARIABLE")]))
+    mind = ModelMind(FallbackModel([make(server.url + "/v1"), make(server.url, "keyless", key_env="NO_SUCH_VARIABLE")]))
     await mind.prepare()
     assert server.requests == []
     await mind.close()
@@ -82,8 +84,8 @@ async def test_preparing_asks_nothing_and_never_fails(server: FaultyServer, make
 async def test_a_chain_without_an_answer_tells_all_that_it_took(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.send(401, b"{}")
     url = server.url + "/v1"
-    with pytest.raises(MindFault) as caught:
-        await ChatChain([make(url, "one"), make(url, "two")]).chat("", "Hello")
+    with pytest.raises(ModelError) as caught:
+        await FallbackModel([make(url, "one"), make(url, "two")]).chat("", "Hello")
     assert [u.mind for u in caught.value.usage] == ["one", "two"]
 
 
@@ -100,8 +102,8 @@ async def test_a_chain_is_made_of_the_configuration(tmp_path: Path) -> None:
         )
 
     minds = {"one": local("two", "rules"), "two": local("one")}
-    with pytest.raises(MindFault) as caught:
-        await configured_chain("one", minds, tmp_path / "x.sqlite").chat("", "Hello")
+    with pytest.raises(ModelError) as caught:
+        await model_with_fallbacks("one", minds, tmp_path / "x.sqlite").chat("", "Hello")
     assert [(u.mind, u.failed) for u in caught.value.usage] == [("one", "unreachable"), ("two", "unreachable")]
 
 

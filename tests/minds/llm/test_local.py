@@ -15,16 +15,16 @@ from agentrob.config.load import MindConfig, parse
 from agentrob.errors import ConfigError
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
-from agentrob.minds.llm.chat import Image, Said
-from agentrob.minds.llm.errors import MindFault
-from agentrob.minds.protocol import Listener
-from agentrob.minds.safety_review import screen_by_model
+from agentrob.minds.llm.chat import Image, UserMessage
+from agentrob.minds.llm.errors import ModelError
+from agentrob.minds.protocol import Addressee
+from agentrob.minds.safety_review import review_command
 from agentrob.model import Capabilities, Direction, Intent, Op, Plan, Primitive
 from tests.minds.brain import Brain, move, running_brain
 from tests.minds.faulty_server import called
 
 GO2 = Capabilities("go2", frozenset(Op))
-LISTENER = Listener(("robot",), (), GO2)
+LISTENER = Addressee(("robot",), (), GO2)
 PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
 FREE, FREE_READ = "be a darling and meander forward 1 m", move("meander forward 1 m", 1)
 TABLE = {"provider": "compatible", "model": "m", "base_url": "http://127.0.0.1:9/v1"}
@@ -101,7 +101,7 @@ async def test_all_questions_to_a_local_server_share_one_prompt_that_is_read_whe
     await mind.warm(GO2)
     reading = await mind.read(f"@robot {FREE}", LISTENER)
     brain.server.answer = lambda handler, _: streamed({"decision": "fine"})(handler)
-    screened = await screen_by_model(model, FREE, PLAN, GO2, "en")
+    screened = await review_command(model, FREE, PLAN, GO2, "en")
     await mind.close()
     assert reading.understanding.intent is Intent.COMMAND
     assert (screened.refusal, screened.failed) == (None, "")
@@ -135,7 +135,7 @@ async def test_a_question_that_is_given_up_is_hung_up_and_not_asked_again(brain:
 
     brain.server.answer = never_ends
     model = brain.model(tmp_path, kind="local", timeout_s=1.0, total_s=10.0, retries=3)
-    with pytest.raises(MindFault) as fault:
+    with pytest.raises(ModelError) as fault:
         await model.chat("You are slow.", "Count to a million.")
     await model.close()
     assert fault.value.kind == "timeout"
@@ -147,8 +147,8 @@ async def test_a_server_that_fails_on_a_picture_is_not_asked_again_with_one(brai
     brain.server.answer = lambda handler, _: handler.send(500, b"{}")
     model = brain.model(tmp_path, retries=3)
     for _ in range(2):
-        with pytest.raises(MindFault, match="picture") as fault:
-            await model.turn("You see.", [Said("What is this?", (Image(b"\xff\xd8"),))], [])
+        with pytest.raises(ModelError, match="picture") as fault:
+            await model.turn("You see.", [UserMessage("What is this?", (Image(b"\xff\xd8"),))], [])
         assert fault.value.kind == "rejected"
     await model.close()
     assert len(brain.server.requests) == 1

@@ -16,8 +16,8 @@ import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
 from agentrob.minds.llm import provider  # loaded here, so that no test's time limit counts it
-from agentrob.minds.llm.chat import Image, Returned, Said, Tool
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.chat import Image, Tool, ToolResult, UserMessage
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel
 from tests.minds.faulty_server import KEY, FaultyServer, anthropic_called, called, said
 
@@ -48,8 +48,8 @@ def answers(server: FaultyServer, *script: tuple[int, Any] | str, **headers: str
     server.answer = answer
 
 
-async def fault_of(model: ConfiguredModel) -> MindFault:
-    with pytest.raises(MindFault) as caught:
+async def fault_of(model: ConfiguredModel) -> ModelError:
+    with pytest.raises(ModelError) as caught:
         await model.chat("Be brief.", "Hello")
     await model.close()
     shown = f"{caught.value!r} {''.join(traceback.format_exception(caught.value))} {model!r} {vars(model)}"
@@ -208,7 +208,7 @@ async def test_without_a_key_nothing_is_sent(server: FaultyServer, make: Make, m
 async def test_a_typed_answer_is_valid_or_none(server: FaultyServer, make: Make, raw: Any) -> None:
     answers(server, (200, called("answer", raw)))
     model = make(server.url + "/v1")
-    with pytest.raises(MindFault, match="no usable answer") as caught:
+    with pytest.raises(ModelError, match="no usable answer") as caught:
         await model.answer("", "How far?", Distance)
     assert caught.value.kind == "malformed"
     assert len(server.requests) == 2, "it is told once what is wrong"
@@ -241,11 +241,11 @@ async def test_prompted_json_for_models_without_tools(server: FaultyServer, make
 async def test_prompted_tools(server: FaultyServer, make: Make) -> None:
     answers(server, (200, said('{"tool": "act_move", "arguments": {"distance_m": 1}}')), (200, said("I walked.")))
     model = make(server.url + "/v1", answers="json")
-    talk: list[Any] = [Said("Walk 1 m.")]
+    talk: list[Any] = [UserMessage("Walk 1 m.")]
     first = await model.turn("You drive a robot.", talk, [MOVE])
     (call,) = first.value.calls
     assert call.arguments == Distance(distance_m=1)
-    talk += [first.value, Returned(call, "measured 0.98 m")]
+    talk += [first.value, ToolResult(call, "measured 0.98 m")]
     assert (await model.turn("You drive a robot.", talk, [MOVE])).value.text == "I walked."
     assert "measured 0.98 m" in server.requests[1]["messages"][-1]["content"]
     await model.close()
@@ -256,15 +256,15 @@ async def test_calls_of_unknown_tools_and_beyond_bounds_come_back_with_the_probl
 ) -> None:
     model = make(server.url + "/v1")
     answers(server, (200, called("act_explode", {})))
-    (call,) = (await model.turn("", [Said("Go.")], [MOVE])).value.calls
+    (call,) = (await model.turn("", [UserMessage("Go.")], [MOVE])).value.calls
     assert call.arguments is None
     assert call.problem == "There is no tool act_explode. There are: act_move."
     answers(server, (200, called("act_move", {"distance_m": 500})))
-    (call,) = (await model.turn("", [Said("Go.")], [MOVE])).value.calls
+    (call,) = (await model.turn("", [UserMessage("Go.")], [MOVE])).value.calls
     assert call.arguments is None
     assert "distance_m: Input should be less than or equal to 5" in call.problem
     answers(server, (200, called("act_move", "{" * 5000)))
-    (call,) = (await model.turn("", [Said("Go.")], [MOVE])).value.calls
+    (call,) = (await model.turn("", [UserMessage("Go.")], [MOVE])).value.calls
     assert call.problem == "This is no JSON object."
     await model.close()
 
@@ -272,9 +272,9 @@ async def test_calls_of_unknown_tools_and_beyond_bounds_come_back_with_the_probl
 async def test_pictures_go_inline_also_as_results(server: FaultyServer, make: Make) -> None:
     answers(server, (200, called("act_move", {"distance_m": 1})), (200, said("A red ball.")))
     model = make(server.url + "/v1")
-    talk: list[Any] = [Said("Look.", (Image(b"\xff\xd8\xff"),))]
+    talk: list[Any] = [UserMessage("Look.", (Image(b"\xff\xd8\xff"),))]
     first = await model.turn("", talk, [MOVE])
-    talk += [first.value, Returned(first.value.calls[0], "done", (Image(b"\xff\xd8\xfe"),))]
+    talk += [first.value, ToolResult(first.value.calls[0], "done", (Image(b"\xff\xd8\xfe"),))]
     assert (await model.turn("", talk, [MOVE])).value.text == "A red ball."
     sent = json.dumps(server.requests[1])
     assert "data:image/jpeg;base64,/9j/" in sent
@@ -285,7 +285,7 @@ async def test_pictures_go_inline_also_as_results(server: FaultyServer, make: Ma
 
 async def test_a_mind_without_eyes_is_sent_no_picture(server: FaultyServer, make: Make) -> None:
     model = make(server.url + "/v1", images=False)
-    with pytest.raises(MindFault, match="takes no images"):
+    with pytest.raises(ModelError, match="takes no images"):
         await model.answer("", "What is this?", Distance, images=[Image(b"\xff\xd8\xff")])
     assert server.requests == []
 
@@ -293,8 +293,8 @@ async def test_a_mind_without_eyes_is_sent_no_picture(server: FaultyServer, make
 async def test_an_answer_cut_off_is_no_answer(server: FaultyServer, make: Make) -> None:
     answers(server, (200, said("I would walk and", finish="length")))
     model = make(server.url + "/v1")
-    with pytest.raises(MindFault, match="max_output_tokens"):
-        await model.turn("", [Said("Go.")], [MOVE])
+    with pytest.raises(ModelError, match="max_output_tokens"):
+        await model.turn("", [UserMessage("Go.")], [MOVE])
     await model.close()
 
 
@@ -324,7 +324,7 @@ async def test_only_so_many_questions_at_once(
 async def test_without_tools_words_that_look_like_a_call_are_words(server: FaultyServer, make: Make) -> None:
     answers(server, (200, said('{"tool": "act_move", "arguments": {}}')))
     model = make(server.url + "/v1", answers="json")
-    reply = (await model.turn("", [Said("Hello")], [])).value
+    reply = (await model.turn("", [UserMessage("Hello")], [])).value
     assert reply.calls == ()
     assert reply.text.startswith('{"tool"')
     await model.close()
@@ -367,7 +367,7 @@ async def test_mending_an_answer_is_within_the_time_of_the_answer(server: Faulty
     answers(server, (200, called("answer", {"far": 1})), "hang")
     model = make(server.url + "/v1", timeout_s=60, total_s=1.5, retries=3)
     began = time.monotonic()
-    with pytest.raises(MindFault) as caught:
+    with pytest.raises(ModelError) as caught:
         await model.answer("", "How far?", Distance)
     assert caught.value.kind == "timeout"
     assert [u.failed for u in caught.value.usage] == ["", "timeout"]

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from agentrob.config.load import MindConfig
-from agentrob.minds.llm.probe import Checked, check
+from agentrob.minds.llm.probe import ProbeResult, probe
 from tests.in_process import Said, agentrob
 from tests.minds.faulty_server import FaultyServer, called, said
 from tests.minds.model_double import Double
@@ -58,7 +58,7 @@ def right_answer(body: dict[str, Any]) -> tuple[int, Any] | None:
 async def test_a_good_mind(double: Start, tmp_path: Path, key: str, provider: str, path: str) -> None:
     running = double([LOOKS, READS, TOOL, RED])
     config = at(running.url + path, provider=provider, key_env="TEST_KEY")
-    found = await check("clever", config, tmp_path / "x.sqlite")
+    found = await probe("clever", config, tmp_path / "x.sqlite")
     assert found.ok
     assert (found.reachable, found.tool_calls, found.images) == (True, "yes", "yes")
     assert found.latency_ms > 0
@@ -85,7 +85,7 @@ async def test_what_a_mind_cannot_do(
         handler.send(status, json.dumps(data).encode())
 
     server.answer = reply
-    found = await check("clever", at(server.url + "/v1"), tmp_path / "x.sqlite")
+    found = await probe("clever", at(server.url + "/v1"), tmp_path / "x.sqlite")
     assert found.reachable
     assert (found.tool_calls, found.images, found.ok) == (tool_calls, images, ok)
     assert ('answers = "json"' if not ok else "set images = false in [minds.clever]") in found.line()
@@ -99,7 +99,7 @@ async def test_a_weak_mind_in_words(server: FaultyServer, tmp_path: Path) -> Non
         handler.send(200, json.dumps(said(f"Of course: {text}")).encode())
 
     server.answer = reply
-    found = await check("weak", at(server.url + "/v1", answers="json", images=False), tmp_path / "x.sqlite")
+    found = await probe("weak", at(server.url + "/v1", answers="json", images=False), tmp_path / "x.sqlite")
     assert (found.ok, found.tool_calls, found.images) == (True, "yes", "off")
 
 
@@ -120,14 +120,14 @@ async def test_a_mind_that_cannot_do_an_agent_s_work_is_not_well_and_what_to_set
         handler.send(status, json.dumps(data).encode())
 
     server.answer = reply
-    found = await check("clever", at(server.url + "/v1", timeout_s=1.0), tmp_path / "x.sqlite")
+    found = await probe("clever", at(server.url + "/v1", timeout_s=1.0), tmp_path / "x.sqlite")
     assert (found.reachable, found.tool_calls, found.ok) == (True, "yes", False)
     assert says in found.line()
 
 
-async def check_failing(server: FaultyServer, tmp_path: Path, status: int) -> Checked:
+async def check_failing(server: FaultyServer, tmp_path: Path, status: int) -> ProbeResult:
     server.answer = lambda handler, _: handler.send(status, b"{}")
-    return await check("clever", at(server.url + "/v1", key_env="TEST_KEY"), tmp_path / "x.sqlite")
+    return await probe("clever", at(server.url + "/v1", key_env="TEST_KEY"), tmp_path / "x.sqlite")
 
 
 async def test_what_is_wrong_is_said(server: FaultyServer, tmp_path: Path, key: str) -> None:
@@ -136,12 +136,12 @@ async def test_what_is_wrong_is_said(server: FaultyServer, tmp_path: Path, key: 
     assert "NOT reachable" in denied.line()
     assert "check the key in TEST_KEY" in denied.line()
     assert "check base_url and model" in (await check_failing(server, tmp_path, 404)).line()
-    bare = await check("bare", at(server.url), tmp_path / "x.sqlite")
+    bare = await probe("bare", at(server.url), tmp_path / "x.sqlite")
     assert f'base_url = "{server.url}/v1"' in bare.line()
     assert key not in denied.line()
-    lost = await check("lost", at("http://no-such-host.invalid/v1"), tmp_path / "x.sqlite")
+    lost = await probe("lost", at("http://no-such-host.invalid/v1"), tmp_path / "x.sqlite")
     assert "no such host; check base_url" in lost.line()
-    plain = await check("plain", at(server.url.replace("http:", "https:") + "/v1"), tmp_path / "x.sqlite")
+    plain = await probe("plain", at(server.url.replace("http:", "https:") + "/v1"), tmp_path / "x.sqlite")
     assert "no trusted connection" in plain.line()
 
 

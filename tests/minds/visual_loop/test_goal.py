@@ -6,16 +6,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.language.goal import Aim, Goal, Task
-from agentrob.minds.protocol import Listener
-from agentrob.minds.visual_loop.goal import goal_of, told
+from agentrob.language.goal import Aim, Goal, Subgoal
+from agentrob.minds.protocol import Addressee
+from agentrob.minds.visual_loop.goal import goal_of, goal_sentence
 from agentrob.minds.visual_loop.vocabulary import colours, things
 from agentrob.model import Capabilities, Direction, Op, Primitive
 
-LISTENER = Listener(("quadruped",), ("humanoid",), Capabilities("go2", frozenset(Op)))
-BALL = Task(Aim.APPROACH, "ball", "red")
-BESIDE = Task(Aim.LOOK, "ball", "red", "beside")
-WAVE = Task(Aim.STEP, step=Primitive(Op.HELLO))
+LISTENER = Addressee(("quadruped",), ("humanoid",), Capabilities("go2", frozenset(Op)))
+BALL = Subgoal(Aim.APPROACH, "ball", "red")
+BESIDE = Subgoal(Aim.LOOK, "ball", "red", "beside")
+WAVE = Subgoal(Aim.STEP, step=Primitive(Op.HELLO))
 
 
 @pytest.mark.parametrize(
@@ -25,22 +25,22 @@ WAVE = Task(Aim.STEP, step=Primitive(Op.HELLO))
         ("@quadruped 走到红球旁边，告诉我旁边有什么", [BALL, BESIDE]),
         ("@quadruped Could you please go over to the red ball, then wave?", [BALL, WAVE]),
         ("@quadruped 请走到红色的球那里，然后挥手", [BALL, WAVE]),
-        ("@quadruped turn towards the door", [Task(Aim.FACE, "door")]),
-        ("@quadruped find the fire extinguisher please", [Task(Aim.FIND, "fire extinguisher")]),
-        ("@quadruped what do you see?", [Task(Aim.LOOK)]),
-        ("@quadruped 你看到了什么？", [Task(Aim.LOOK)]),
-        ("@quadruped look around", [Task(Aim.LOOK, where="around")]),
+        ("@quadruped turn towards the door", [Subgoal(Aim.FACE, "door")]),
+        ("@quadruped find the fire extinguisher please", [Subgoal(Aim.FIND, "fire extinguisher")]),
+        ("@quadruped what do you see?", [Subgoal(Aim.LOOK)]),
+        ("@quadruped 你看到了什么？", [Subgoal(Aim.LOOK)]),
+        ("@quadruped look around", [Subgoal(Aim.LOOK, where="around")]),
         (
             "@quadruped walk forward 1 m and describe the poster",
             [
-                Task(Aim.STEP, step=Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)),
-                Task(Aim.LOOK, "poster"),
+                Subgoal(Aim.STEP, step=Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)),
+                Subgoal(Aim.LOOK, "poster"),
             ],
         ),
-        ("@humanoid wave @quadruped approach the box", [Task(Aim.APPROACH, "box")]),
+        ("@humanoid wave @quadruped approach the box", [Subgoal(Aim.APPROACH, "box")]),
     ],
 )
-def test_a_goal(text: str, tasks: list[Task]) -> None:
+def test_a_goal(text: str, tasks: list[Subgoal]) -> None:
     assert goal_of(text, LISTENER, "en") == Goal(tuple(tasks))
 
 
@@ -112,10 +112,10 @@ def test_law_7_a_goal_is_told_in_words_of_ours_alone(words: list[str]) -> None:
     for task in goal.tasks:
         assert task.thing in {"", *things("en").values()}
         assert task.colour in {"", *colours("en").values()}
-    assert not {"ignore", "limits", "SYSTEM:", "person"} & set(told(goal, "en", ["wave"] * 9).split())
+    assert not {"ignore", "limits", "SYSTEM:", "person"} & set(goal_sentence(goal, "en", ["wave"] * 9).split())
 
 
 def test_a_goal_in_words() -> None:
     goal = Goal((BALL, BESIDE, WAVE))
-    assert told(goal, "en", ["wave"]) == "go to the red ball, then say what is beside the red ball, then wave"
-    assert told(goal, "zh", ["挥手"]) == "走到红色球旁边，然后说出红色球旁边有什么，然后挥手"
+    assert goal_sentence(goal, "en", ["wave"]) == "go to the red ball, then say what is beside the red ball, then wave"
+    assert goal_sentence(goal, "zh", ["挥手"]) == "走到红色球旁边，然后说出红色球旁边有什么，然后挥手"

@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import structlog
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError
-from agentrob.minds.visual_loop.loop import Looked
+from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, Verdict
 from agentrob.robots.driver.client import DriverClient
-from agentrob.screening.mandate import mandate_of, within
+from agentrob.screening.mandate import mandate_of, mandate_violation
 
 LOOK_S = 0.05
 #: How long a busy robot is asked again: the lease of one who died lapses within a second.
@@ -42,7 +42,7 @@ _log = structlog.get_logger()
 
 
 @dataclass(frozen=True, slots=True)
-class Reins:
+class ExecutionHooks:
     """How the agent holds a running command.
 
     `since` tells since when (monotonic seconds) no stop may have come. `permit` judges a plan of the command anew on
@@ -80,18 +80,18 @@ class Execution:
     first_motion_s: float | None = None
     pictures: tuple[str, ...] = ()
     stopped_by: str = ""
-    looked: Looked | None = None
+    looked: LoopRecord | None = None
     fault: str = ""
 
 
 class Run:
     """One execution under way, of a plan or (`agentrob.agent.execution.visual`) of a goal."""
 
-    def __init__(self, driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> None:
+    def __init__(self, driver: DriverClient, command: Command, plan: Plan, hooks: ExecutionHooks) -> None:
         self.driver = driver
         self.command = command
         self.plan = plan
-        self.reins = reins
+        self.hooks = hooks
         self.results: list[ActionResult] = []
         self.verdict: Verdict | None = None
         self.first_motion_s: float | None = None
@@ -106,7 +106,7 @@ class Run:
         for number, step in enumerate(self.plan.steps):
             if (status := await self._may(step)) is not None:
                 return status
-            self.reins.on_step(step, number)
+            self.hooks.on_step(step, number)
             result = await self._step(step)
             if not result.ok:
                 if result.reason in _BY_PEOPLE:
@@ -117,19 +117,19 @@ class Run:
     async def _may(self, step: Primitive) -> str | None:
         """None when the step may begin now, else the status that the command ends with."""
         if step.moves or not self.results:
-            self.verdict, capabilities = await self.reins.permit(self.plan)
+            self.verdict, capabilities = await self.hooks.permit(self.plan)
             if self.verdict.decision is not Decision.ALLOW or capabilities is None:
                 return self._status_of_verdict(self.verdict)
             self.mandate = self.mandate or mandate_of(self.plan, capabilities)
         assert self.mandate is not None
-        if (beyond := within(self.mandate, self.results, step)) is not None:
+        if (beyond := mandate_violation(self.mandate, self.results, step)) is not None:
             self._refused(step, "mandate", beyond)
             return "refused"
-        if step.moves and not await self.reins.alive():
+        if step.moves and not await self.hooks.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
             return "interrupted"
         # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
-        return self._status_of_end(why) if (why := self.reins.ended()) else None
+        return self._status_of_end(why) if (why := self.hooks.ended()) else None
 
     def _refused(self, step: Primitive, reason: str, message: str) -> None:
         now_s = time.monotonic()
@@ -140,7 +140,7 @@ class Run:
     async def _step(self, step: Primitive) -> ActionResult:
         """Do a step; its result is kept before anything else is done with it."""
         sent_s = time.monotonic()
-        deadline_s = min(self.reins.step_s, max(0.1, self.left_s()))
+        deadline_s = min(self.hooks.step_s, max(0.1, self.left_s()))
         stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
         ended_by = ""
         try:
@@ -179,13 +179,13 @@ class Run:
                 self.stopped_by = lost.by
 
     def _must_end(self, step: Primitive) -> str:
-        if why := self.reins.ended():
+        if why := self.hooks.ended():
             return why
-        return SILENT if step.moves and self.reins.silent() else ""
+        return SILENT if step.moves and self.hooks.silent() else ""
 
     async def _stop(self, why: str) -> None:
         try:
-            await self.reins.stop(why)
+            await self.hooks.stop(why)
         except RobotError:
             pass  # then the lease lapses, and the driver stops the robot by itself
         except Exception:
@@ -214,7 +214,7 @@ class Run:
     async def carried_out(self, work: Callable[[], Awaitable[str]]) -> Execution:
         """Do `work`, which gives the command's status, while holding the robot's lease. Raises nothing but a
         cancellation: a robot that cannot be used is a result, and so is a fault of our own."""
-        self.reins.on_run(self)
+        self.hooks.on_run(self)
         try:
             async with contextlib.AsyncExitStack() as stack:
                 await take_lease(stack, self)
@@ -241,10 +241,10 @@ class Run:
         )  # fmt: skip
 
 
-async def execute(driver: DriverClient, command: Command, plan: Plan, reins: Reins) -> Execution:
+async def execute(driver: DriverClient, command: Command, plan: Plan, hooks: ExecutionHooks) -> Execution:
     """Hold the robot's lease for the whole command and do its steps until one does not succeed. Raises nothing but a
     cancellation (see `Run.carried_out`)."""
-    run = Run(driver, command, plan, reins)
+    run = Run(driver, command, plan, hooks)
     return await run.carried_out(run.steps)
 
 
@@ -256,9 +256,9 @@ def holder_of(trace_id: str) -> str:
 async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
     """Take the robot's lease. An agent that was killed keeps it for a moment longer, so a busy robot is asked again."""
     until_s = time.monotonic() + BUSY_S
-    while run.reins.ended() is None:
+    while run.hooks.ended() is None:
         try:
-            lease = run.driver.lease(holder_of(run.command.trace_id), await run.reins.since())
+            lease = run.driver.lease(holder_of(run.command.trace_id), await run.hooks.since())
             run.lease = await stack.enter_async_context(lease)
             return
         except RobotBusy:

@@ -15,16 +15,16 @@ from dataclasses import dataclass, replace
 
 import structlog
 
-from agentrob.agent.execution.execute import LOOK_S, SILENT, Execution, Reins, Run
+from agentrob.agent.execution.execute import LOOK_S, SILENT, Execution, ExecutionHooks, Run
 from agentrob.errors import RobotError, RobotUnreachable
 from agentrob.language.goal import Goal
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.usage import Usage
 from agentrob.minds.visual_loop.claims import contradiction
-from agentrob.minds.visual_loop.loop import Looked, Loop, LoopBudget, LoopEnd, Observed
+from agentrob.minds.visual_loop.loop import LoopBudget, LoopEnd, LoopRecord, StepAttempt, VisualLoop
 from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, RobotState
 from agentrob.robots.driver.client import DriverClient
-from agentrob.screening.mandate import within
+from agentrob.screening.mandate import mandate_violation
 
 #: While a model thinks, the driver is asked so often whether the lease is still good: a stop at the machine ends it.
 ASK_LEASE_S = 0.5
@@ -47,7 +47,7 @@ class Cut(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Errand:
+class VisualTask:
     """What is to be reached, by whose eyes, and for how much at most. `told` is the goal in our words."""
 
     goal: Goal
@@ -60,21 +60,26 @@ class Errand:
     spent: Sequence[Usage] = ()
 
 
-class Looking(Run):
+class VisualRun(Run):
     """One loop under way; the hands of `agentrob.minds.visual_loop.loop`."""
 
     def __init__(
-        self, driver: DriverClient, command: Command, errand: Errand, reins: Reins, on_result: OnResult
+        self,
+        driver: DriverClient,
+        command: Command,
+        visual_task: VisualTask,
+        hooks: ExecutionHooks,
+        on_result: OnResult,
     ) -> None:
-        super().__init__(driver, command, Plan(), reins)
-        self.mandate = errand.mandate
-        self.errand = errand
+        super().__init__(driver, command, Plan(), hooks)
+        self.mandate = visual_task.mandate
+        self.visual_task = visual_task
         self.on_result = on_result
         self.stepping = False
         self.end = LoopEnd("cut")
-        self.loop = Loop(
-            errand.eyes, errand.prompt, errand.told, errand.mandate, errand.capabilities, self, errand.budget,
-            errand.spent,
+        self.loop = VisualLoop(
+            visual_task.eyes, visual_task.prompt, visual_task.told, visual_task.mandate, visual_task.capabilities,
+            self, visual_task.budget, visual_task.spent,
         )  # fmt: skip
 
     # ------------------------------------------------------------ the hands
@@ -88,13 +93,13 @@ class Looking(Run):
         except RobotError:
             return None
 
-    async def act(self, step: Primitive) -> Observed:
+    async def act(self, step: Primitive) -> StepAttempt:
         """Do a step if it may be done; raises `Cut` when the whole command must end."""
         self.stepping = True
         try:
             if (problem := await self._problem(step)) is not None:
-                return Observed(None, problem)
-            self.reins.on_step(step, len(self.results))
+                return StepAttempt(None, problem)
+            self.hooks.on_step(step, len(self.results))
             result = await self._step(step)
         finally:
             self.stepping = False
@@ -104,26 +109,26 @@ class Looking(Run):
         goes_on = result.reason in _GOES_ON or result.reason.startswith("limit_")
         if result.outcome is Outcome.UNKNOWN or not (result.ok or goes_on):
             raise Cut(self._status_of(result))
-        return Observed(result)
+        return StepAttempt(result)
 
     async def _problem(self, step: Primitive) -> str | None:
         """None when the step may begin now, else why not; `Cut` when nothing more may."""
         assert self.mandate is not None
-        if (beyond := within(self.mandate, self.results, step)) is not None:
+        if (beyond := mandate_violation(self.mandate, self.results, step)) is not None:
             return beyond
         if (step.moves or not self.results) and (reason := await self._denied(step)) is not None:
             return reason
-        if step.moves and not await self.reins.alive():
+        if step.moves and not await self.hooks.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
             raise Cut("interrupted")
         # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
-        if why := self.reins.ended():
+        if why := self.hooks.ended():
             raise Cut(self._status_of_end(why))
         return None
 
     async def _denied(self, step: Primitive) -> str | None:
         """Why this step may not be done, judged on today's state; `Cut` when that ends the command."""
-        verdict, capabilities = await self.reins.permit(Plan((step,)))
+        verdict, capabilities = await self.hooks.permit(Plan((step,)))
         if verdict.decision is Decision.ALLOW and capabilities is not None:
             return None
         if verdict.rule.startswith(_OF_A_STEP):
@@ -133,7 +138,7 @@ class Looking(Run):
 
     def left_s(self) -> float:
         moved_s = sum(r.duration_s for r in self.results)
-        return min(self.errand.mandate.seconds - moved_s, self.errand.budget.seconds - self.since_s())
+        return min(self.visual_task.mandate.seconds - moved_s, self.visual_task.budget.seconds - self.since_s())
 
     def since_s(self) -> float:
         return time.monotonic() - self.started_s
@@ -156,7 +161,7 @@ class Looking(Run):
                 await asyncio.wait({looping}, timeout=LOOK_S)
                 if looping.done() or self.stepping:
                     continue  # a step ends by itself for the same reasons
-                if why := self.reins.ended():
+                if why := self.hooks.ended():
                     raise Cut(self._status_of_end(why))
                 if time.monotonic() - asked_s > ASK_LEASE_S:
                     await self._keeps_lease()
@@ -172,11 +177,11 @@ class Looking(Run):
             if (lost := await self.driver.lost(self.lease)) is not None and not self.stepping:
                 raise lost
 
-    def looked(self, end: LoopEnd) -> Looked:
+    def looked(self, end: LoopEnd) -> LoopRecord:
         results = self.results
-        denied = contradiction(self.errand.goal, end.claim, end.did, results, self.command.language)
+        denied = contradiction(self.visual_task.goal, end.claim, end.did, results, self.command.language)
         loop = self.loop
-        return Looked(self.errand.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
+        return LoopRecord(self.visual_task.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
 
     def execution(self) -> Execution:
         execution = super().execution()
@@ -190,9 +195,13 @@ class Looking(Run):
         return replace(execution, looked=looked)
 
 
-async def look(
-    driver: DriverClient, command: Command, errand: Errand, reins: Reins, on_result: OnResult = lambda _: None
+async def run_visual_task(
+    driver: DriverClient,
+    command: Command,
+    visual_task: VisualTask,
+    hooks: ExecutionHooks,
+    on_result: OnResult = lambda _: None,
 ) -> Execution:
     """Hold the robot's lease while a model works towards the goal. Raises nothing but a cancellation."""
-    run = Looking(driver, command, errand, reins, on_result)
+    run = VisualRun(driver, command, visual_task, hooks, on_result)
     return await run.carried_out(run.reached)

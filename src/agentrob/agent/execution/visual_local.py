@@ -7,9 +7,9 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
-from agentrob.agent.execution.execute import Execution, Reins
-from agentrob.agent.execution.visual import look
-from agentrob.agent.understanding.visual_goal import errand_of
+from agentrob.agent.execution.execute import Execution, ExecutionHooks
+from agentrob.agent.execution.visual import run_visual_task
+from agentrob.agent.understanding.visual_goal import visual_task_of
 from agentrob.config.load import RobotConfig
 from agentrob.language.goal import Goal
 from agentrob.minds.llm.chat import ChatModel
@@ -18,7 +18,7 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.screen import screen
 
 
-async def look_locally(
+async def run_visual_task_locally(
     robot: str,
     socket: Path | None,
     goal: Goal,
@@ -35,9 +35,9 @@ async def look_locally(
         capabilities = await driver.capabilities()
         now = datetime.now(UTC)
         command = Command("drive", "drive", "", author, robot, text, language, now, f"drive-{now:%H%M%S}")
-        reins = _reins(driver, lambda plan: judge(plan, text, author, capabilities, language, settings))
-        errand = errand_of(goal, eyes, capabilities, settings.look, language)
-        return await look(driver, command, errand, reins, on_result)
+        hooks = _hooks(driver, lambda plan: judge(plan, text, author, capabilities, language, settings))
+        visual_task = visual_task_of(goal, eyes, capabilities, settings.look, language)
+        return await run_visual_task(driver, command, visual_task, hooks, on_result)
 
 
 def judge(
@@ -50,7 +50,7 @@ def judge(
     )  # fmt: skip
 
 
-def _reins(driver: DriverClient, judged: Callable[[Plan], Verdict]) -> Reins:
+def _hooks(driver: DriverClient, judged: Callable[[Plan], Verdict]) -> ExecutionHooks:
     began_s = time.monotonic()
 
     async def since() -> float:
@@ -62,7 +62,7 @@ def _reins(driver: DriverClient, judged: Callable[[Plan], Verdict]) -> Reins:
     async def alive() -> bool:
         return True
 
-    return Reins(
+    return ExecutionHooks(
         since=since, permit=permit, ended=lambda: None, alive=alive, silent=lambda: False, stop=driver.stop,
         on_step=lambda *_: None,
     )  # fmt: skip

@@ -27,7 +27,7 @@ from agentrob.model import (
     Verdict,
 )
 from agentrob.robots.driver.client import DriverClient
-from agentrob.screening.audience import heard_by
+from agentrob.screening.audience import text_for_robot
 from agentrob.screening.rights import may_approve
 from agentrob.screening.screen import screen
 
@@ -105,7 +105,7 @@ def judge(
         allow_flip=terms.allow_flip,
         step_s=terms.step_s,
         scene=terms.scene,
-        part=heard_by(command.text, terms.names, others, known=terms.known),
+        part=text_for_robot(command.text, terms.names, others, known=terms.known),
         rights=rights,
     )
 

@@ -8,7 +8,7 @@ from datetime import datetime
 from enum import StrEnum
 
 from agentrob.language import registry
-from agentrob.language.approval import Said, approval_in
+from agentrob.language.approval import ApprovalIntent, approval_in
 from agentrob.language.rendered_text import text_in
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.stop.while_moving import stop_while_moving
@@ -93,7 +93,7 @@ def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
         return Heard(Call.NOTHING, text, others)
     fresh = _fresh(post, ears)
     if (said := approval_in(text)) is not None:
-        return Heard(Call.APPROVE if said is Said.APPROVE else Call.DENY, text, others, fresh)
+        return Heard(Call.APPROVE if said is ApprovalIntent.APPROVE else Call.DENY, text, others, fresh)
     return Heard(Call.READ if fresh else Call.STALE, text, others)
 
 

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from agentrob.agent.execution.execute import Run
 from agentrob.agent.store.rows import Asked, Decided
 from agentrob.agent.understanding.extract import Thought
-from agentrob.minds.visual_loop.loop import Looked
+from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.model import Command, StopResult
 
 T = TypeVar("T")
@@ -48,7 +48,7 @@ class Job:
     stop: asyncio.Task[StopResult | None] | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
     thought: Thought | None = None
-    looked: Looked | None = None
+    looked: LoopRecord | None = None
     run: Run | None = None
     status: Any = None
     task: asyncio.Task[None] | None = None

@@ -16,7 +16,7 @@ from agentrob.agent.reporting.messages import say as say_step
 from agentrob.agent.reporting.report import asked, measured, outcome
 from agentrob.agent.reporting.visual_text import say
 from agentrob.language.messages.catalog import quote
-from agentrob.minds.visual_loop.loop import Looked, Turn
+from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op
 
 #: So many rows are told in the thread.
@@ -24,7 +24,7 @@ MOST_ROWS = 30
 _NONE = "–"
 
 
-def table(looked: Looked, results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language) -> str:
+def table(looked: LoopRecord, results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language) -> str:
     """All calls in order, as Markdown; steps that no call asked for (pictures that were shown) stand between them."""
     head = [
         say_step("table.step", language), say("calls.asked", language), say_step("table.measured", language),
@@ -37,7 +37,7 @@ def table(looked: Looked, results: Sequence[ActionResult], pictures: Sequence[Pi
     return told + "\n\n" + say("calls.more", language, count=more) if more > 0 else told
 
 
-def lines(looked: Looked) -> bytes:
+def lines(looked: LoopRecord) -> bytes:
     """The same for programs: the goal and how it ended, then a line for each call."""
     head = {"goal": looked.goal, "mind": looked.mind, "end": asdict(looked.end), "contradicted": looked.contradicted}
     told = [head, *(asdict(turn) for turn in looked.turns)]
@@ -45,7 +45,7 @@ def lines(looked: Looked) -> bytes:
 
 
 def _rows(
-    turns: Sequence[Turn], results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language
+    turns: Sequence[LoopCall], results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language
 ) -> Iterator[list[str]]:
     seen = _seen(pictures, language)
     called = {turn.step for turn in turns}
@@ -82,7 +82,7 @@ def _seen(pictures: Sequence[Picture], language: Language) -> dict[int, str]:
     return seen
 
 
-def _told(turn: Turn, language: Language) -> str:
+def _told(turn: LoopCall, language: Language) -> str:
     if turn.problem:
         return say("calls.problem", language, problem=_code(turn.problem))
     if turn.outcome:
@@ -90,7 +90,7 @@ def _told(turn: Turn, language: Language) -> str:
     return say("calls.words", language)
 
 
-def call(turn: Turn) -> str:
+def call(turn: LoopCall) -> str:
     """A call as code: its name and its arguments; words without one as they are."""
     if not turn.tool:
         return _code(turn.words)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from agentrob.language import registry
 from agentrob.language.messages.catalog import quote
 from agentrob.minds.visual_loop.claims import turned_deg, walked_m
-from agentrob.minds.visual_loop.loop import Looked, Turn
+from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op, Outcome
 
 #: So many calls that were not done are told.
@@ -65,7 +65,7 @@ def say(key: str, language: Language, **values: object) -> str:
 
 
 def paragraphs(
-    looked: Looked | None, results: Sequence[ActionResult], language: Language, *, refused: bool = True
+    looked: LoopRecord | None, results: Sequence[ActionResult], language: Language, *, refused: bool = True
 ) -> list[str]:
     """For a report: the measured sums, the model's claims as such, and, where no table has them, the calls that were
     not done."""
@@ -81,7 +81,7 @@ def paragraphs(
     return [measured, *_claims(looked, language), *(_refused(looked.turns, language) if refused else [])]
 
 
-def why(looked: Looked | None, language: Language) -> str:
+def why(looked: LoopRecord | None, language: Language) -> str:
     """Why a loop ended without success, in a sentence of ours; empty when it was cut off from outside, or succeeded."""
     if looked is None or looked.contradicted:
         return ""
@@ -90,7 +90,7 @@ def why(looked: Looked | None, language: Language) -> str:
     return say(key, language, fault=end.fault) if key in _SENTENCES else ""
 
 
-def _claims(looked: Looked, language: Language) -> list[str]:
+def _claims(looked: LoopRecord, language: Language) -> list[str]:
     end, mind = looked.end, quote(looked.mind)
     joint = "、" if language == "zh" else ", "
     said = []
@@ -105,7 +105,7 @@ def _claims(looked: Looked, language: Language) -> list[str]:
     return [("" if language == "zh" else " ").join(said)] if said else []
 
 
-def _refused(turns: Sequence[Turn], language: Language) -> list[str]:
+def _refused(turns: Sequence[LoopCall], language: Language) -> list[str]:
     problems = [turn for turn in turns if turn.tool and turn.problem]
     told = [f"{quote(_call(turn))} ({quote(turn.problem)})" for turn in problems[:MOST_REFUSED]]
     if len(problems) > MOST_REFUSED:
@@ -114,7 +114,7 @@ def _refused(turns: Sequence[Turn], language: Language) -> list[str]:
     return [say("refused", language, calls=joint.join(told))] if told else []
 
 
-def _call(turn: Turn) -> str:
+def _call(turn: LoopCall) -> str:
     if list(turn.arguments) == ["raw"]:
         return f"{turn.tool} {turn.arguments['raw']}"
     return f"{turn.tool} {json.dumps(turn.arguments, ensure_ascii=False)}"

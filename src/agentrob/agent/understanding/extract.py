@@ -12,16 +12,16 @@ from agentrob.errors import MindError
 from agentrob.language.goal import Goal
 from agentrob.language.parser.grammar import parse
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm.errors import MindFault
-from agentrob.minds.protocol import Listener, LivingMind, Mind, Reading, read
+from agentrob.minds.llm.errors import ModelError
+from agentrob.minds.protocol import Addressee, ManagedMind, Mind, Reading, read
 from agentrob.minds.rules import RulesMind
-from agentrob.minds.safety_review import Screened
+from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
 from agentrob.model import Intent, Plan, Understanding, Verdict
 
 #: A mind that takes longer is as good as none; models of the configuration have their own limits.
 LIMIT_S = 60.0
-#: Why a mind did not answer, besides the words of `minds.llm.errors.Kind`: it failed and did not say how; the post
+#: Why a mind did not answer, besides the words of `minds.llm.errors.ErrorKind`: it failed and did not say how; the post
 #: may not move anything any more (stopped, edited, …); its account is over its limits, so it is refused anyway.
 FAILED, OVER, RATE = "failed", "over", "rate"
 _log = structlog.get_logger()
@@ -32,7 +32,7 @@ class Thought:
     """What was made of a post before anything moves: understood by which mind, and judged how (law 19).
 
     `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
-    `minds.llm.errors.Kind`, or one of those above), empty when it was. `usage` is one entry per question to a model,
+    `ErrorKind`, or one of those above), empty when it was. `usage` is one entry per question to a model,
     failed ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what
     needs eyes, and then the plan has only the steps that it names.
     """
@@ -42,36 +42,36 @@ class Thought:
     verdict: Verdict | None = None
     usage: tuple[Usage, ...] = ()
     fallback: str = ""
-    screened: Screened | None = None
+    screened: SafetyReview | None = None
     goal: Goal | None = None
 
 
-async def extract(mind: Mind, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Thought:
+async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Thought:
     """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
     try:
         async with asyncio.timeout(mind.limit_s + 1.0 if isinstance(mind, ModelMind) else LIMIT_S):
-            return _thought(await read(mind, text, listener, history))
+            return _thought(await read(mind, text, addressee, history))
     except (MindError, TimeoutError) as e:
         _log.warning("mind failed, reading by rules", mind=mind.name, error=str(e) or type(e).__name__)
         fallback = "timeout" if isinstance(e, TimeoutError) else FAILED
-        if isinstance(e, MindFault):
-            return await by_rules(text, listener, history, e.kind, e.usage)
-        return await by_rules(text, listener, history, fallback)
+        if isinstance(e, ModelError):
+            return await by_rules(text, addressee, history, e.kind, e.usage)
+        return await by_rules(text, addressee, history, fallback)
 
 
 async def by_rules(
-    text: str, listener: Listener, history: Sequence[Plan], fallback: str = "", usage: Sequence[Usage] = ()
+    text: str, addressee: Addressee, history: Sequence[Plan], fallback: str = "", usage: Sequence[Usage] = ()
 ) -> Thought:
     """What the rules make of a post; `fallback` says why it was not the mind of the configuration that read it."""
     rules = RulesMind()
-    understood = await rules.understand(text, listener, history)
+    understood = await rules.understand(text, addressee, history)
     return _thought(Reading(understood, rules.name, tuple(usage), fallback))
 
 
 async def prepare(mind: Mind) -> None:
     """Load what the first post would wait for: a mind's library, and what a large numeral imports."""
     await asyncio.to_thread(parse, "一千零五米", (), (), frozenset())
-    if isinstance(mind, LivingMind):
+    if isinstance(mind, ManagedMind):
         await mind.prepare()
 
 

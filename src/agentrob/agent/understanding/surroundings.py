@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 
-from agentrob.minds.visual_loop.loop import Looked
+from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.model import ActionResult, Op
 
 #: What a model named is forgotten after this time, and with the next motion: it was seen from where the robot stood.
@@ -28,7 +28,7 @@ class Surroundings:
         seen = self._seen if time.monotonic() - self._seen_s < SEEN_S else ()
         return "\n".join(line for line in (self._written, *seen) if line)
 
-    def after(self, results: tuple[ActionResult, ...], looked: Looked | None) -> None:
+    def after(self, results: tuple[ActionResult, ...], looked: LoopRecord | None) -> None:
         """What a command that has ended leaves: what a model saw at its end, and nothing of before once it moved."""
         if looked is not None and looked.end.saw:
             self._seen, self._seen_s = looked.end.saw, time.monotonic()

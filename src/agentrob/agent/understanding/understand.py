@@ -13,7 +13,7 @@ from agentrob.agent.queue.queue import Job
 from agentrob.agent.reporting.status_post import insist
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import OVER, RATE, Thought, by_rules, extract
-from agentrob.agent.understanding.visual_goal import eyes, goal_for, honest, in_words, judged_plan
+from agentrob.agent.understanding.visual_goal import eyes, goal_for, in_words, judged_plan, replace_no_camera_answer
 from agentrob.config.load import RobotConfig
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
@@ -21,8 +21,8 @@ from agentrob.language.visible_text import mentions
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.extraction.summary import Summary, summarise
 from agentrob.minds.llm.chat import ChatModel
-from agentrob.minds.protocol import Listener, Mind
-from agentrob.minds.safety_review import Screened, narrowed, screen_by_model
+from agentrob.minds.protocol import Addressee, Mind
+from agentrob.minds.safety_review import SafetyReview, apply_review, review_command
 from agentrob.model import Capabilities, Command, Decision, Intent, Plan, Report, Understanding
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
@@ -81,18 +81,18 @@ class Thinking:
         """Understand and judge now, and keep nothing of it."""
         command, capabilities = job.command, await self.driver.capabilities()
         others = tuple(name for name in mentions(command.text) if name not in self.names)
-        listener = Listener(tuple(self.names), others, capabilities, self.settings.step_length_m)
+        addressee = Addressee(tuple(self.names), others, capabilities, self.settings.step_length_m)
         history = await self.journal.history(command.topic_id)
-        thought = await self._goal(command, listener, history)
+        thought = await self._goal(command, addressee, history)
         if thought is None and may(command.author, "command").decision is not Decision.ALLOW:
-            thought = await by_rules(command.text, listener, history)  # whose words move nothing cost nothing
+            thought = await by_rules(command.text, addressee, history)  # whose words move nothing cost nothing
         if thought is None and self.over_limit(command):  # nor do those whose command is refused, whoever reads it
-            thought = await by_rules(command.text, listener, history, RATE)
+            thought = await by_rules(command.text, addressee, history, RATE)
         if thought is None:
-            reading = extract(self.mind, command.text, listener, history)
-            thought = await job.unless_ended(reading) or await by_rules(command.text, listener, history, OVER)
+            reading = extract(self.mind, command.text, addressee, history)
+            thought = await job.unless_ended(reading) or await by_rules(command.text, addressee, history, OVER)
         if self.eyes is not None:
-            thought = replace(thought, understanding=honest(thought.understanding))
+            thought = replace(thought, understanding=replace_no_camera_answer(thought.understanding))
         understood = thought.understanding
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
@@ -102,18 +102,18 @@ class Thinking:
             known = replace(terms, known=thought.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
             thought = replace(thought, verdict=verdict)
-            thought = await self._looked_at(job, thought, listener, capabilities, history, terms.scene)
+            thought = await self._looked_at(job, thought, addressee, capabilities, history, terms.scene)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             thought = replace(thought, verdict=harm_in_words(command.text, terms.scene, understood.language))
         return thought
 
-    async def _goal(self, command: Command, listener: Listener, history: Sequence[Plan]) -> Thought | None:
+    async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Thought | None:
         """The thought when the post is a goal for eyes that this robot has."""
         if self.eyes is None:
             return None
-        thought = await by_rules(command.text, listener, history)
+        thought = await by_rules(command.text, addressee, history)
         understood = thought.understanding
-        if (goal := goal_for(command.text, listener, understood)) is None:
+        if (goal := goal_for(command.text, addressee, understood)) is None:
             return None
         return replace(
             thought, goal=goal, understanding=Understanding(Intent.COMMAND, understood.language, Plan(goal.steps))
@@ -123,7 +123,7 @@ class Thinking:
         self,
         job: Job,
         thought: Thought,
-        listener: Listener,
+        addressee: Addressee,
         capabilities: Capabilities,
         history: Sequence[Plan],
         scene: str,
@@ -133,21 +133,21 @@ class Thinking:
         passed = verdict is not None and verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL)
         if verdict is None or not passed or settings.screen == "rules":
             return thought
-        screened: Screened | None = None
+        screened: SafetyReview | None = None
         plan, language = thought.understanding.plan, thought.understanding.language
         if self.model is None:
             pass  # nobody was to look at it
         elif thought.mind == "rules" and thought.fallback:  # nobody answered a moment ago, or nobody was waited for
-            screened = Screened(self.mind.name, failed=thought.fallback) if thought.fallback != OVER else None
+            screened = SafetyReview(self.mind.name, failed=thought.fallback) if thought.fallback != OVER else None
         else:
-            part = part_for(job.command.text, listener.names, listener.others)
+            part = part_for(job.command.text, addressee.names, addressee.others)
             told = in_words(thought.goal, "en") if thought.goal else ""
-            looking = screen_by_model(
+            looking = review_command(
                 self.model, part, plan, capabilities, language, history, scene, spent=thought.usage, goal=told
             )
             screened = await job.unless_ended(looking)
         usage = (*thought.usage, *(screened.usage if screened else ()))
-        verdict = narrowed(verdict, screened, language, settings.screen == "required")
+        verdict = apply_review(verdict, screened, language, settings.screen == "required")
         return replace(thought, verdict=verdict, usage=usage, screened=screened)
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from agentrob.agent.execution.visual import Errand
+from agentrob.agent.execution.visual import VisualTask
 from agentrob.agent.reporting.visual_text import say
 from agentrob.config.load import LookConfig, RobotConfig
 from agentrob.language.goal import Goal
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.minds.llm.chat import ChatModel
-from agentrob.minds.llm.fallback import ChatChain
-from agentrob.minds.protocol import Listener
+from agentrob.minds.llm.fallback import FallbackModel
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.usage import Usage
-from agentrob.minds.visual_loop.goal import goal_of, told
+from agentrob.minds.visual_loop.goal import goal_of, goal_sentence
 from agentrob.minds.visual_loop.loop import LoopBudget
 from agentrob.minds.visual_loop.prompts import loop_prompt
 from agentrob.model import Capabilities, Intent, Language, Mandate, Op, Plan, Primitive, Understanding
@@ -28,22 +28,22 @@ _MAY_BE = (Intent.COMMAND, Intent.ASK_BACK, Intent.NOTHING, Intent.QUESTION)
 
 def eyes(model: ChatModel | None, settings: RobotConfig) -> ChatModel | None:
     """The model that may steer this robot by its camera; None without the owner's consent, or without such a model."""
-    if not settings.look.allowed or not isinstance(model, ChatChain):
+    if not settings.look.allowed or not isinstance(model, FallbackModel):
         return None
-    return model.seeing()
+    return model.with_images()
 
 
-def goal_for(text: str, listener: Listener, by_rules: Understanding) -> Goal | None:
+def goal_for(text: str, addressee: Addressee, by_rules: Understanding) -> Goal | None:
     """The goal of a post, as far as the rules read nothing else in it."""
-    if by_rules.intent not in _MAY_BE or by_rules.cancels or Op.GET_FRONT_IMAGE not in listener.capabilities.ops:
+    if by_rules.intent not in _MAY_BE or by_rules.cancels or Op.GET_FRONT_IMAGE not in addressee.capabilities.ops:
         return None
-    goal = goal_of(text, listener, by_rules.language)
+    goal = goal_of(text, addressee, by_rules.language)
     if goal is None or (by_rules.intent is Intent.COMMAND and by_rules.plan.steps != goal.steps):
         return None
     return goal
 
 
-def honest(understood: Understanding) -> Understanding:
+def replace_no_camera_answer(understood: Understanding) -> Understanding:
     """What a robot with eyes asks back, where one without them says that it has none."""
     if understood.intent is not Intent.ASK_BACK or not any(w in understood.question for w in _NO_EYES):
         return understood
@@ -57,13 +57,13 @@ def judged_plan(goal: Goal) -> Plan:
 
 def in_words(goal: Goal, language: Language) -> str:
     """The goal with its named steps, in our own words."""
-    return told(goal, language, [step_sentence(step, language) for step in goal.steps])
+    return goal_sentence(goal, language, [step_sentence(step, language) for step in goal.steps])
 
 
-def errand_of(
+def visual_task_of(
     goal: Goal, eyes: ChatModel, capabilities: Capabilities, look: LookConfig, language: Language,
     spent: Sequence[Usage] = (),
-) -> Errand:  # fmt: skip
+) -> VisualTask:  # fmt: skip
     """All that a loop needs. The model is told the goal in English, and answers in the language of the post."""
     most = Mandate(
         {Op.GET_FRONT_IMAGE: look.pictures}, look.distance_m, look.degrees, look.seconds, look.calls + look.pictures,
@@ -72,4 +72,4 @@ def errand_of(
     mandate = goal_mandate(goal, most, capabilities)
     budget = LoopBudget(look.calls, look.seconds)
     prompt = loop_prompt(capabilities.model, language)
-    return Errand(goal, in_words(goal, "en"), prompt, eyes, mandate, capabilities, budget, tuple(spent))
+    return VisualTask(goal, in_words(goal, "en"), prompt, eyes, mandate, capabilities, budget, tuple(spent))

@@ -15,7 +15,7 @@ import nh3
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
-from agentrob.language.visible_text import ADDRESS, names_said, seen
+from agentrob.language.visible_text import ADDRESS, shown_mentions, without_invisible
 
 IsAccount = Callable[[str], bool]
 
@@ -64,17 +64,17 @@ class Parsed:
 
     def __init__(self, raw: str) -> None:
         self._env: dict[str, Any] = {}
-        self._tokens = _MARKDOWN.parse(seen(raw.encode("utf-8", "replace").decode()), self._env)
+        self._tokens = _MARKDOWN.parse(without_invisible(raw.encode("utf-8", "replace").decode()), self._env)
         for token in self._tokens:
             for child in token.children or ():
                 if child.type == "text":
-                    child.content = seen(child.content)  # also what stood there as an entity
+                    child.content = without_invisible(child.content)  # also what stood there as an entity
 
     def names(self) -> Iterator[str]:
         """Every name (lower case) that `html` asks about, and perhaps more; some of them several times."""
         for token in self._tokens:
             for child in token.children or ():
-                for name, _, _ in names_said(child.content) if child.type == "text" else ():
+                for name, _, _ in shown_mentions(child.content) if child.type == "text" else ():
                     yield name
 
     def html(self, is_account: IsAccount) -> str:
@@ -132,7 +132,7 @@ def _linked(md: MarkdownIt, text: str, is_account: IsAccount) -> Iterator[Token]
     """The text, with accounts and bare web addresses as links."""
     done = 0
     found = [(m.start(), m["url"], "") for m in _ADDRESS.finditer(text)]
-    found += [(start, "", name) for name, start, _ in names_said(text)]
+    found += [(start, "", name) for name, start, _ in shown_mentions(text)]
     for start, address, called in sorted(found):
         if address:
             url = _without_tail(address)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import unicodedata
 
 from agentrob.language.registry import DEFAULT, locale
-from agentrob.language.visible_text import OMITTED, seen
+from agentrob.language.visible_text import OMITTED, without_invisible
 from agentrob.model import Language
 
 #: The most that is repeated of what people, or a camera, said.
@@ -28,7 +28,7 @@ def can_say(key: str) -> bool:
 
 def quote(words: str) -> str:
     """Somebody's words as inline code: one line, at most 100 characters, with mentions disarmed."""
-    plain = " ".join(seen(words).replace("`", "'").replace("@", "(at)").replace(OMITTED, "…").split())
+    plain = " ".join(without_invisible(words).replace("`", "'").replace("@", "(at)").replace(OMITTED, "…").split())
     if len(plain) > QUOTE_CHARS:
         plain = plain[: QUOTE_CHARS - 1] + "…"
     nothing = all(unicodedata.category(c) in ("Cf", "Mn", "Me") for c in plain)  # that anybody sees

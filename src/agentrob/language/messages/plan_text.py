@@ -27,7 +27,7 @@ def outline(steps: Sequence[Primitive], language: Language) -> str:
     return sentence(steps[:_OUTLINED], language) + (" …" if len(steps) > _OUTLINED else "")
 
 
-def deeds(ops: frozenset[Op], language: Language) -> str:
+def operation_names(ops: frozenset[Op], language: Language) -> str:
     """What a robot with these operations can do, by names alone: "walk, turn, wave"."""
     verbs = [say(f"verb.{op}", language) for op in (Op.MOVE, Op.TURN) if op in ops]
     others = [step_sentence(Primitive(op), language) for op in Op if op in ops and op not in (Op.MOVE, Op.TURN)]

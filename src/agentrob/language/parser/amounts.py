@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from agentrob.language.parser.lexicon import Kind, Soft, Token
+from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.model import Op
 
 _AMOUNT_OF = {
-    Kind.LENGTH_UNIT: Kind.LENGTH,
-    Kind.ANGLE_UNIT: Kind.ANGLE,
-    Kind.SPEED_UNIT: Kind.SPEED,
-    Kind.STEP_UNIT: Kind.STEPS,
-    Kind.TIME_UNIT: Kind.DURATION,
-    Kind.TIMES_UNIT: Kind.TIMES,
-    Kind.MORE_TIMES_UNIT: Kind.MORE_TIMES,
+    TokenKind.LENGTH_UNIT: TokenKind.LENGTH,
+    TokenKind.ANGLE_UNIT: TokenKind.ANGLE,
+    TokenKind.SPEED_UNIT: TokenKind.SPEED,
+    TokenKind.STEP_UNIT: TokenKind.STEPS,
+    TokenKind.TIME_UNIT: TokenKind.DURATION,
+    TokenKind.TIMES_UNIT: TokenKind.TIMES,
+    TokenKind.MORE_TIMES_UNIT: TokenKind.MORE_TIMES,
 }
 
 
@@ -31,13 +31,15 @@ def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
         amount, used = _amount(tokens, at, text)
         if amount is None:
             # "Second, turn left" is no time.
-            found.append(tokens[at] if tokens[at].kind is not Kind.TIME_UNIT else replace(tokens[at], kind=Kind.SOFT))
+            found.append(
+                tokens[at] if tokens[at].kind is not TokenKind.TIME_UNIT else replace(tokens[at], kind=TokenKind.SOFT)
+            )
             at += 1
             continue
         _append(found, amount, unit_m)
         at += used
         unit = tokens[at - 1]
-        unit_m = _float(unit) if unit.kind is Kind.LENGTH_UNIT else 0.0
+        unit_m = _float(unit) if unit.kind is TokenKind.LENGTH_UNIT else 0.0
     return found
 
 
@@ -48,23 +50,23 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
     while at < len(tokens):
         end = at + 1
         count: Token | None = None
-        while tokens[at].kind is Kind.SHOW and end < len(tokens) and end - at <= _LONGEST_PICTURE:
+        while tokens[at].kind is TokenKind.SHOW and end < len(tokens) and end - at <= _LONGEST_PICTURE:
             token = tokens[end]
-            if token.kind is Kind.NUMBER and count is None:
+            if token.kind is TokenKind.NUMBER and count is None:
                 count = token
-            elif token.kind not in (Kind.SHOW, Kind.SOFT):
+            elif token.kind not in (TokenKind.SHOW, TokenKind.SOFT):
                 break
             end += 1
-        if tokens[at].kind is Kind.SHOW and end < len(tokens) and tokens[end].kind is Kind.PICTURE:
+        if tokens[at].kind is TokenKind.SHOW and end < len(tokens) and tokens[end].kind is TokenKind.PICTURE:
             start, stop = tokens[at].start, tokens[end].end
-            found.append(Token(Kind.OP, Op.GET_FRONT_IMAGE.value, start, stop))
+            found.append(Token(TokenKind.OP, Op.GET_FRONT_IMAGE.value, start, stop))
             if count is not None:
-                found.append(Token(Kind.TIMES, count.value, start, stop))
+                found.append(Token(TokenKind.TIMES, count.value, start, stop))
             at = end + 1
         else:
             found.append(_settled(tokens, at))
-            if tokens[at].kind is Kind.SHOW and _are_steps(tokens, _skip_soft(tokens, at + 1)):
-                found[-1] = replace(tokens[at], kind=Kind.MOVE)
+            if tokens[at].kind is TokenKind.SHOW and _are_steps(tokens, _skip_soft(tokens, at + 1)):
+                found[-1] = replace(tokens[at], kind=TokenKind.MOVE)
             at += 1
     return found
 
@@ -72,30 +74,37 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
 def _are_steps(tokens: Sequence[Token], at: int) -> bool:
     """ "Take two steps", "take a few steps"."""
     kinds = [t.kind for t in tokens[at : at + 2]]
-    return kinds[:1] == [Kind.STEPS] or kinds == [Kind.VAGUE, Kind.STEP_UNIT]
+    return kinds[:1] == [TokenKind.STEPS] or kinds == [TokenKind.VAGUE, TokenKind.STEP_UNIT]
 
 
 def _settled(tokens: Sequence[Token], at: int) -> Token:
     """What depends on the next word: "go ahead" is a direction before a length, otherwise encouragement."""
     token = tokens[at]
-    if token.kind is Kind.SHOW and token.value == "talk":  # "I want to see", and no picture
-        return replace(token, kind=Kind.TALK)
+    if token.kind is TokenKind.SHOW and token.value == "talk":  # "I want to see", and no picture
+        return replace(token, kind=TokenKind.TALK)
     following = tokens[_skip_soft(tokens, at + 1) :][:1]
-    if token.kind is Kind.CONDITION and token.value == "wait" and following and following[0].kind is Kind.DURATION:
-        return replace(token, kind=Kind.BEYOND)  # 等五秒再挥手
-    if token.kind is not Kind.GO_AHEAD:
+    if (
+        token.kind is TokenKind.CONDITION
+        and token.value == "wait"
+        and following
+        and following[0].kind is TokenKind.DURATION
+    ):
+        return replace(token, kind=TokenKind.BEYOND)  # 等五秒再挥手
+    if token.kind is not TokenKind.GO_AHEAD:
         return token
-    goes = bool(following) and following[0].kind is Kind.LENGTH
-    return Token(Kind.DIR if goes else Kind.SOFT, "forward" if goes else None, token.start, token.end)
+    goes = bool(following) and following[0].kind is TokenKind.LENGTH
+    return Token(TokenKind.DIR if goes else TokenKind.SOFT, "forward" if goes else None, token.start, token.end)
 
 
 def _append(found: list[Token], amount: Token, unit_m: float) -> None:
     before = found[-1] if found else None
-    if before and before.kind is Kind.PER_SECOND and amount.kind is Kind.LENGTH:  # 每秒0.3米
-        found[-1] = Token(Kind.SPEED, amount.value, before.start, amount.end)
-    elif before and before.kind is Kind.LENGTH is amount.kind and _float(amount) < unit_m:  # 5 ft 6 in
-        found[-1] = Token(Kind.LENGTH, _float(before) + _float(amount), before.start, amount.end)
-    elif before and before.kind is Kind.ANGLE is amount.kind and len(found) > 1 and found[-2].start == before.start:
+    if before and before.kind is TokenKind.PER_SECOND and amount.kind is TokenKind.LENGTH:  # 每秒0.3米
+        found[-1] = Token(TokenKind.SPEED, amount.value, before.start, amount.end)
+    elif before and before.kind is TokenKind.LENGTH is amount.kind and _float(amount) < unit_m:  # 5 ft 6 in
+        found[-1] = Token(TokenKind.LENGTH, _float(before) + _float(amount), before.start, amount.end)
+    elif (
+        before and before.kind is TokenKind.ANGLE is amount.kind and len(found) > 1 and found[-2].start == before.start
+    ):
         found[-1] = amount  # "turn around 90 degrees": the explicit angle counts
     else:
         found.append(amount)
@@ -110,16 +119,16 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     unit = tokens[unit_at] if unit_at < len(tokens) else None
     if unit is None or (unit.kind not in _AMOUNT_OF and not _are_inches(tokens, unit_at)):
         return None, 0
-    if unit.kind is Kind.SOFT:
-        unit = replace(unit, kind=Kind.LENGTH_UNIT, value=_INCH_M)
+    if unit.kind is TokenKind.SOFT:
+        unit = replace(unit, kind=TokenKind.LENGTH_UNIT, value=_INCH_M)
     end = unit_at + 1
-    if end < len(tokens) and tokens[end].kind is Kind.AND_PART:  # "a metre and a half"
+    if end < len(tokens) and tokens[end].kind is TokenKind.AND_PART:  # "a metre and a half"
         value += _float(tokens[end])
         end += 1
-    elif unit.kind is Kind.LENGTH_UNIT and (fraction := _spoken_fraction(tokens, end, text)) is not None:
+    elif unit.kind is TokenKind.LENGTH_UNIT and (fraction := _spoken_fraction(tokens, end, text)) is not None:
         value += fraction
         end += 1
-    elif unit.kind is Kind.ANGLE_UNIT and end < len(tokens) and _half_follows(tokens, end):
+    elif unit.kind is TokenKind.ANGLE_UNIT and end < len(tokens) and _half_follows(tokens, end):
         value += 0.5
         end += 1
     scaled = value * (float(unit.value) if isinstance(unit.value, float) else 1.0)
@@ -130,32 +139,36 @@ def _are_inches(tokens: Sequence[Token], at: int) -> bool:
     """ "2 ft 6 in", where the clause ends or a direction follows; not "in the room"."""
     if at >= len(tokens) or tokens[at].value != Soft.IN:
         return False
-    following = tokens[at + 1].kind if at + 1 < len(tokens) else Kind.END
-    return following in (Kind.END, Kind.COMMA, Kind.AND, Kind.DIR)
+    following = tokens[at + 1].kind if at + 1 < len(tokens) else TokenKind.END
+    return following in (TokenKind.END, TokenKind.COMMA, TokenKind.AND, TokenKind.DIR)
 
 
 def _half_follows(tokens: Sequence[Token], at: int) -> bool:
     """转两圈半: two and a half, where nothing is halved after it."""
-    touches = tokens[at].kind is Kind.HALF and tokens[at].start == tokens[at - 1].end
+    touches = tokens[at].kind is TokenKind.HALF and tokens[at].start == tokens[at - 1].end
     return touches and not (at + 1 < len(tokens) and tokens[at + 1].kind in _AMOUNT_OF)
 
 
 def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None, int]:
     """A number as people say it, before its unit: 2 · two and a half · half a · 1/2 · 1 1/2 · a · 两个半."""
     first = tokens[at]
-    if first.kind is Kind.HALF:
+    if first.kind is TokenKind.HALF:
         return 0.5, at + 1
-    if first.kind is Kind.SOFT and first.value == 1:
+    if first.kind is TokenKind.SOFT and first.value == 1:
         following = tokens[at + 1].kind if at + 1 < len(tokens) else None
-        return (1.0, at + 1) if following in (Kind.LENGTH_UNIT, Kind.STEP_UNIT, Kind.TIME_UNIT) else (None, at)
-    if first.kind is not Kind.NUMBER:
+        return (
+            (1.0, at + 1)
+            if following in (TokenKind.LENGTH_UNIT, TokenKind.STEP_UNIT, TokenKind.TIME_UNIT)
+            else (None, at)
+        )
+    if first.kind is not TokenKind.NUMBER:
         return None, at
     value, here = _float(first), at + 1
-    if here < len(tokens) and tokens[here].kind is Kind.AND_PART:
+    if here < len(tokens) and tokens[here].kind is TokenKind.AND_PART:
         return value + _float(tokens[here]), here + 1
-    if here < len(tokens) and tokens[here].kind is Kind.HALF and value == int(value):  # 一个半米, one half metre
+    if here < len(tokens) and tokens[here].kind is TokenKind.HALF and value == int(value):  # 一个半米, one half metre
         return (value + 0.5 if here + 1 < len(tokens) else None), here + 1
-    if here < len(tokens) and tokens[here].kind is Kind.NUMBER and _is_fraction(tokens[here], text) and value >= 1:
+    if here < len(tokens) and tokens[here].kind is TokenKind.NUMBER and _is_fraction(tokens[here], text) and value >= 1:
         return value + _float(tokens[here]), here + 1
     return value, here
 
@@ -171,7 +184,7 @@ def _is_fraction(token: Token, text: str) -> bool:
 def _skip_soft(tokens: Sequence[Token], at: int) -> int:
     """Past at most two words without weight: "two more feet", "five uh feet"."""
     for _ in range(2):
-        if at < len(tokens) and tokens[at].kind is Kind.SOFT:
+        if at < len(tokens) and tokens[at].kind is TokenKind.SOFT:
             at += 1
     return at
 
@@ -183,12 +196,12 @@ def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | Non
     """
     if at >= len(tokens) or tokens[at].start != tokens[at - 1].end or text[tokens[at].start - 1].isascii():
         return None
-    if at + 1 < len(tokens) and tokens[at + 1].kind in (*_AMOUNT_OF, Kind.NUMBER, Kind.HALF, Kind.WORD):
+    if at + 1 < len(tokens) and tokens[at + 1].kind in (*_AMOUNT_OF, TokenKind.NUMBER, TokenKind.HALF, TokenKind.WORD):
         return None
-    if tokens[at].kind is Kind.HALF:
+    if tokens[at].kind is TokenKind.HALF:
         return 0.5
     said = text[tokens[at].start : tokens[at].end]
-    if tokens[at].kind is not Kind.NUMBER or len(said) > 2 or (len(said) == 2 and said[0] not in "0零〇123456789"):
+    if tokens[at].kind is not TokenKind.NUMBER or len(said) > 2 or (len(said) == 2 and said[0] not in "0零〇123456789"):
         return None
     return _float(tokens[at]) / (10.0 if len(said) == 1 else 100.0)
 

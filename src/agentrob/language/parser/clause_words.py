@@ -1,6 +1,6 @@
 """Words that work on a whole clause: and, not, if, no wait, never mind, after each.
 
-What stands around them is read in `clauses`; the two share the state of one sentence, `Marks`.
+What stands around them is read in `clauses`; the two share the state of one sentence, `SentenceState`.
 """
 
 from __future__ import annotations
@@ -8,20 +8,30 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import Enum, auto
 
-from agentrob.language.parser.drafts import Besides, Draft, Remark, Sentence
-from agentrob.language.parser.lexicon import Kind, Soft, Token, Value
+from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
+from agentrob.language.parser.lexicon import Soft, Token, TokenKind, Value
 from agentrob.model import Op
 
-AMOUNTS = (Kind.LENGTH, Kind.ANGLE, Kind.STEPS, Kind.DURATION, Kind.NUMBER)
-_VERBS = ([Kind.MOVE], [Kind.TURN])
+AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
+_VERBS = ([TokenKind.MOVE], [TokenKind.TURN])
 #: What talk is, by how it begins.
-_KINDS: dict[Value, Besides] = {"question": Besides.QUESTION, "ask": Besides.WISH, "tell": Besides.WISH}
+_KINDS: dict[Value, RemarkKind] = {"question": RemarkKind.QUESTION, "ask": RemarkKind.WISH, "tell": RemarkKind.WISH}
 #: What may be wanted even though it stands within talk.
-_DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BACK)
+_ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.AGAIN, TokenKind.BACK)
 #: What may begin a further clause of talk.
-_TELLING = (Kind.TALK, Kind.TALK_START, Kind.IS, Kind.ASKED, Kind.THANKS, Kind.REPORT)
+_TELLING = (TokenKind.TALK, TokenKind.TALK_START, TokenKind.IS, TokenKind.ASKED, TokenKind.THANKS, TokenKind.REPORT)
 #: What can stand after a "no" that corrects.
-_CORRECTING = (Kind.MOVE, Kind.TURN, Kind.OP, Kind.DIR, Kind.AGREE, Kind.BACK, Kind.FIX, Kind.NO, *AMOUNTS)
+_CORRECTING = (
+    TokenKind.MOVE,
+    TokenKind.TURN,
+    TokenKind.OP,
+    TokenKind.DIR,
+    TokenKind.AGREE,
+    TokenKind.BACK,
+    TokenKind.FIX,
+    TokenKind.NO,
+    *AMOUNTS,
+)
 
 
 class Mode(Enum):
@@ -31,7 +41,7 @@ class Mode(Enum):
     SUBJECT = auto()  # what a picture is to be of
 
 
-class Marks:
+class SentenceState:
     """The state of reading one sentence, and what each mark does to it."""
 
     def __init__(self) -> None:
@@ -59,21 +69,23 @@ class Marks:
         self.soft_after: dict[int, list[Token]] = {}
         self.at = 0
 
-    def _next(self, steps: int = 1) -> Kind:
+    def _next(self, steps: int = 1) -> TokenKind:
         """The kind of the token so many places on."""
-        return self.tokens[self.at + steps].kind if self.at + steps < len(self.tokens) else Kind.END
+        return self.tokens[self.at + steps].kind if self.at + steps < len(self.tokens) else TokenKind.END
 
     def _separate(self, token: Token) -> None:
-        if self.mode is Mode.DENIED and token.kind is Kind.COMMA:
+        if self.mode is Mode.DENIED and token.kind is TokenKind.COMMA:
             self._end_denial()
         if self.mode in (Mode.SUBJECT,):
             self.mode = Mode.WANTED
         if self.cur:
             self.cur.closed = True
-            again = self.cur.verb is Kind.AGAIN and self.cur.counted and not self.cur.back
+            again = self.cur.verb is TokenKind.AGAIN and self.cur.counted and not self.cur.back
             self.cur.ahead |= again and token.value == "colon" and len(self.sentence.drafts) == 1
-        after_and = self.joined_by_and and self.at > 0 and self.tokens[self.at - 1].kind is Kind.AND  # "then finally"
-        self.joined_by_and = token.kind is Kind.AND or after_and
+        after_and = (
+            self.joined_by_and and self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.AND
+        )  # "then finally"
+        self.joined_by_and = token.kind is TokenKind.AND or after_and
 
     def _request(self, token: Token) -> None:
         if self.mode is Mode.TALK and token.value == "stated" and self.talk_doubts:
@@ -87,9 +99,9 @@ class Marks:
     def _asks_how(self) -> bool:
         """Whether a question word stands right before, or with a manner between: "how", "how far"."""
         before = self.tokens[max(0, self.at - 2) : self.at]
-        if len(before) > 1 and before[1].kind in (Kind.VAGUE, Kind.SLOW, Kind.FASTER):
+        if len(before) > 1 and before[1].kind in (TokenKind.VAGUE, TokenKind.SLOW, TokenKind.FASTER):
             before = before[:1]
-        return before[-1:] != [] and before[-1].kind is Kind.TALK and before[-1].value == "question"
+        return before[-1:] != [] and before[-1].kind is TokenKind.TALK and before[-1].value == "question"
 
     def _wish(self, token: Token) -> None:
         if self.mode is Mode.SUBJECT:
@@ -109,7 +121,9 @@ class Marks:
         before = self.sentence.condition
         if token.value == "later":  # 等五秒后, 五秒后: with what is said of the time
             number = self.tokens[self.at - 1] if self.at else token
-            start = before if before and before.value == "wait" else number if number.kind is Kind.NUMBER else token
+            start = (
+                before if before and before.value == "wait" else number if number.kind is TokenKind.NUMBER else token
+            )
             token, before = replace(token, start=start.start), None if start is before else before
         if self.mode is Mode.WANTED or self.sentence.drafts:
             self.sentence.condition = before or token
@@ -118,12 +132,12 @@ class Marks:
         if self.mode is Mode.TALK:
             self.talk_doubts = True
             return
-        if token.value == "no" and self._next() is Kind.COMMA and self.sentence.drafts:  # 前进两米，不，三米
+        if token.value == "no" and self._next() is TokenKind.COMMA and self.sentence.drafts:  # 前进两米，不，三米
             self._fix(token)
             return
         self._end_denial()
         self.mode, self.denied, self.denial_used = Mode.DENIED, token, False
-        self._besides(Besides.DENIED, token)
+        self._besides(RemarkKind.DENIED, token)
         self.sentence.denied = True
         if self.cur:
             self.cur.closed = True
@@ -140,7 +154,7 @@ class Marks:
 
     def _no(self, token: Token) -> None:
         following = self._next()
-        if following in (Kind.COMMA, Kind.END) or (self.sentence.drafts and following in _CORRECTING):
+        if following in (TokenKind.COMMA, TokenKind.END) or (self.sentence.drafts and following in _CORRECTING):
             self._fix(token)
         elif self.mode is not Mode.TALK:  # "no turn left": nobody can tell
             self.sentence.denial_unclear = self.sentence.denial_unclear or token
@@ -161,7 +175,7 @@ class Marks:
     def _each(self, token: Token) -> None:
         """ "… and take a photo after each", "after each turn, take a photo"."""
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
-        after = Kind(str(token.value)) if token.value else Kind.END
+        after = TokenKind(str(token.value)) if token.value else TokenKind.END
         if self.mode is Mode.DENIED:
             self.denial_used = True
         elif last is not None and last.op is Op.GET_FRONT_IMAGE and last is self.cur:
@@ -173,9 +187,9 @@ class Marks:
 
     def _thanks(self, token: Token) -> None:
         """ "Thank you, Henry" at an end: a name."""
-        at = 2 if self._next() is Kind.COMMA else 1
+        at = 2 if self._next() is TokenKind.COMMA else 1
         wishes = at > 1 and self.soft_before.get(self.at + at)  # "thanks, show me your teeth" names nobody
-        if not wishes and self._next(at) is Kind.WORD and self._next(at + 1) in (Kind.END, Kind.COMMA):
+        if not wishes and self._next(at) is TokenKind.WORD and self._next(at + 1) in (TokenKind.END, TokenKind.COMMA):
             self.named = self.tokens[self.at + at]
 
     def _agree(self, token: Token) -> None:
@@ -183,15 +197,23 @@ class Marks:
         if self.at or self.mode is not Mode.WANTED:
             return
         rest = [t.kind for t in self.tokens[self.at + 2 :]]
-        clause = rest[1 : rest.index(Kind.AND) if Kind.AND in rest else None] if rest[:1] == [Kind.COMMA] else []
-        if rest[:1] == [Kind.OP] or clause[:1] == [Kind.OP] or (clause[:1] in _VERBS and Kind.DIR in clause):
+        clause = (
+            rest[1 : rest.index(TokenKind.AND) if TokenKind.AND in rest else None]
+            if rest[:1] == [TokenKind.COMMA]
+            else []
+        )
+        if (
+            rest[:1] == [TokenKind.OP]
+            or clause[:1] == [TokenKind.OP]
+            or (clause[:1] in _VERBS and TokenKind.DIR in clause)
+        ):
             self.agreed = self.tokens[self.at + 1]
 
     def _begin_talk(self, token: Token) -> None:
         if self.cur:
             self.cur.closed = True
         self.mode = Mode.TALK
-        self._besides(self._kind(token, Besides.REMARK), token)
+        self._besides(self._kind(token, RemarkKind.REMARK), token)
         self.sentence.talked = True
         self.sentence.question |= token.value in ("question", "ask")
         self.sentence.somebody = token if token.value == "somebody" else self.sentence.somebody
@@ -199,15 +221,15 @@ class Marks:
         self.talk_doubts = token.value in ("question", "ask")
         self.joined_by_and = False
 
-    def _kind(self, token: Token, otherwise: Besides) -> Besides:
+    def _kind(self, token: Token, otherwise: RemarkKind) -> RemarkKind:
         """What talk is that begins with this token."""
         soft = self.soft_before.get(self.at, [])
-        before = self.tokens[self.at - 1].kind if self.at else Kind.END
-        helped = before is Kind.REQUEST and token.kind is Kind.TALK and token.value is None  # 帮他挥手
+        before = self.tokens[self.at - 1].kind if self.at else TokenKind.END
+        helped = before is TokenKind.REQUEST and token.kind is TokenKind.TALK and token.value is None  # 帮他挥手
         for_somebody = helped or any(s.value in (Soft.OBJECT, Soft.TOWARDS, Soft.FOR) for s in soft)  # 给他挥手
-        return Besides.WISH if for_somebody else _KINDS.get(token.value, otherwise)
+        return RemarkKind.WISH if for_somebody else _KINDS.get(token.value, otherwise)
 
-    def _besides(self, kind: Besides, token: Token) -> None:
+    def _besides(self, kind: RemarkKind, token: Token) -> None:
         """A stretch that is no deed begins here."""
         self.remark = Remark(kind, token.start, token.end)
         self.sentence.remarks.append(self.remark)
@@ -217,14 +239,14 @@ class Marks:
         if self.remark is None:
             return
         self.remark.end = token.end
-        self.remark.beyond |= token.kind is Kind.MORE_STOP  # 有人就停，走两米
-        if self.mode is Mode.TALK and (self.begins or self.remark.kind is Besides.WISH):
-            goes = token.kind is Kind.DIR and self._next() in (*_DEEDS, *AMOUNTS)  # 往前走
-            self.remark.deeds |= token.kind in _DEEDS or goes
+        self.remark.beyond |= token.kind is TokenKind.MORE_STOP  # 有人就停，走两米
+        if self.mode is Mode.TALK and (self.begins or self.remark.kind is RemarkKind.WISH):
+            goes = token.kind is TokenKind.DIR and self._next() in (*_ACTIONS, *AMOUNTS)  # 往前走
+            self.remark.actions |= token.kind in _ACTIONS or goes
             self.remark.beyond |= token.kind not in _TELLING
-            if token.kind in (Kind.HELP, Kind.STATUS):
-                self.remark.kind = Besides.WISH
-            elif token.kind is Kind.TALK and self.remark.kind is not Besides.WISH:
+            if token.kind in (TokenKind.HELP, TokenKind.STATUS):
+                self.remark.kind = RemarkKind.WISH
+            elif token.kind is TokenKind.TALK and self.remark.kind is not RemarkKind.WISH:
                 self.remark.kind = self._kind(token, self.remark.kind)
 
     def _end_denial(self) -> None:
@@ -235,20 +257,20 @@ class Marks:
             self.cur = None
 
 
-MARKS = {
-    Kind.AND: Marks._separate,
-    Kind.COMMA: Marks._separate,
-    Kind.REQUEST: Marks._request,
-    Kind.WISH: Marks._wish,
-    Kind.ASKED: Marks._asked,
-    Kind.REPORT: Marks._report,
-    Kind.CONDITION: Marks._condition,
-    Kind.NOT: Marks._not,
-    Kind.NO: Marks._no,
-    Kind.FIX: Marks._fix,
-    Kind.CANCEL: Marks._cancel,
-    Kind.IS: Marks._is,
-    Kind.EACH: Marks._each,
-    Kind.AGREE: Marks._agree,
-    Kind.THANKS: Marks._thanks,
+HANDLERS = {
+    TokenKind.AND: SentenceState._separate,
+    TokenKind.COMMA: SentenceState._separate,
+    TokenKind.REQUEST: SentenceState._request,
+    TokenKind.WISH: SentenceState._wish,
+    TokenKind.ASKED: SentenceState._asked,
+    TokenKind.REPORT: SentenceState._report,
+    TokenKind.CONDITION: SentenceState._condition,
+    TokenKind.NOT: SentenceState._not,
+    TokenKind.NO: SentenceState._no,
+    TokenKind.FIX: SentenceState._fix,
+    TokenKind.CANCEL: SentenceState._cancel,
+    TokenKind.IS: SentenceState._is,
+    TokenKind.EACH: SentenceState._each,
+    TokenKind.AGREE: SentenceState._agree,
+    TokenKind.THANKS: SentenceState._thanks,
 }

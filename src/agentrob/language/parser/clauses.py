@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from agentrob.language.parser.clause_words import AMOUNTS, MARKS, Marks, Mode
-from agentrob.language.parser.drafts import Besides, Draft, Sentence
-from agentrob.language.parser.lexicon import Kind, Soft, Token
+from agentrob.language.parser.clause_words import AMOUNTS, HANDLERS, Mode, SentenceState
+from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence
+from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.model import Direction, Op
 
 
@@ -19,15 +19,15 @@ def sentences_of(tokens: Sequence[Token]) -> list[Sentence]:
     """Cut into sentences and read each."""
     found: list[Sentence] = []
     start = 0
-    for at, token in enumerate([*tokens, Token(Kind.END)]):
-        if token.kind is Kind.END:
+    for at, token in enumerate([*tokens, Token(TokenKind.END)]):
+        if token.kind is TokenKind.END:
             if at > start:
                 found.append(_Reader().read(tokens[start:at]))
             start = at + 1
     return found
 
 
-class _Reader(Marks):
+class _Reader(SentenceState):
     """Reads one sentence, token by token."""
 
     def read(self, tokens: Sequence[Token]) -> Sentence:
@@ -55,27 +55,33 @@ class _Reader(Marks):
         for token in tokens:
             self.sentence.greeted |= token.value == Soft.HELLO
             self.sentence.sent = token if token.value == Soft.SEND else self.sentence.sent
-            if token.kind is Kind.SOFT:
+            if token.kind is TokenKind.SOFT:
                 soft.append(token)
                 continue
             self.soft_before[len(self.tokens)] = self.soft_after[len(self.tokens) - 1] = soft
             self.tokens.append(token)
             # "Walk, uh, walk": the comma between does not matter; "walk and uh walk" are two.
-            soft = [s for s in soft if s.value == Soft.UH] if token.kind is Kind.COMMA else []
+            soft = [s for s in soft if s.value == Soft.UH] if token.kind is TokenKind.COMMA else []
         self.soft_after[len(self.tokens) - 1] = soft
 
     def _take(self, token: Token) -> None:
         kind = token.kind
-        if kind in MARKS:
-            MARKS[kind](self, token)
+        if kind in HANDLERS:
+            HANDLERS[kind](self, token)
         elif self.mode is Mode.TALK and not self._leaves_talk(token):
-            self.talk_has_motion |= kind in _DEEDS
+            self.talk_has_motion |= kind in _ACTIONS
             self._goes_on(token)
-            self.sentence.somebody_does |= kind in _DEEDS and self.sentence.somebody is not None
-            self.sentence.status_asked |= kind is Kind.STATUS and token.value is not None
+            self.sentence.somebody_does |= kind in _ACTIONS and self.sentence.somebody is not None
+            self.sentence.status_asked |= kind is TokenKind.STATUS and token.value is not None
         elif self.mode is Mode.DENIED:
             self._deny(token)
-        elif self.mode is Mode.SUBJECT and kind not in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.NOT, Kind.AGAIN):
+        elif self.mode is Mode.SUBJECT and kind not in (
+            TokenKind.MOVE,
+            TokenKind.TURN,
+            TokenKind.OP,
+            TokenKind.NOT,
+            TokenKind.AGAIN,
+        ):
             pass
         elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in _FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
@@ -83,53 +89,69 @@ class _Reader(Marks):
             self.mode = Mode.WANTED
             self._wanted(token)
         # A wish within talk ("I do not think you should walk") begins nothing.
-        wished = kind in (Kind.WISH, Kind.REQUEST) and self.mode is not Mode.TALK
-        self.boundary = wished or kind in (Kind.AND, Kind.COMMA)
-        separates = kind in (Kind.AND, Kind.COMMA) and token.value != "word"
-        self.begins = separates or (self.begins and kind in MARKS)
+        wished = kind in (TokenKind.WISH, TokenKind.REQUEST) and self.mode is not Mode.TALK
+        self.boundary = wished or kind in (TokenKind.AND, TokenKind.COMMA)
+        separates = kind in (TokenKind.AND, TokenKind.COMMA) and token.value != "word"
+        self.begins = separates or (self.begins and kind in HANDLERS)
 
     def _leaves_talk(self, token: Token) -> bool:
         """A verb after a comma begins a command again, unless the talk itself told of motion ("I stood up, …")."""
         if self.talk_has_motion or not self.boundary or self.joined_by_and:
             return False
-        return token.kind in (Kind.MOVE, Kind.TURN, Kind.OP)
+        return token.kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 
     def _deny(self, token: Token) -> None:
         """What is denied is dropped; with "and" within its reach nobody can tell what is meant."""
         self._goes_on(token)
-        if token.kind in (Kind.MOVE, Kind.TURN, Kind.OP, Kind.AGAIN, Kind.BEYOND, *AMOUNTS, Kind.DIR):
+        if token.kind in (
+            TokenKind.MOVE,
+            TokenKind.TURN,
+            TokenKind.OP,
+            TokenKind.AGAIN,
+            TokenKind.BEYOND,
+            *AMOUNTS,
+            TokenKind.DIR,
+        ):
             if self.joined_by_and and self.boundary and self.denial_used:
                 self.sentence.denial_unclear, self.sentence.denial_joined = self.denied, True
             self.denial_used = True
-        elif token.kind in (Kind.WORD, Kind.HELP, Kind.STATUS, Kind.MORE_STOP, Kind.VAGUE, Kind.SLOW, Kind.PICTURE):
+        elif token.kind in (
+            TokenKind.WORD,
+            TokenKind.HELP,
+            TokenKind.STATUS,
+            TokenKind.MORE_STOP,
+            TokenKind.VAGUE,
+            TokenKind.SLOW,
+            TokenKind.PICTURE,
+        ):
             self.denial_used = True
 
     # ------------------------------------------------------------ what is wanted
     def _wanted(self, token: Token) -> None:
         kind = token.kind
-        if kind in (Kind.MOVE, Kind.TURN):
+        if kind in (TokenKind.MOVE, TokenKind.TURN):
             self._verb(token)
-        elif kind is Kind.DIR:
+        elif kind is TokenKind.DIR:
             self._direction(token)
         elif kind in AMOUNTS:
             self._amount(token)
-        elif kind is Kind.OP:
+        elif kind is TokenKind.OP:
             self._another()
-            draft = self._new(token, Kind.OP)
+            draft = self._new(token, TokenKind.OP)
             draft.op, *others = map(Op, str(token.value).split("/"))
             draft.or_else = tuple(others)
-        elif kind is Kind.BEYOND:
+        elif kind is TokenKind.BEYOND:
             self._beyond(token)
-        elif kind is Kind.AGAIN:
+        elif kind is TokenKind.AGAIN:
             self._again(token)
-        elif kind is Kind.BACK:
+        elif kind is TokenKind.BACK:
             self.way_back = True
-        elif kind is Kind.TALK or (kind is Kind.TALK_START and (self.boundary or self.cur is None)):
+        elif kind is TokenKind.TALK or (kind is TokenKind.TALK_START and (self.boundary or self.cur is None)):
             self._begin_talk(token)
-        elif kind is Kind.HELP:
+        elif kind is TokenKind.HELP:
             self.sentence.help = True
-            self._besides(Besides.HELP, token)
-        elif kind is Kind.STATUS:
+            self._besides(RemarkKind.HELP, token)
+        elif kind is TokenKind.STATUS:
             self._status(token)
         else:
             self._qualify(token)
@@ -140,7 +162,7 @@ class _Reader(Marks):
             self._unknown(token)
         else:
             self.sentence.status = True
-            self._besides(Besides.WISH, token)
+            self._besides(RemarkKind.WISH, token)
 
     def _beyond(self, token: Token) -> None:
         cur = self._open()
@@ -148,28 +170,28 @@ class _Reader(Marks):
         belongs = cur is not None and (
             cur.vaguely_begun
             or (cur.is_motion and token.value == "path")
-            or (cur.verb is Kind.MOVE and cur.bare and cur.amount is None)  # "go fetch"
+            or (cur.verb is TokenKind.MOVE and cur.bare and cur.amount is None)  # "go fetch"
         )
-        draft = cur if cur is not None and belongs else self._new(token, Kind.BEYOND)
-        draft.verb, draft.beyond = Kind.BEYOND, str(token.value)
+        draft = cur if cur is not None and belongs else self._new(token, TokenKind.BEYOND)
+        draft.verb, draft.beyond = TokenKind.BEYOND, str(token.value)
         soft = self.soft_after[self.at]
         draft.end = soft[-1].end if soft else token.end
         draft.unknown.append((token.start, draft.end))
 
     def _again(self, token: Token) -> None:
         cur = self._open()
-        if cur is not None and cur.verb is Kind.AGAIN and cur.back:  # "undo come back"
+        if cur is not None and cur.verb is TokenKind.AGAIN and cur.back:  # "undo come back"
             cur.vague = True
             return
         if cur is not None and not cur.unknown and token.value is None:
             return  # "turn left 90 degrees again"
-        if self.at and self.tokens[self.at - 1].kind is Kind.THANKS and token.value is None:
+        if self.at and self.tokens[self.at - 1].kind is TokenKind.THANKS and token.value is None:
             return  # "hello again"
-        draft = self._new(token, Kind.AGAIN)
+        draft = self._new(token, TokenKind.AGAIN)
         draft.back, draft.more = token.value == "back", token.value == "more"
         draft.only = Op(token.value) if token.value in ("move", "turn") else None
         # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
-        draft.vague = token.value == "this" or (self._next() is Kind.COMMA and self._next(2) in _DEEDS)
+        draft.vague = token.value == "this" or (self._next() is TokenKind.COMMA and self._next(2) in _ACTIONS)
 
     def _verb(self, token: Token) -> None:
         self._another()
@@ -197,12 +219,12 @@ class _Reader(Marks):
         if cur is not None and cur.beyond:  # "raise your left hand"
             cur.end = token.end
             return
-        if cur is None or cur.verb is Kind.OP or cur.unknown or cur.bare_picture:
+        if cur is None or cur.verb is TokenKind.OP or cur.unknown or cur.bare_picture:
             cur = self._new(token, None)
         elif cur.direction is Direction.BACKWARD and cur.amount is None and direction in _SIDES:
             pass  # "move back to your left ninety degrees": back means again
         elif cur.direction not in (None, direction) or (
-            cur.amount is not None and cur.amount.kind is Kind.ANGLE and direction not in _SIDES
+            cur.amount is not None and cur.amount.kind is TokenKind.ANGLE and direction not in _SIDES
         ):
             cur = self._new(token, None)
         cur.direction, cur.end = direction, token.end
@@ -210,14 +232,14 @@ class _Reader(Marks):
 
     def _amount(self, token: Token) -> None:
         cur = self._open()
-        if cur is not None and cur.beyond and token.kind is not Kind.NUMBER:  # "sleep five seconds"
+        if cur is not None and cur.beyond and token.kind is not TokenKind.NUMBER:  # "sleep five seconds"
             cur.end = token.end
             return
-        if cur is not None and cur.amount is not None and cur.end == token.end and cur.verb is Kind.TURN:
+        if cur is not None and cur.amount is not None and cur.end == token.end and cur.verb is TokenKind.TURN:
             return  # 一百八十度转身: the angle that a verb implies, where one was said before
         if (
             cur is None
-            or cur.verb is Kind.OP
+            or cur.verb is TokenKind.OP
             or cur.unknown
             or cur.amount is not None
             or (cur.verb is not None and not _goes(cur.verb, token.kind))
@@ -228,33 +250,41 @@ class _Reader(Marks):
     def _another(self) -> None:
         """ "Again wave", 再来个后空翻: a deed of its own, not what was done before and then that."""
         cur = self._open()
-        if cur is not None and cur.verb is Kind.AGAIN and cur.bare and not cur.back:
+        if cur is not None and cur.verb is TokenKind.AGAIN and cur.bare and not cur.back:
             self.sentence.drafts.remove(cur)
             self.cur = None
-        elif cur is not None and cur.back and cur.verb is Kind.AGAIN:  # "undo walk forward 1 m"
+        elif cur is not None and cur.back and cur.verb is TokenKind.AGAIN:  # "undo walk forward 1 m"
             cur.vague = True
 
     def _qualify(self, token: Token) -> None:
         """Words that say how, how often, or are not known."""
         kind = token.kind
-        if kind is Kind.PICTURE:
+        if kind is TokenKind.PICTURE:
             self._another()
             self._picture(token)
             return
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
         if kind in _TIMES and last is None and [t.value for t in self.tokens[self.at + 1 : self.at + 2]] == ["colon"]:
-            last = self._new(token, Kind.AGAIN)  # "three times: …"
+            last = self._new(token, TokenKind.AGAIN)  # "three times: …"
         if kind in _TIMES and last and self._counts(last):
             self._count(last, token)
-        elif kind is Kind.ALONG and last and self._open() is last and last.verb is Kind.MOVE and not last.direction:
+        elif (
+            kind is TokenKind.ALONG
+            and last
+            and self._open() is last
+            and last.verb is TokenKind.MOVE
+            and not last.direction
+        ):
             last.direction, last.end = Direction.FORWARD, token.end
-        elif kind is Kind.OF:
+        elif kind is TokenKind.OF:
             self._of(token)
-        elif kind in (Kind.SLOW, Kind.FASTER, Kind.VAGUE, Kind.SPEED):
+        elif kind in (TokenKind.SLOW, TokenKind.FASTER, TokenKind.VAGUE, TokenKind.SPEED):
             self._manner(token)
-        elif kind is Kind.MORE_STOP and (self._open() is None or self._next() in (Kind.END, Kind.COMMA, Kind.AND)):
+        elif kind is TokenKind.MORE_STOP and (
+            self._open() is None or self._next() in (TokenKind.END, TokenKind.COMMA, TokenKind.AND)
+        ):
             # "Turn right, wait, no, left" waits for nothing.
-            if not (self._next() is Kind.COMMA and self._next(2) in (Kind.NO, Kind.FIX)):
+            if not (self._next() is TokenKind.COMMA and self._next(2) in (TokenKind.NO, TokenKind.FIX)):
                 draft = self._new(token, None)
                 draft.stop_word, draft.waits = True, token.value == "wait"
         elif kind in _UNITS and last and last.vague and self._open() is last:
@@ -285,24 +315,24 @@ class _Reader(Marks):
         if self._open() is not last and len(self.sentence.drafts) > 1:
             self.sentence.times_unclear = token
         last.times, last.counted, last.end = _count(token), True, token.end
-        last.more |= token.kind is Kind.MORE_TIMES
+        last.more |= token.kind is TokenKind.MORE_TIMES
         if last.spun and last.amount and last.amount.value == 180.0:
             last.amount = replace(last.amount, value=360.0)
 
     def _counts(self, last: Draft) -> bool:
         """ "Wave twice", "wave, twice"."""
-        afterwards = self.at > 0 and self.tokens[self.at - 1].kind is Kind.COMMA and not last.counted
+        afterwards = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.COMMA and not last.counted
         return not last.unknown and (self._open() is last or afterwards)
 
     def _manner(self, token: Token) -> None:
         cur = self._open()
         draft = cur if cur is not None and cur.takes_manner else self.pending
-        draft.slow |= token.kind is Kind.SLOW
-        draft.slower |= token.kind is Kind.SLOW and token.value == "er"
-        draft.faster |= token.kind is Kind.FASTER
+        draft.slow |= token.kind is TokenKind.SLOW
+        draft.slower |= token.kind is TokenKind.SLOW and token.value == "er"
+        draft.faster |= token.kind is TokenKind.FASTER
         self.faster = token if token.value == "er" else self.faster
-        draft.vague |= token.kind is Kind.VAGUE
-        draft.speed_mps = _value(token) if token.kind is Kind.SPEED else draft.speed_mps
+        draft.vague |= token.kind is TokenKind.VAGUE
+        draft.speed_mps = _value(token) if token.kind is TokenKind.SPEED else draft.speed_mps
         draft.start, draft.end = (draft.start if draft.end else token.start), token.end
 
     def _unknown(self, token: Token) -> None:
@@ -321,15 +351,15 @@ class _Reader(Marks):
     def _open(self) -> Draft | None:
         return self.cur if self.cur and not self.cur.closed else None
 
-    def _new(self, token: Token, verb: Kind | None) -> Draft:
+    def _new(self, token: Token, verb: TokenKind | None) -> Draft:
         soft = self.soft_before[self.at]
         start = next((s.start for s in soft if s.value in (Soft.OBJECT, Soft.TOWARDS)), token.start)
         draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
-        joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is Kind.AND
+        joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.AND
         draft.after_and = self.joined_by_and and not draft.joined
         draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
-        if verb is Kind.OP and token.value == Op.GET_FRONT_IMAGE:
+        if verb is TokenKind.OP and token.value == Op.GET_FRONT_IMAGE:
             draft.each, self.pending.each = self.pending.each, None
         self.fixing = None
         self.sentence.drafts.append(draft)
@@ -348,16 +378,16 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
     pending.speed_mps, pending.start, pending.end = None, 0, 0
 
 
-_UNITS = (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.STEP_UNIT)
-_DEEDS = (Kind.MOVE, Kind.TURN, Kind.OP)
+_UNITS = (TokenKind.LENGTH_UNIT, TokenKind.ANGLE_UNIT, TokenKind.STEP_UNIT)
+_ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _FOR_SOMEBODY = (Op.HELLO, Op.SHAKE, Op.CLAP, Op.HEART)
-_TIMES = (Kind.TIMES, Kind.MORE_TIMES)
+_TIMES = (TokenKind.TIMES, TokenKind.MORE_TIMES)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 
 
-def _goes(verb: Kind, amount: Kind) -> bool:
+def _goes(verb: TokenKind, amount: TokenKind) -> bool:
     """Whether an amount can belong to a verb: nobody turns by metres, but people say "move thirty degrees left"."""
-    return not (verb is Kind.TURN and amount in (Kind.LENGTH, Kind.STEPS))
+    return not (verb is TokenKind.TURN and amount in (TokenKind.LENGTH, TokenKind.STEPS))
 
 
 def _value(token: Token) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from agentrob.language.parser.lexicon import Kind, Token
+from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.model import Direction, Op
 
 
@@ -18,7 +18,7 @@ class Draft:
 
     start: int
     end: int
-    verb: Kind | None = None
+    verb: TokenKind | None = None
     op: Op | None = None
     or_else: tuple[Op, ...] = ()  # what a robot that lacks this gesture does instead
     direction: Direction | None = None
@@ -34,7 +34,7 @@ class Draft:
     more: bool = False  # so many times besides the first
     only: Op | None = None  # 再转一次: what is done again was nothing but this
     ahead: bool = False  # "three times: …"
-    each: Kind | None = None  # a picture after each MOVE, TURN or (END) anything
+    each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
     watched: bool = False  # 让我看看: a picture, or somebody wants to watch what is said with it
     back: bool = False  # the way back
@@ -53,14 +53,14 @@ class Draft:
 
     @property
     def is_motion(self) -> bool:
-        return self.verb in (Kind.MOVE, Kind.TURN) or (
+        return self.verb in (TokenKind.MOVE, TokenKind.TURN) or (
             self.verb is None and (self.direction is not None or self.amount is not None)
         )
 
     @property
     def takes_manner(self) -> bool:
         """Whether a speed or an amount may be said of it."""
-        return self.is_motion or self.verb is Kind.AGAIN
+        return self.is_motion or self.verb is TokenKind.AGAIN
 
     @property
     def vaguely_begun(self) -> bool:
@@ -68,7 +68,7 @@ class Draft:
         return self.verb is None and self.amount is None and not (self.bare_picture or self.stop_word)
 
     @property
-    def is_deed(self) -> bool:
+    def is_action(self) -> bool:
         """Whether it names something to do, and not only words, a place or an amount."""
         return bool(self.verb or self.bare_picture or (self.direction and self.amount))
 
@@ -82,7 +82,7 @@ class Draft:
         return not (self.direction or self.amount or self.unknown or self.slow or self.vague or self.counted)
 
 
-class Besides(StrEnum):
+class RemarkKind(StrEnum):
     """What a stretch of a sentence is that is no deed."""
 
     REMARK = "remark"  # "I am bored"
@@ -100,10 +100,10 @@ class Remark:
     `beyond`: with words that may be half of one, or what no robot here can do ("… and sing", "… and buff it").
     """
 
-    kind: Besides
+    kind: RemarkKind
     start: int
     end: int
-    deeds: bool = False
+    actions: bool = False
     beyond: bool = False
 
 

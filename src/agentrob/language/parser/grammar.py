@@ -19,13 +19,13 @@ from agentrob.language.messages.help import within
 from agentrob.language.messages.plan_text import outline, sentence
 from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
-from agentrob.language.parser.drafts import Besides, Sentence
-from agentrob.language.parser.lexicon import Kind, Lexicon, tokens_of
-from agentrob.language.parser.repetition import Background
+from agentrob.language.parser.drafts import RemarkKind, Sentence
+from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of
+from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
-from agentrob.language.parser.small_talk import Talk, talk_in
+from agentrob.language.parser.small_talk import SmallTalk, small_talk_in
 from agentrob.language.parser.statements import without_statements
-from agentrob.language.parser.steps import Reading, read
+from agentrob.language.parser.steps import ParsedSteps, read_steps
 from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import without_mentions
@@ -34,7 +34,7 @@ from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, 
 #: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
 MAX_CHARS = 2_000
 _WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
-_NOTHING_KNOWN = Background()
+_NOTHING_KNOWN = ParseContext()
 
 
 def parse(
@@ -42,7 +42,7 @@ def parse(
     names: Sequence[str],
     others: Sequence[str],
     ops: frozenset[Op],
-    background: Background = _NOTHING_KNOWN,
+    background: ParseContext = _NOTHING_KNOWN,
 ) -> Understanding:
     """Read the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
 
@@ -55,11 +55,11 @@ def parse(
     if stop := stop_intent(part):
         return Understanding(stop, language)
     if part and (words := ordering_words(visible, names, others)):
-        return _ask(Reading([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
+        return _ask(ParsedSteps([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
     if len(part) > MAX_CHARS:
-        return _ask(Reading([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
+        return _ask(ParsedSteps([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
     sentences, mistyped = _sentences(part, names, language)
-    reading = read(sentences, part, language, ops, background)
+    reading = read_steps(sentences, part, language, ops, background)
     if reading.problem:
         return _without_command(sentences, language) or _ask(reading, ops, language, background.can)
     if reading.steps:
@@ -76,18 +76,18 @@ def commands_nothing(words: str, language: Language) -> bool:
     sentences, _ = _sentences(words, (), language)
     marked = (s.wants_status or s.help or s.cancelled or s.condition or s.denied or s.fix_unclear for s in sentences)
     remarks = [r for s in sentences for r in s.remarks]
-    plain = all(r.kind is Besides.REMARK and not (r.deeds or r.beyond) for r in remarks)
+    plain = all(r.kind is RemarkKind.REMARK and not (r.actions or r.beyond) for r in remarks)
     return plain and not any(marked) and not any(s.drafts or s.asked for s in sentences)
 
 
-def talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> Talk | None:
+def small_talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> SmallTalk | None:
     """What a post is that `parse` finds to want nothing, if anything plain: a cancel, a question, a report."""
     part = part_for(visible, names, others)
     if len(part) > MAX_CHARS or stop_intent(part):
         return None
     if _WORDLESS.fullmatch(part):  # "@robot" alone; beside words for others it is only mentioned
-        return Talk.GREETING if _WORDLESS.fullmatch(without_mentions(visible)) else None
-    return talk_in(_sentences(part, names, language_of(part))[0])
+        return SmallTalk.GREETING if _WORDLESS.fullmatch(without_mentions(visible)) else None
+    return small_talk_in(_sentences(part, names, language_of(part))[0])
 
 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
@@ -108,7 +108,7 @@ def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
 def _without_command(sentences: Sequence[Sentence], language: Language) -> Understanding | None:
     """Help or status, when the post asks for it and wants no motion besides."""
     drafts = [d for s in sentences for d in s.drafts]
-    if any(d.is_motion or d.op or d.verb is Kind.BEYOND for d in drafts):
+    if any(d.is_motion or d.op or d.verb is TokenKind.BEYOND for d in drafts):
         return None
     if any(s.help for s in sentences):
         return Understanding(Intent.HELP, language)
@@ -117,7 +117,9 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
     return None
 
 
-def _ask(reading: Reading, ops: frozenset[Op], language: Language, can: Capabilities | None = None) -> Understanding:
+def _ask(
+    reading: ParsedSteps, ops: frozenset[Op], language: Language, can: Capabilities | None = None
+) -> Understanding:
     understood = say("ask.understood", language, steps=outline(reading.steps, language)) if reading.steps else ""
     limits = can or Capabilities("", ops)
     examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hints))

@@ -17,7 +17,7 @@ from agentrob.language.parser.spelling import misspellings
 from agentrob.model import Language
 
 
-class Kind(StrEnum):
+class TokenKind(StrEnum):
     """Parts of speech of the robot's small world."""
 
     MOVE = "move"  # a verb of going, in any direction; values "sideways", "to" (to a place)
@@ -99,7 +99,7 @@ Value = float | str | None
 class Token:
     """A phrase with its meaning; `start` and `end` are its place in the text."""
 
-    kind: Kind
+    kind: TokenKind
     value: Value = None
     start: int = 0
     end: int = 0
@@ -117,8 +117,8 @@ class Piece(NamedTuple):
 NumberReader = Callable[[Sequence[Piece], int], tuple[float, int] | None]
 
 
-Meaning = tuple[tuple[Kind, Value], ...]
-_SIDE_WORDS = {Kind.DIR, Kind.AGREE, Kind.BACK}
+Meaning = tuple[tuple[TokenKind, Value], ...]
+_SIDE_WORDS = {TokenKind.DIR, TokenKind.AGREE, TokenKind.BACK}
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ def lexicon(
 ) -> Lexicon:
     """Build a language from its table; phrases are separated by | and written as people write them."""
     phrases: dict[tuple[str, ...], Meaning] = {}
-    for meaning, words in (*MARKS.items(), *table.items()):
+    for meaning, words in (*PUNCTUATION.items(), *table.items()):
         symbols = tuple(_symbol(s) for s in meaning.split())
         for phrase in words.replace("\n", " ").split("|"):
             if key := _phrase(phrase):
@@ -203,14 +203,23 @@ def _phrase(written: str) -> tuple[str, ...]:
 
 
 #: Marks mean the same in every language.
-MARKS = {
+PUNCTUATION = {
     "comma": ",|/|;|(|)|[|]|—|，|、|；|（|）|【|】",
     "comma=colon": ":|：",
     "end": ".|!|…|。|！|．",
     "asked end": "?|？",
     "and": "&|+",
 }
-_SPELT = (Kind.MOVE, Kind.TURN, Kind.DIR, Kind.AGREE, Kind.OP, Kind.LENGTH_UNIT, Kind.ANGLE_UNIT, Kind.PICTURE)
+_SPELT = (
+    TokenKind.MOVE,
+    TokenKind.TURN,
+    TokenKind.DIR,
+    TokenKind.AGREE,
+    TokenKind.OP,
+    TokenKind.LENGTH_UNIT,
+    TokenKind.ANGLE_UNIT,
+    TokenKind.PICTURE,
+)
 
 
 _LONGEST_NUMBER = 15
@@ -225,12 +234,12 @@ def digits(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
     return float(above) / float(below or 1), 1
 
 
-def _symbol(text: str) -> tuple[Kind, Value]:
+def _symbol(text: str) -> tuple[TokenKind, Value]:
     name, _, value = text.partition("=")
     try:
-        return Kind(name), float(value) if value else None
+        return TokenKind(name), float(value) if value else None
     except ValueError:
-        return Kind(name), value
+        return TokenKind(name), value
 
 
 _PIECE = re.compile(
@@ -285,18 +294,18 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
     at = line = 0  # `line` is where the next line begins
     while at < len(pieces):
         if at and "\n" in text[pieces[at - 1].end : pieces[at].start]:
-            found.append(Token(Kind.COMMA, None, pieces[at].start, pieces[at].start))
+            found.append(Token(TokenKind.COMMA, None, pieces[at].start, pieces[at].start))
         while line < len(pieces) and (line <= at or "\n" not in text[pieces[line - 1].end : pieces[line].start]):
             line += 1
         length, meaning = words.longest(pieces[:line], at)  # "90 degrees⏎turn around" is no "degrees turn"
         number = words.number(pieces, at)
         if number and (meaning is None or number[1] > length):
-            length, meaning = number[1], ((Kind.NUMBER, number[0]),)
+            length, meaning = number[1], ((TokenKind.NUMBER, number[0]),)
         if meaning is None:
             length = _hesitation(pieces, at, words)
             run = 0 if length else _odd_numerals(pieces, at, words)
-            odd = ((Kind.WORD, "number" if run else None),)
-            length, meaning = (length, ((Kind.SOFT, None),)) if length else (run or 1, odd)
+            odd = ((TokenKind.WORD, "number" if run else None),)
+            length, meaning = (length, ((TokenKind.SOFT, None),)) if length else (run or 1, odd)
         start, end = pieces[at].start, pieces[at + length - 1].end
         found += (Token(kind, value, start, end) for kind, value in meaning)
         at += length
@@ -341,7 +350,7 @@ def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
 
 def _is_unit(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
     meaning = words.longest(pieces, at)[1]
-    return meaning is not None and meaning[0][0] in (Kind.LENGTH_UNIT, Kind.ANGLE_UNIT)
+    return meaning is not None and meaning[0][0] in (TokenKind.LENGTH_UNIT, TokenKind.ANGLE_UNIT)
 
 
 def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
@@ -349,4 +358,4 @@ def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
     if at >= len(pieces):
         return False
     meaning = words.longest(pieces, at)[1]
-    return words.number(pieces, at) is not None or (meaning is not None and meaning[-1][0] is Kind.DIR)
+    return words.number(pieces, at) is not None or (meaning is not None and meaning[-1][0] is TokenKind.DIR)

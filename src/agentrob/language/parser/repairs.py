@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from agentrob.language.parser.drafts import Draft
-from agentrob.language.parser.lexicon import Kind, Token
+from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.model import Direction, Op
 
 _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
@@ -26,7 +26,7 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
             joined[-1].each = joined[-1].each or draft.each
             continue
         if joined and _leaves_out_the_verb(joined[-1], draft):
-            draft.verb = Kind.TURN
+            draft.verb = TokenKind.TURN
         if joined and draft.after_and and _may_share_its_angle(joined[-1], draft):
             joined[-1].vague = True
         joined.append(draft)
@@ -35,14 +35,14 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
 
 def _may_share_its_angle(last: Draft, draft: Draft) -> bool:
     """ "Turn left and right 45 degrees": 45 for one of them, or for both."""
-    turns = last.verb is Kind.TURN and last.direction is not None and last.amount is None
+    turns = last.verb is TokenKind.TURN and last.direction is not None and last.amount is None
     return turns and draft.verb is None and draft.direction is not None and draft.amount is not None
 
 
 def _leaves_out_the_verb(last: Draft, draft: Draft) -> bool:
     """ "Turn 45 left and 45 right": a side and a number again, as of the turn before."""
-    alike = last.verb is Kind.TURN and draft.verb is None and bool(draft.direction) and not draft.unknown
-    return alike and all(d.amount is not None and d.amount.kind is Kind.NUMBER for d in (last, draft))
+    alike = last.verb is TokenKind.TURN and draft.verb is None and bool(draft.direction) and not draft.unknown
+    return alike and all(d.amount is not None and d.amount.kind is TokenKind.NUMBER for d in (last, draft))
 
 
 def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
@@ -53,11 +53,17 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
     if last.ahead:  # "three times: forward 1 m": that is what is repeated
         return False
     if extra.direction and extra.amount and not extra.hesitant:  # "turn left, left 90 degrees": one turn or two
-        bare = last is drafts[-1] and last.verb is Kind.TURN and last.direction is not None and last.amount is None
+        bare = last is drafts[-1] and last.verb is TokenKind.TURN and last.direction is not None and last.amount is None
         last.vague = last.vague or bare
         if bare or extra.after_and:
             return False
-    if extra.hesitant and extra.direction is None and last.amount and last.amount.kind is Kind.NUMBER and last.verb:
+    if (
+        extra.hesitant
+        and extra.direction is None
+        and last.amount
+        and last.amount.kind is TokenKind.NUMBER
+        and last.verb
+    ):
         last.amount = None  # "walk two, er, three metres"
     if extra.direction is not None and last.direction not in (None, extra.direction):
         return False
@@ -75,17 +81,17 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
 
 
 def _belongs(last: Draft, extra: Draft) -> bool:
-    if last.verb is Kind.AGAIN:
+    if last.verb is TokenKind.AGAIN:
         return True
-    is_angle = extra.amount is not None and extra.amount.kind in (Kind.ANGLE, Kind.NUMBER)
-    return is_angle if last.verb is Kind.TURN else not is_angle or last.direction not in _AHEAD
+    is_angle = extra.amount is not None and extra.amount.kind in (TokenKind.ANGLE, TokenKind.NUMBER)
+    return is_angle if last.verb is TokenKind.TURN else not is_angle or last.direction not in _AHEAD
 
 
 def _is_false_start(start: Draft, again: Draft) -> bool:
     """ "Move forward uh move three feet": begun twice, without a pause or hesitating, the first without an amount."""
     if not start.is_motion or start.amount is not None or start.unknown or start.verb is None or not again.is_motion:
         return False
-    if start.verb is Kind.TURN and again.amount is not None and not _is_angle(again.amount):
+    if start.verb is TokenKind.TURN and again.amount is not None and not _is_angle(again.amount):
         return False  # "turn ten inches": nobody can tell whether it is to turn or to step aside
     if start.direction is None:
         return start.verb is again.verb or again.verb is None
@@ -97,7 +103,7 @@ def _is_false_start(start: Draft, again: Draft) -> bool:
 
 def _begins_anew(start: Draft, picture: Draft, again: Draft) -> bool:
     """ "Turn left and take a picture turn left sixty degrees …", without a pause: the same, now with its angle."""
-    same = start.verb is Kind.TURN is again.verb and start.direction is again.direction is not None
+    same = start.verb is TokenKind.TURN is again.verb and start.direction is again.direction is not None
     ours = picture.op is Op.GET_FRONT_IMAGE and start.amount is None and again.amount is not None
     return same and ours and again.joined and not start.unknown and not again.fixes
 
@@ -118,14 +124,14 @@ def corrected(drafts: Sequence[Draft]) -> tuple[list[Draft], Token | None]:
 def _correct(done: list[Draft], fix: Draft) -> bool:
     """ "Turn left, no wait, right": the side; "…, no wait, walk 1 m": the deed, where it is plain which."""
     last = done[-1]
-    if fix.unknown or last.unknown or fix.verb is Kind.AGAIN or fix.bare_picture:
+    if fix.unknown or last.unknown or fix.verb is TokenKind.AGAIN or fix.bare_picture:
         return False
     if fix.is_motion and last.is_motion:
         if fix.verb is None or fix.verb is last.verb:
             return _overlay(last, fix)
         if len(done) > 1:
             return False
-    elif (fix.verb is Kind.OP) is not (last.verb is Kind.OP):
+    elif (fix.verb is TokenKind.OP) is not (last.verb is TokenKind.OP):
         return False
     done[-1] = fix
     return True
@@ -135,7 +141,7 @@ def _overlay(last: Draft, fix: Draft) -> bool:
     """Put what is said anew over what was said; whether the two go together."""
     if fix.direction is None and fix.amount is None:
         return False
-    if last.verb is Kind.TURN and (fix.direction in _AHEAD or (fix.amount and not _is_angle(fix.amount))):
+    if last.verb is TokenKind.TURN and (fix.direction in _AHEAD or (fix.amount and not _is_angle(fix.amount))):
         return False
     if fix.amount is not None and last.amount is not None and not _alike(fix.amount, last.amount):
         return False
@@ -149,8 +155,8 @@ def _overlay(last: Draft, fix: Draft) -> bool:
 
 def _alike(amount: Token, other: Token) -> bool:
     """Whether one may stand for the other: "two, no, three metres"."""
-    return Kind.NUMBER in (amount.kind, other.kind) or _is_angle(amount) is _is_angle(other)
+    return TokenKind.NUMBER in (amount.kind, other.kind) or _is_angle(amount) is _is_angle(other)
 
 
 def _is_angle(amount: Token) -> bool:
-    return amount.kind in (Kind.ANGLE, Kind.NUMBER)
+    return amount.kind in (TokenKind.ANGLE, TokenKind.NUMBER)

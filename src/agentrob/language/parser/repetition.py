@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import outline
 from agentrob.language.parser.drafts import Draft
-from agentrob.language.parser.lexicon import Kind
+from agentrob.language.parser.lexicon import TokenKind
 from agentrob.model import Capabilities, Direction, Language, Op, Plan, Primitive
 
 #: The most that one post is taken to mean.
@@ -28,7 +28,7 @@ _OPPOSITE = {
 
 
 @dataclass(frozen=True, slots=True)
-class Background:
+class ParseContext:
     """What is known besides the words of a post.
 
     `history`: the plans done before in the thread, oldest first. `pace_mps`: how fast a robot walks for a time that is
@@ -42,36 +42,39 @@ class Background:
     can: Capabilities | None = None
 
 
-class Unclear(Exception):
+class AmbiguousRepetition(Exception):
     """Why something cannot be done again, as a sentence."""
 
 
-def once_more(
+def repeated_steps(
     draft: Draft, said: str, before: Sequence[Primitive], history: Sequence[Plan], language: Language
 ) -> tuple[list[Primitive], str]:
-    """The steps that follow `before` (those of the same post), and a note that tells them. Raises `Unclear`."""
+    """Return the steps that follow `before` (the steps of the same post), and a note that lists them.
+
+    Raises `AmbiguousRepetition`.
+    """
     base = list(before) or (list(history[-1].steps) if history else [])
     if not base:
-        raise Unclear(say("ask.again", language, words=quote(said)))
+        raise AmbiguousRepetition(say("ask.again", language, words=quote(said)))
     if draft.only is not None and any(step.op is not draft.only for step in base):
-        raise Unclear(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
+        raise AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
     if draft.back:
-        steps = way_back(base)
+        steps = reversed_path(base)
         if not steps or draft.counted or draft.amount is not None:
-            raise Unclear(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
+            raise AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
         steps = _changed(steps, draft, said, language)
     else:
         if before and not draft.counted and len(base) > 1:
-            raise Unclear(say("ask.again_which", language, words=quote(said)))
+            raise AmbiguousRepetition(say("ask.again_which", language, words=quote(said)))
         # "Walk 1 m, do this twice": twice in all. "Again" with nothing before it: as often as it says.
         times = draft.times - 1 if before and draft.counted and not draft.more else draft.times
         if not 0 <= times * len(base) <= MAX_STEPS or draft.times < 1:
-            raise Unclear(say("ask.too_many", language, steps=MAX_STEPS))
+            raise AmbiguousRepetition(say("ask.too_many", language, steps=MAX_STEPS))
         steps = _changed(base, draft, said, language) * times
     return steps, say("note.again", language, words=quote(said), steps=outline([*before, *steps], language))
 
 
-def way_back(steps: Sequence[Primitive]) -> list[Primitive]:
+def reversed_path(steps: Sequence[Primitive]) -> list[Primitive]:
     """The same path in reverse, without its gestures and pictures."""
     moves = [step for step in reversed(steps) if step.op in (Op.MOVE, Op.TURN) and step.direction]
     return [replace(step, direction=_OPPOSITE[step.direction]) for step in moves if step.direction]
@@ -79,7 +82,7 @@ def way_back(steps: Sequence[Primitive]) -> list[Primitive]:
 
 def _changed(steps: Sequence[Primitive], draft: Draft, said: str, language: Language) -> list[Primitive]:
     """ "The same but slower, to the left, two metres": only where it is plain which step is meant."""
-    unclear = Unclear(say("ask.again_how", language, words=quote(said), steps=outline(steps, language)))
+    unclear = AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(steps, language)))
     plain = not (draft.counted or draft.slow or draft.direction or draft.amount or draft.speed_mps)
     walks = [step for step in steps if step.op is Op.MOVE]
     if draft.faster or (draft.vague and plain) or ((draft.slow or draft.speed_mps is not None) and not walks):
@@ -93,7 +96,7 @@ def _changed(steps: Sequence[Primitive], draft: Draft, said: str, language: Lang
             raise unclear
         found = [replace(s, direction=draft.direction) if s.direction in axis else s for s in found]
     if draft.amount is not None:
-        op = {Kind.LENGTH: Op.MOVE, Kind.ANGLE: Op.TURN}.get(draft.amount.kind)
+        op = {TokenKind.LENGTH: Op.MOVE, TokenKind.ANGLE: Op.TURN}.get(draft.amount.kind)
         if sum(s.op is op for s in found) != 1 or not isinstance(draft.amount.value, float):
             raise unclear
         found = [_with_amount(s, round(draft.amount.value, 4)) if s.op is op else s for s in found]

@@ -8,7 +8,7 @@ from enum import StrEnum
 from agentrob.language.parser.drafts import Sentence
 
 
-class Talk(StrEnum):
+class SmallTalk(StrEnum):
     """What posts are besides commands, stops, help and status. None of them moves anything."""
 
     CANCEL = "cancel"  # what its author posted before is not wanted any more
@@ -18,14 +18,14 @@ class Talk(StrEnum):
     THANKS = "thanks"  # or other manners alone
 
 
-def talk_in(sentences: Sequence[Sentence]) -> Talk | None:
+def small_talk_in(sentences: Sequence[Sentence]) -> SmallTalk | None:
     """The first of cancel, question, past, greeting, thanks that is found."""
     if any(s.cancelled for s in sentences):
-        return Talk.CANCEL
+        return SmallTalk.CANCEL
     if any(s.question or s.asked for s in sentences):
-        return Talk.QUESTION
+        return SmallTalk.QUESTION
     if any(s.report for s in sentences):
-        return Talk.PAST
+        return SmallTalk.PAST
     if not all(s.says_nothing for s in sentences):
         return None
-    return Talk.GREETING if any(s.greeted for s in sentences) else Talk.THANKS
+    return SmallTalk.GREETING if any(s.greeted for s in sentences) else SmallTalk.THANKS

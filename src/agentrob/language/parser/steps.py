@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from agentrob.language.messages.catalog import quote, say
-from agentrob.language.messages.plan_text import deeds, outline, step_sentence
-from agentrob.language.parser.drafts import Besides, Draft, Remark, Sentence
-from agentrob.language.parser.lexicon import Kind
+from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
+from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
+from agentrob.language.parser.lexicon import TokenKind
 from agentrob.language.parser.repairs import corrected, settled
-from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, Background, Unclear, once_more
+from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.model import Direction, Language, Op, Primitive
 
 #: Bounds of the language, whatever a robot can do: beyond them something was misunderstood.
@@ -24,13 +24,13 @@ SLOW_FROM_MPS, FAST_TO_MPS = 0.01, 10.0
 
 
 @dataclass
-class Reading:
+class ParsedSteps:
     """Steps that are understood, in order; `problem` is the first reason not to do them, as a sentence."""
 
     steps: list[Primitive]
     notes: list[str]
     problem: str = ""
-    picture_after: Kind | None = None
+    picture_after: TokenKind | None = None
     hints: list[list[Primitive]] = field(default_factory=list)  # what the first that is not understood might be
 
     def object_to(self, problem: str) -> None:
@@ -41,11 +41,11 @@ class Reading:
             self.notes.append(note)
 
 
-def read(
-    sentences: Sequence[Sentence], text: str, language: Language, ops: frozenset[Op], background: Background
-) -> Reading:
+def read_steps(
+    sentences: Sequence[Sentence], text: str, language: Language, ops: frozenset[Op], background: ParseContext
+) -> ParsedSteps:
     """Turn the drafts of a whole post into steps; `ops` are those of the robot."""
-    return _Maker(text, language, ops, background).read(sentences)
+    return _StepBuilder(text, language, ops, background).build(sentences)
 
 
 def _is_question(sentence: Sentence) -> bool:
@@ -94,27 +94,27 @@ _SIDES = (Direction.LEFT, Direction.RIGHT)
 _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
-class _Maker:
+class _StepBuilder:
     """Makes steps of drafts, one after the other."""
 
-    def __init__(self, text: str, language: Language, ops: frozenset[Op], background: Background) -> None:
+    def __init__(self, text: str, language: Language, ops: frozenset[Op], background: ParseContext) -> None:
         self.text = text
         self.language = language
         self.ops = ops
         self.background = background
-        self.reading = Reading([], [])
+        self.reading = ParsedSteps([], [])
         self.waits = False
         self.besides = ""
         self.ahead: Draft | None = None  # what is repeated is said after it
 
-    def read(self, sentences: Sequence[Sentence]) -> Reading:
+    def build(self, sentences: Sequence[Sentence]) -> ParsedSteps:
         reading = self.reading
         wants = any(sentence.drafts for sentence in sentences)
         first = min((d.start for s in sentences if not _is_aside(s) for d in s.drafts), default=None)
         drafts: list[Draft] = []
         _carry_over(sentences)
         for sentence in sentences:
-            if first is not None or any(r.kind is Besides.WISH and r.deeds for r in sentence.remarks):
+            if first is not None or any(r.kind is RemarkKind.WISH and r.actions for r in sentence.remarks):
                 self._account(sentence, first or 0)
             if _is_aside(sentence):
                 continue
@@ -151,22 +151,22 @@ class _Maker:
         """What stands beside the deeds of a post, of which the first is at `first`: told as left out where it is a
         mere remark; where something may be wanted of the robot, it is asked back."""
         if _is_aside(sentence):
-            begun = min((d.start for d in sentence.drafts if d.is_deed), default=sentence.end)
+            begun = min((d.start for d in sentence.drafts if d.is_action), default=sentence.end)
             told = sentence.report and (sentence.reported_at or 0) <= begun and sentence.condition is None
-            kind = Besides.REMARK if told else Besides.WISH if sentence.drafts else Besides.QUESTION
+            kind = RemarkKind.REMARK if told else RemarkKind.WISH if sentence.drafts else RemarkKind.QUESTION
             beside = [Remark(kind, sentence.start, sentence.end)]
         else:
             beside = sentence.remarks
         for remark in beside:
             words = self.text[remark.start : remark.end].rstrip("?？ ")
-            if remark.kind is Besides.DENIED and any(d.verb is Kind.AGAIN for d in sentence.drafts):
+            if remark.kind is RemarkKind.DENIED and any(d.verb is TokenKind.AGAIN for d in sentence.drafts):
                 self.reading.object_to(self._say("ask.denial", words))  # "again, but not the turn"
-            elif remark.kind is Besides.DENIED:
+            elif remark.kind is RemarkKind.DENIED:
                 self.reading.note(self._say("note.not_done", words))
                 continue
-            half = remark.deeds or (remark.beyond and sentence.drafts != [])
-            asks = remark.kind in (Besides.QUESTION, Besides.HELP) and first < remark.start
-            if remark.kind is Besides.WISH or half or asks:
+            half = remark.actions or (remark.beyond and sentence.drafts != [])
+            asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
+            if remark.kind is RemarkKind.WISH or half or asks:
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
@@ -194,13 +194,13 @@ class _Maker:
             return  # "walk 2 m and stop": it stops by itself
         if draft.beyond:
             self.waits |= draft.beyond == "wait"
-            can = deeds(self.ops, self.language)
+            can = operation_names(self.ops, self.language)
             reading.object_to(say(f"ask.{draft.beyond}", self.language, words=quote(said), can=can))
         elif draft.unknown or draft.stop_word:
             reading.object_to(self._not_understood(draft, said))
         elif draft.ahead:
             pass  # see `_repeat_ahead`
-        elif draft.verb is Kind.AGAIN or (draft.back and draft.amount is None and self._is_way_back()):
+        elif draft.verb is TokenKind.AGAIN or (draft.back and draft.amount is None and self._is_way_back()):
             self._again(draft, said)
         else:
             self._one(draft, said)
@@ -209,7 +209,7 @@ class _Maker:
         return bool(self.reading.steps or self.background.history) and not self.reading.problem
 
     def _not_understood(self, draft: Draft, said: str) -> str:
-        if draft.stop_word and draft.amount and draft.amount.kind is Kind.DURATION:
+        if draft.stop_word and draft.amount and draft.amount.kind is TokenKind.DURATION:
             self.waits = True
             return self._say("ask.wait", said)
         if draft.stop_word and not draft.unknown and not draft.amount:  # "please wait"
@@ -220,7 +220,7 @@ class _Maker:
         # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
         known_part = draft.is_motion or draft.stop_word or not draft.unknown
         words = said if known_part else self.text[draft.unknown[0][0] : draft.unknown[-1][1]]
-        goes = draft.verb in (Kind.MOVE, Kind.TURN)
+        goes = draft.verb in (TokenKind.MOVE, TokenKind.TURN)
         # "Go to the kitchen", "face the door": a place instead of an amount.
         if draft.place and draft.unknown:
             return self._say("ask.place", words) if goes else self._say("ask.eyes", said)
@@ -231,8 +231,8 @@ class _Maker:
         if reading.problem:
             return
         try:
-            more, note = once_more(draft, said, reading.steps, self.background.history, self.language)
-        except Unclear as e:
+            more, note = repeated_steps(draft, said, reading.steps, self.background.history, self.language)
+        except AmbiguousRepetition as e:
             reading.object_to(str(e))
             return
         if not all(_in_bounds(step) for step in more):
@@ -275,18 +275,22 @@ class _Maker:
     def _motion(self, draft: Draft, said: str) -> tuple[Primitive | None, str]:
         kind = draft.amount.kind if draft.amount else None
         value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
-        if draft.verb is None and draft.direction is None and kind is Kind.DURATION:  # "a photo in 5 seconds"
+        if draft.verb is None and draft.direction is None and kind is TokenKind.DURATION:  # "a photo in 5 seconds"
             self.waits = True
             return None, self._say("ask.wait", said)
-        if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not Kind.ANGLE:
+        if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not TokenKind.ANGLE:
             return None, self._say("ask.what", said)
-        if draft.verb is Kind.TURN and draft.direction in _AHEAD:
+        if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)
-        turns = draft.verb is Kind.TURN or kind is Kind.ANGLE
-        if kind is Kind.NUMBER and not (turns and value >= 5):
+        turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE
+        if kind is TokenKind.NUMBER and not (turns and value >= 5):
             return None, self._say("ask.unit", said)
         if turns:
-            return (None, self._say("ask.turn_time", said)) if kind is Kind.DURATION else self._turn(draft, value, said)
+            return (
+                (None, self._say("ask.turn_time", said))
+                if kind is TokenKind.DURATION
+                else self._turn(draft, value, said)
+            )
         return self._move(draft, value, said)
 
     def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
@@ -316,12 +320,12 @@ class _Maker:
         if draft.sideways and draft.direction is None:
             return None, self._say("ask.side", said)
         distance_m = value
-        if draft.amount.kind is Kind.DURATION:
+        if draft.amount.kind is TokenKind.DURATION:
             speed = speed or min(self.background.pace_mps, SLOW_MPS if draft.slow else FAST_TO_MPS)
             distance_m = speed * value
             if 0 < distance_m <= MAX_DISTANCE_M:
                 self.reading.note(self._converted("note.duration", said, distance_m, speed))
-        elif draft.amount.kind is Kind.STEPS:
+        elif draft.amount.kind is TokenKind.STEPS:
             if self.background.step_m is None:
                 return None, self._say("ask.steps", said)
             distance_m = self.background.step_m * value
@@ -342,16 +346,16 @@ def _hints(draft: Draft) -> list[list[Primitive]]:
     """Steps of the kinds that may have been meant, with what was said of them."""
     kind = draft.amount.kind if draft.amount else None
     value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
-    degrees = value if kind in (Kind.ANGLE, Kind.NUMBER) and 5 <= value <= 360 else 90.0
+    degrees = value if kind in (TokenKind.ANGLE, TokenKind.NUMBER) and 5 <= value <= 360 else 90.0
     turn = Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
-    if draft.verb is Kind.TURN or kind is Kind.ANGLE:
+    if draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE:
         return [[turn]]
-    metres = value if kind in (Kind.LENGTH, Kind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
-    if kind is Kind.NUMBER and metres > 5:  # nobody walks "twenty" metres in a room
+    metres = value if kind in (TokenKind.LENGTH, TokenKind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
+    if kind is TokenKind.NUMBER and metres > 5:  # nobody walks "twenty" metres in a room
         metres /= 100
     usual = Direction.LEFT if draft.sideways else Direction.FORWARD
     walk = Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
-    side, number = draft.direction in _SIDES, kind is Kind.NUMBER and value >= 5
+    side, number = draft.direction in _SIDES, kind is TokenKind.NUMBER and value >= 5
     either = draft.verb is None and ((side and (number or kind is None)) or (number and draft.direction is None))
     return [[turn], [walk]] if either else [[walk]]
 
@@ -361,9 +365,9 @@ def _in_bounds(step: Primitive) -> bool:
     return speeds and 0 < (step.distance_m or 1) <= MAX_DISTANCE_M and 0 < (step.degrees or 1) <= MAX_DEGREES
 
 
-def _after_each(steps: Sequence[Primitive], after: Kind) -> list[Primitive]:
+def _after_each(steps: Sequence[Primitive], after: TokenKind) -> list[Primitive]:
     """A picture after every step, or after every walk or turn only, in place of those between."""
-    wanted = {Kind.MOVE: (Op.MOVE,), Kind.TURN: (Op.TURN,)}.get(after, tuple(op for op in Op))
+    wanted = {TokenKind.MOVE: (Op.MOVE,), TokenKind.TURN: (Op.TURN,)}.get(after, tuple(op for op in Op))
     pictured: list[Primitive] = []
     for step in steps:
         if step != _PICTURE:

@@ -55,7 +55,7 @@ def _phrases(*lists: str) -> frozenset[str]:
 
 @dataclass(frozen=True)
 class StopWords:
-    """The lists as sets; `of_any_language` adds what the files of further languages bring, and takes nothing away."""
+    """The lists as sets; `stop_words` adds what the files of further languages bring, and takes nothing away."""
 
     halt: frozenset[str]
     stop: frozenset[str]
@@ -65,7 +65,7 @@ class StopWords:
 
 
 @cache
-def of_any_language() -> StopWords:
+def stop_words() -> StopWords:
     locales = known().values()
     halt = _phrases(_HALT_EN, _HALT_ZH, *(t.halt for t in locales))
     stop = _phrases(_STOP_EN, _STOP_ZH, *(t.stop for t in locales)) | halt
@@ -105,7 +105,7 @@ def _read_clause(clause: str) -> Intent | object | None:
         if phrase is None:
             return None
         said.append(phrase)
-    lists = of_any_language()
+    lists = stop_words()
     if any(phrase in lists.halt for phrase in said):
         return Intent.HALT
     return Intent.STOP if any(phrase in lists.stop or phrase in _STOP_SYMBOLS for phrase in said) else _EMPTY
@@ -115,7 +115,7 @@ def _segments(clause: str) -> Iterator[str | None]:
     """Cut a clause into stop words and politeness, longest first; None as soon as something else turns up."""
     plain = clause.casefold().replace("’", "'").replace(OMITTED, " ")
     words = [_LONG_RUN.sub(r"\1", word) for word in _WORD.findall(plain)]
-    lists = of_any_language()
+    lists = stop_words()
     at = 0
     while at < len(words):
         if re.match(_HAN, words[at]):
@@ -135,7 +135,7 @@ def _segments(clause: str) -> Iterator[str | None]:
 
 def _han_segments(run: str) -> Iterator[str | None]:
     """Chinese has no spaces: find any way to cut the whole run into known words, in time linear in its length."""
-    lists = of_any_language()
+    lists = stop_words()
     word_before: list[str | None] = [""] + [None] * len(run)  # by position; None where no cutting leads
     for end in range(1, len(run) + 1):
         for start in range(max(0, end - lists.longest_han), end):

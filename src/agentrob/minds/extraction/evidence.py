@@ -15,7 +15,7 @@ from agentrob.minds.extraction.evidence_words import ACTIONS, DIRECTIONS, FIXED_
 from agentrob.model import Direction, Op
 
 
-class Kind(StrEnum):
+class EvidenceKind(StrEnum):
     LENGTH = "length"  # metres
     ANGLE = "angle"  # degrees
     SPEED = "speed"  # metres per second
@@ -33,10 +33,10 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Mention:
+class Evidence:
     """Something that stands in the text at `start` to `end`. `value` is in SI units and degrees."""
 
-    kind: Kind
+    kind: EvidenceKind
     start: int
     end: int
     value: float = 0.0
@@ -77,7 +77,7 @@ _UNIT = re.compile(
 _PER_SECOND = re.compile(r"每秒钟?$")
 
 
-def mentions_in(text: str) -> tuple[Mention, ...]:
+def evidence_in(text: str) -> tuple[Evidence, ...]:
     """Everything that a text says, in order."""
     low = _same_length_lower(text)
     amounts = list(_amounts(low))
@@ -93,7 +93,7 @@ def _same_length_lower(text: str) -> str:
 
 
 # ---------------------------------------------------------------------- amounts
-def _amounts(low: str) -> Iterator[Mention]:
+def _amounts(low: str) -> Iterator[Evidence]:
     """Numbers with the unit after them; without one as bare numbers. Of two that overlap the first and longest."""
     end = 0
     for start, stop, value in sorted(_numbers(low), key=lambda n: (n[0], -n[1])):
@@ -106,12 +106,12 @@ def _amounts(low: str) -> Iterator[Mention]:
         end = mention.end
 
 
-def _with_unit(low: str, start: int, stop: int, value: float) -> Mention | None:
+def _with_unit(low: str, start: int, stop: int, value: float) -> Evidence | None:
     stop, value = _and_a_half(low, stop, value)
     unit = _UNIT.match(low[stop : stop + 40])
     if unit is None:
         weak = low[start:stop] in ("a", "an", "半", "半个", "half", "single") or low[start:stop].startswith("half")
-        return None if weak else Mention(Kind.NUMBER, start, stop, value)
+        return None if weak else Evidence(EvidenceKind.NUMBER, start, stop, value)
     kind, factor = UNITS[unit[1]]
     end = stop + unit.end()
     if kind == "length":
@@ -123,8 +123,8 @@ def _with_unit(low: str, start: int, stop: int, value: float) -> Mention | None:
         if half:  # "a metre and a half"
             value, end = value + 0.5, end + half.end()
         if before := _PER_SECOND.search(low[:start]):  # 每秒0.3米
-            return Mention(Kind.SPEED, before.start(), end, value * factor)
-    return Mention(Kind(kind), start, end, round(value * factor, 6))
+            return Evidence(EvidenceKind.SPEED, before.start(), end, value * factor)
+    return Evidence(EvidenceKind(kind), start, end, round(value * factor, 6))
 
 
 def _and_a_half(low: str, stop: int, value: float) -> tuple[int, float]:
@@ -205,7 +205,7 @@ _ALL: dict[str, object] = {**dict.fromkeys((*ACTIONS, *DIRECTIONS, *FIXED_ANGLES
 _WORDS = _pattern(_ALL)
 
 
-def _words(low: str, taken: list[bool]) -> Iterator[Mention]:
+def _words(low: str, taken: list[bool]) -> Iterator[Evidence]:
     """Words with a meaning, outside of amounts. One phrase can be several things ("back up": going, backward)."""
     for match in _WORDS.finditer(low):
         start, end, phrase = match.start(), match.end(), match[0]
@@ -214,12 +214,12 @@ def _words(low: str, taken: list[bool]) -> Iterator[Mention]:
         if phrase == "起来" and re.search(rf"[{_HAN}]$", low[:start]) and low[start - 1] not in _RISES_AFTER:
             continue  # 嗨起来
         for op in ACTIONS.get(phrase, ()):
-            yield Mention(Kind.ACTION, start, end, op=op)
+            yield Evidence(EvidenceKind.ACTION, start, end, op=op)
         if direction := DIRECTIONS.get(phrase):
-            yield Mention(Kind.DIRECTION, start, end, direction=direction)
+            yield Evidence(EvidenceKind.DIRECTION, start, end, direction=direction)
         if angle := FIXED_ANGLES.get(phrase):
-            yield Mention(Kind.ACTION, start, end, op=Op.TURN)
-            yield Mention(Kind.ANGLE, start, end, angle)
+            yield Evidence(EvidenceKind.ACTION, start, end, op=Op.TURN)
+            yield Evidence(EvidenceKind.ANGLE, start, end, angle)
         if mark := MARKS.get(phrase):
             name, value = mark
-            yield Mention(Kind(name), start, end, value)
+            yield Evidence(EvidenceKind(name), start, end, value)

@@ -16,7 +16,7 @@ from typing import Literal, TypeVar
 
 from agentrob.language.parser.grammar import commands_nothing
 from agentrob.language.registry import language_of
-from agentrob.minds.extraction.evidence import Kind, Mention, mentions_in
+from agentrob.minds.extraction.evidence import Evidence, EvidenceKind, evidence_in
 from agentrob.minds.extraction.schema import ExtractedStep
 from agentrob.minds.extraction.units import MPS, degrees, metres, same
 from agentrob.model import Direction, Op, Plan, Primitive
@@ -63,12 +63,12 @@ class _Clause:
     start: int
     end: int
     sentence: int
-    mentions: list[Mention] = field(default_factory=list)
+    mentions: list[Evidence] = field(default_factory=list)
     claims: int = 0
     bare: bool = False  # says nothing besides: an afterthought such as "90 degrees"
     used: bool = False  # … which completed a step
 
-    def of(self, kind: Kind) -> list[Mention]:
+    def of(self, kind: EvidenceKind) -> list[Evidence]:
         return [m for m in self.mentions if m.kind is kind]
 
     @property
@@ -81,7 +81,7 @@ class _Clause:
 
     @property
     def refers(self) -> bool:
-        return bool(self.of(Kind.AGAIN) or self.of(Kind.BACK))
+        return bool(self.of(EvidenceKind.AGAIN) or self.of(EvidenceKind.BACK))
 
 
 def ground(steps: Sequence[ExtractedStep], text: str, history: Sequence[Plan] = ()) -> Grounded | Ungrounded:
@@ -115,7 +115,7 @@ class _Check:
         self._text = text
         self._language = language_of(text)
         self._before = before
-        self._mentions = mentions_in(text)
+        self._mentions = evidence_in(text)
         self._clauses = _clauses_of(text, self._mentions)
         self._assumed_turn = False
         self._repeated: dict[int, list[Primitive]] = {}  # by the place of the clause that refers to what was before
@@ -165,8 +165,8 @@ class _Check:
         if clause.refers and not clause.ops and any(p.op is step.action for p in self._before):
             return True
         if step.action is Op.TURN:  # "thirty degrees left", "move thirty degrees left"
-            return bool(clause.of(Kind.ANGLE)) and not clause.of(Kind.LENGTH)
-        return step.action is Op.MOVE and bool(clause.of(Kind.LENGTH)) and not clause.ops  # "then 2 m back"
+            return bool(clause.of(EvidenceKind.ANGLE)) and not clause.of(EvidenceKind.LENGTH)
+        return step.action is Op.MOVE and bool(clause.of(EvidenceKind.LENGTH)) and not clause.ops  # "then 2 m back"
 
     def _most(self, clause: _Clause) -> int:
         """How many steps a clause can be: one, as many as it counts, or what it refers to."""
@@ -176,8 +176,8 @@ class _Check:
     def _counted(self, clause: _Clause) -> int:
         """How often a clause says, 1 where it does not. A number counts where a word of counting stands beside it
         ("three times", 三次), or what is counted right after it ("three photos", "two waves")."""
-        counts = {m.value for m in clause.of(Kind.TIMES)}
-        for number in clause.of(Kind.NUMBER):
+        counts = {m.value for m in clause.of(EvidenceKind.TIMES)}
+        for number in clause.of(EvidenceKind.NUMBER):
             after = next((m for m in self._mentions if m.start >= number.end), None)
             counted = after is not None and after.op is not None and after.op not in _MOTIONS
             if after is not None and counted and not self._text[number.end : after.start].strip():
@@ -189,17 +189,17 @@ class _Check:
     # ------------------------------------------------------------ what a step is
     def _primitive(self, step: ExtractedStep, clause: _Clause, places: Sequence[_Clause]) -> Primitive:
         if step.action not in _MOTIONS:
-            if clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE):  # "wave 2 m"
+            if clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE):  # "wave 2 m"
                 raise _Lacking("left_out")
             return Primitive(step.action)
-        if clause.of(Kind.LENGTH if step.action is Op.TURN else Kind.ANGLE):  # "turn left 2 m"
+        if clause.of(EvidenceKind.LENGTH if step.action is Op.TURN else EvidenceKind.ANGLE):  # "turn left 2 m"
             raise _Lacking("left_out")
         if clause.refers and (again := self._from_before(step, clause)):
             return self._with_speed(step, clause, again)
         free = [c for c in self._clauses if not any(c is p for p in places)]
         direction = _direction(step, clause, free)
         if step.action is Op.MOVE:
-            distance_m = _amount(step, clause, free, Kind.LENGTH)
+            distance_m = _amount(step, clause, free, EvidenceKind.LENGTH)
             if not 0 < distance_m <= MAX_DISTANCE_M:
                 raise _Lacking("bounds")
             moved = Primitive(Op.MOVE, direction or Direction.FORWARD, distance_m=round(distance_m, 4))
@@ -212,18 +212,18 @@ class _Check:
         return Primitive(Op.TURN, direction or Direction.LEFT, degrees=round(angle, 4))
 
     def _angle(self, step: ExtractedStep, clause: _Clause, free: Sequence[_Clause]) -> float:
-        said = clause.of(Kind.ANGLE) or [m for c in free if c.bare for m in c.of(Kind.ANGLE)]
+        said = clause.of(EvidenceKind.ANGLE) or [m for c in free if c.bare for m in c.of(EvidenceKind.ANGLE)]
         bare = step.amount is None or same(_asked(step) or 0.0, BARE_TURN_DEG)
-        if not said and bare and not clause.of(Kind.NUMBER):
+        if not said and bare and not clause.of(EvidenceKind.NUMBER):
             self._assumed_turn = True
             return BARE_TURN_DEG
-        return _amount(step, clause, free, Kind.ANGLE)
+        return _amount(step, clause, free, EvidenceKind.ANGLE)
 
     def _with_speed(self, step: ExtractedStep, clause: _Clause, move: Primitive) -> Primitive:
         near = [c for c in self._clauses if c.sentence == clause.sentence]
         if move.op is not Op.MOVE:
             return move
-        speeds = {m.value for c in near for m in c.of(Kind.SPEED)}
+        speeds = {m.value for c in near for m in c.of(EvidenceKind.SPEED)}
         if step.speed is not None and step.speed_unit is not None:
             asked = step.speed * MPS[step.speed_unit]
             if len(speeds) != 1 or not same(asked, next(iter(speeds))):
@@ -231,14 +231,14 @@ class _Check:
             return replace(move, speed_mps=next(iter(speeds)))
         if speeds or step.speed is not None:
             raise _Lacking("speed")  # the post names a speed that the model left out, or the other way round
-        if any(c.of(Kind.SLOW) for c in near):  # slower than asked is never wrong
+        if any(c.of(EvidenceKind.SLOW) for c in near):  # slower than asked is never wrong
             return replace(move, speed_mps=min(SLOW_MPS, move.speed_mps or SLOW_MPS))
         return move
 
     def _from_before(self, step: ExtractedStep, clause: _Clause) -> Primitive | None:
         """A step done before, once more or reversed; what the clause says itself takes its place."""
-        back = bool(clause.of(Kind.BACK))
-        kind = Kind.LENGTH if step.action is Op.MOVE else Kind.ANGLE
+        back = bool(clause.of(EvidenceKind.BACK))
+        kind = EvidenceKind.LENGTH if step.action is Op.MOVE else EvidenceKind.ANGLE
         said = {m.value for m in clause.of(kind)}
         for before in self._before:
             if before.op is not step.action or before.direction is None:
@@ -263,9 +263,9 @@ class _Check:
         used = {c.sentence for c in places}
         for clause in self._clauses:
             placed = any(clause is p for p in places)
-            if clause.sentence in used and clause.of(Kind.NOT):
+            if clause.sentence in used and clause.of(EvidenceKind.NOT):
                 return "denial"
-            if clause.sentence in used and clause.of(Kind.IF):
+            if clause.sentence in used and clause.of(EvidenceKind.IF):
                 return "condition"
             if placed and clause.refers:
                 if not self._repeats_all(clause):
@@ -278,7 +278,7 @@ class _Check:
 
     def _is_remark(self, clause: _Clause) -> bool:
         """Whether a clause that no step was made of is manners, a remark, or how fast to walk."""
-        words = _without(self._text, clause, (Kind.SLOW, Kind.SPEED))
+        words = _without(self._text, clause, (EvidenceKind.SLOW, EvidenceKind.SPEED))
         return commands_nothing(_MANNERS.sub("", words), self._language)
 
     def _repeats_all(self, clause: _Clause) -> bool:
@@ -291,14 +291,14 @@ class _Check:
         if not before:  # "go another 2 m" where nothing was before: wholly said by itself
             return len(done) == self._counted(clause)
         if clause.ops and len(before) != 1:
-            return len(done) == 1 and bool(clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))
-        if clause.of(Kind.BACK):
+            return len(done) == 1 and bool(clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE))
+        if clause.of(EvidenceKind.BACK):
             before = [step for step in reversed(before) if step.op in _MOTIONS]
         own = bool(clause.ops) or len(before) == 1
-        changed = clause.directions - ({Direction.BACKWARD} if clause.of(Kind.BACK) else set())
-        if not own and (changed or clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE)):
+        changed = clause.directions - ({Direction.BACKWARD} if clause.of(EvidenceKind.BACK) else set())
+        if not own and (changed or clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE)):
             return False
-        left = _MANNERS.sub("", _without(self._text, clause, tuple(Kind)))
+        left = _MANNERS.sub("", _without(self._text, clause, tuple(EvidenceKind)))
         whole = [step.op for step in done] == [step.op for step in before] * self._counted(clause)
         return whole and all(word.lower() in _WHOLE or commands_nothing(word, self._language) for word in left.split())
 
@@ -311,11 +311,11 @@ def _asked(step: ExtractedStep) -> float | None:
     return metres(step.amount, step.unit) if step.action is Op.MOVE else degrees(step.amount, step.unit)
 
 
-def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind: Kind) -> float:
+def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind: EvidenceKind) -> float:
     """The amount that the post says, when the model says the same."""
     values = {m.value for m in clause.of(kind)} or _completed_by(free, lambda c: {m.value for m in c.of(kind)})
-    if not values and kind is Kind.ANGLE:  # "turn one eighty to the right"
-        values = {m.value for m in clause.of(Kind.NUMBER) if m.value >= LEAST_BARE_DEG}
+    if not values and kind is EvidenceKind.ANGLE:  # "turn one eighty to the right"
+        values = {m.value for m in clause.of(EvidenceKind.NUMBER) if m.value >= LEAST_BARE_DEG}
     asked = _asked(step)
     if len(values) != 1 or asked is None or not same(asked, next(iter(values))):
         raise _Lacking("amount")
@@ -349,21 +349,21 @@ def _direction(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause]) ->
 
 def _whole(clause: _Clause) -> bool:
     """A whole or half turn, of which the side does not matter."""
-    return any(m.value in (180.0, 360.0) for m in clause.of(Kind.ANGLE))
+    return any(m.value in (180.0, 360.0) for m in clause.of(EvidenceKind.ANGLE))
 
 
 # ---------------------------------------------------------------------- clauses and quotes
-def _clauses_of(text: str, mentions: Sequence[Mention]) -> list[_Clause]:
+def _clauses_of(text: str, mentions: Sequence[Evidence]) -> list[_Clause]:
     """Cut at marks and joining words, and before each further verb of motion."""
     found: list[_Clause] = []
     current = _Clause(0, 0, 0)
     for mention in mentions:
-        if mention.kind in (Kind.BREAK, Kind.END):
+        if mention.kind in (EvidenceKind.BREAK, EvidenceKind.END):
             current.end = mention.start
             found.append(current)
-            current = _Clause(mention.end, mention.end, current.sentence + (mention.kind is Kind.END))
+            current = _Clause(mention.end, mention.end, current.sentence + (mention.kind is EvidenceKind.END))
             continue
-        if mention.kind is Kind.ACTION and _full(current, mention):
+        if mention.kind is EvidenceKind.ACTION and _full(current, mention):
             current.end = mention.start
             found.append(current)
             current = _Clause(mention.start, mention.start, current.sentence)
@@ -391,11 +391,11 @@ _SOFT = frozenset(
 
 
 def _is_bare(text: str, clause: _Clause) -> bool:
-    rest = _without(text, clause, tuple(Kind))
+    rest = _without(text, clause, tuple(EvidenceKind))
     return all(word.strip(".,;:!?~'\"").lower() in _SOFT | {""} for word in rest.split())
 
 
-def _without(text: str, clause: _Clause, kinds: Sequence[Kind]) -> str:
+def _without(text: str, clause: _Clause, kinds: Sequence[EvidenceKind]) -> str:
     """The words of a clause but for such mentions, which are blanked."""
     rest = list(text[clause.start : clause.end])
     for mention in clause.mentions:
@@ -404,13 +404,20 @@ def _without(text: str, clause: _Clause, kinds: Sequence[Kind]) -> str:
     return "".join(rest)
 
 
-def _full(clause: _Clause, verb: Mention) -> bool:
+def _full(clause: _Clause, verb: Evidence) -> bool:
     """Whether a clause says enough of a deed for a further verb to begin another; "move, uh, move 2 m" is one."""
-    if not any(m.kind is Kind.ACTION and m.end <= verb.start for m in clause.mentions):
+    if not any(m.kind is EvidenceKind.ACTION and m.end <= verb.start for m in clause.mentions):
         return False
     if verb.op in clause.ops:
-        return bool(clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))  # "snap three pictures" is one deed
-    return bool(clause.ops - set(_MOTIONS) or clause.directions or clause.of(Kind.LENGTH) or clause.of(Kind.ANGLE))
+        return bool(
+            clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE)
+        )  # "snap three pictures" is one deed
+    return bool(
+        clause.ops - set(_MOTIONS)
+        or clause.directions
+        or clause.of(EvidenceKind.LENGTH)
+        or clause.of(EvidenceKind.ANGLE)
+    )
 
 
 def _find(text: str, words: str, at: int) -> tuple[int, int] | None:

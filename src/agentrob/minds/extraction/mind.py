@@ -24,9 +24,9 @@ from agentrob.minds.extraction.grounding import Grounded, Ungrounded, claimed, g
 from agentrob.minds.extraction.messages import ask, say
 from agentrob.minds.extraction.schema import Wants
 from agentrob.minds.llm.chat import ChatModel
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.prompt import clean, prompts, shared_prompt, user_message
-from agentrob.minds.protocol import Listener, Reading
+from agentrob.minds.protocol import Addressee, Reading
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Intent, Language, Plan, Primitive, Understanding
@@ -49,17 +49,19 @@ class ModelMind:
         self.model = model
         self._rules = RulesMind()
 
-    async def understand(self, text: str, listener: Listener, history: Sequence[Plan] = ()) -> Understanding:
-        return (await self.read(text, listener, history)).understanding
+    async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
+        return (await self.read(text, addressee, history)).understanding
 
     async def read(
-        self, text: str, listener: Listener, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
+        self, text: str, addressee: Addressee, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
     ) -> Reading:
         """What is wanted, who read it, and what that took. Never raises for a model that fails: the rules answer."""
-        by_rules = await self._rules.understand(text, listener, history)
-        part = clean(part_for(text, listener.names, listener.others))
+        by_rules = await self._rules.understand(text, addressee, history)
+        part = clean(part_for(text, addressee.names, addressee.others))
         # Where words are hidden within a line, a model would read over the gap; a book is no command.
-        ordered = ordering_words(text, listener.names, listener.others)  # another robot's end, which nobody here knows
+        ordered = ordering_words(
+            text, addressee.names, addressee.others
+        )  # another robot's end, which nobody here knows
         clear = self._rules_first and by_rules.intent is not Intent.ASK_BACK
         if (
             clear
@@ -72,10 +74,10 @@ class ModelMind:
             return Reading(by_rules, self._rules.name)
         try:
             async with asyncio.timeout(self.limit_s):
-                system_prompt, begins = prompts(listener.capabilities, "read", self.model.shares_prompt)
+                system_prompt, begins = prompts(addressee.capabilities, "read", self.model.shares_prompt)
                 message = begins + user_message(part, history)
                 answer = await self.model.answer(system_prompt, message, Wants, spent=spent)
-        except MindFault as e:
+        except ModelError as e:
             return Reading(by_rules, self._rules.name, e.usage, fallback=f"{e.kind}")
         except TimeoutError:
             lost = Usage(self.name, "", latency_ms=self.limit_s * 1e3, failed="timeout")

@@ -15,23 +15,23 @@ from typing import Any
 
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.language.registry import language_of
-from agentrob.minds.extraction.evidence import Kind, Mention, mentions_in
+from agentrob.minds.extraction.evidence import Evidence, EvidenceKind, evidence_in
 from agentrob.minds.extraction.units import same
 from agentrob.minds.llm.chat import ChatModel
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.prompt import clean, prompt_file
 from agentrob.minds.usage import Usage
 from agentrob.model import ActionResult, Language, Op
 
 #: A finished report waits so long for its words, and they are so long at most.
 LIMIT_S, MOST_CHARS = 8.0, 400
-#: Why words were thrown away, besides the words of `faults.Kind`.
+#: Why words were thrown away, besides the words of `ErrorKind`.
 UNFOUNDED = "unfounded"
 #: What would be more than words in a post, or would hide digits from the check.
 _NO_WORDS = re.compile(r"[@<>\[\]`|#*_\\~]|://|www\.")
 _MEASURED = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f} degrees")}
 #: Deeds told in the past tense: evidence knows only what can order something.
-_DEEDS = {
+_PAST_VERBS = {
     "walked": "walk", "moved": "move", "went": "go", "stepped": "step", "advanced": "advance", "strolled": "stroll",
     "travelled": "travel", "traveled": "travel", "drove": "drive", "ran": "run", "crawled": "crawl", "came": "come",
     "reversed": "reverse", "retreated": "retreat", "backed": "back", "sidestepped": "sidestep", "covered": "walk",
@@ -40,8 +40,8 @@ _DEEDS = {
     "flipped": "flip", "somersaulted": "somersault", "sat": "sit", "stood": "stand", "rose": "rise",
     "stretched": "stretch", "photographed": "photograph", "snapped": "snap", "looked": "look", "saw": "see",
 }  # fmt: skip
-_PAST = re.compile(rf"\b(?:{'|'.join(_DEEDS)})\b", re.IGNORECASE)
-_AMOUNTS = {Kind.LENGTH: "distance_m", Kind.ANGLE: "degrees"}
+_PAST = re.compile(rf"\b(?:{'|'.join(_PAST_VERBS)})\b", re.IGNORECASE)
+_AMOUNTS = {EvidenceKind.LENGTH: "distance_m", EvidenceKind.ANGLE: "degrees"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,7 @@ async def summarise(
     try:
         async with asyncio.timeout(limit_s):
             answer = await model.chat(prompt_file("summary"), _message(results, language), spent=spent)
-    except MindFault as e:
+    except ModelError as e:
         return Summary(model.name, failed=e.kind, usage=e.usage)
     except TimeoutError:
         lost = Usage(model.name, "", latency_ms=limit_s * 1e3, failed="timeout")
@@ -90,8 +90,8 @@ def unfounded(text: str, results: Sequence[ActionResult], language: Language) ->
         return "empty, too long or more than words"
     if language_of(text) != language:
         return "another language"
-    told = _PAST.sub(lambda past: _DEEDS[past[0].lower()], text)
-    mentions = mentions_in(told)
+    told = _PAST.sub(lambda past: _PAST_VERBS[past[0].lower()], text)
+    mentions = evidence_in(told)
     for mention in mentions:
         if problem := _invented(mention, results):
             return f"{problem}: {told[mention.start : mention.end]}"
@@ -100,23 +100,23 @@ def unfounded(text: str, results: Sequence[ActionResult], language: Language) ->
     return ""
 
 
-def _invented(mention: Mention, results: Sequence[ActionResult]) -> str:
+def _invented(mention: Evidence, results: Sequence[ActionResult]) -> str:
     """What is wrong with one thing that a text says."""
     match mention.kind:
-        case Kind.LENGTH | Kind.ANGLE:
+        case EvidenceKind.LENGTH | EvidenceKind.ANGLE:
             measured = [r.measured[_AMOUNTS[mention.kind]] for r in results if _AMOUNTS[mention.kind] in r.measured]
             return "" if any(_shown_as(mention.value, m) for m in measured) else "not measured"
-        case Kind.SPEED:
+        case EvidenceKind.SPEED:
             return "not measured"
-        case Kind.NUMBER | Kind.TIMES:
+        case EvidenceKind.NUMBER | EvidenceKind.TIMES:
             counts = {1, *(sum(r.primitive.op is op for r in results) for op in Op)} - {0}
-            steps = {len(results)} if mention.kind is Kind.NUMBER else set()
+            steps = {len(results)} if mention.kind is EvidenceKind.NUMBER else set()
             return "" if mention.value in counts | steps else "not counted"
-        case Kind.ACTION:
+        case EvidenceKind.ACTION:
             return "" if any(r.primitive.op is mention.op for r in results) else "not done"
-        case Kind.DIRECTION:
+        case EvidenceKind.DIRECTION:
             return "" if any(r.primitive.direction is mention.direction for r in results) else "not this way"
-        case Kind.NOT | Kind.IF:
+        case EvidenceKind.NOT | EvidenceKind.IF:
             return "no plain statement of what was done"
     return ""
 
@@ -126,7 +126,7 @@ def _shown_as(said: float, measured: float) -> bool:
     return same(said, measured) or same(said, round(measured, 2))
 
 
-def _stray_digit(text: str, mentions: Sequence[Mention]) -> str:
+def _stray_digit(text: str, mentions: Sequence[Evidence]) -> str:
     """Digits outside of every number that was read."""
     for match in re.finditer(r"\d[\d.,/]*", text):
         if not any(m.start <= match.start() < m.end for m in mentions):

@@ -6,9 +6,9 @@ from agentrob.language.addressing import part_for
 from agentrob.language.messages.plan_text import sentence
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.protocol import Listener, LivingMind, Mind, Reading, read
+from agentrob.minds.protocol import Addressee, ManagedMind, Mind, Reading, read
 from agentrob.minds.rules import RulesMind
-from agentrob.minds.safety_review import Screened, narrowed, screen_by_model
+from agentrob.minds.safety_review import SafetyReview, apply_review, review_command
 from agentrob.model import Account, Capabilities, Decision, Intent, Role, Verdict
 from agentrob.screening.screen import screen
 
@@ -16,21 +16,21 @@ from agentrob.screening.screen import screen
 _AUTHOR = Account(id="local", name="local", role=Role.OPERATOR)
 
 
-async def trial(mind: Mind, name: str, text: str, robot: str, capabilities: Capabilities) -> list[str]:
+async def try_mind(mind: Mind, name: str, text: str, robot: str, capabilities: Capabilities) -> list[str]:
     """Read a post body for `robot` (its handle, unless the text mentions one), judge it, and close the mind. `name` is
     what the mind is called in the configuration."""
     visible = visible_text(text)
     called = (*mentions(visible), robot)[0]
     if called not in mentions(visible):
         visible = f"@{called} {visible}"
-    listener = Listener((called,), (), capabilities)
-    if isinstance(mind, LivingMind):
+    addressee = Addressee((called,), (), capabilities)
+    if isinstance(mind, ManagedMind):
         await mind.prepare()
     try:
-        reading = await read(mind, visible, listener)
-        judged, screened = await _judged(mind, reading, visible, listener)
+        reading = await read(mind, visible, addressee)
+        judged, screened = await _judged(mind, reading, visible, addressee)
     finally:
-        if isinstance(mind, LivingMind):
+        if isinstance(mind, ManagedMind):
             await mind.close()
     found, usage = reading.understanding, (*reading.usage, *(screened.usage if screened else ()))
     lines = [f"{found.intent}: {sentence(found.plan, found.language)}".rstrip(": ")]
@@ -40,38 +40,40 @@ async def trial(mind: Mind, name: str, text: str, robot: str, capabilities: Capa
     return [*lines, *judged, *(f"  {one.line()}" for one in usage)]
 
 
-async def second_look(
+async def reviewed_verdict(
     mind: Mind,
     reading: Reading,
     by_rules: Verdict,
     text: str,
-    listener: Listener,
+    addressee: Addressee,
     scene: str = "",
     *,
     required: bool = False,
-) -> tuple[Verdict, Screened | None]:
+) -> tuple[Verdict, SafetyReview | None]:
     """What counts of a command that was read and judged by rules, as for an agent with `screen = "model"`: where the
     rules allow it and the mind is a model, that looks at it once more, and can only refuse. `required`: with `screen =
     "required"`, so it is asked back where no model could look."""
     found = reading.understanding
     if by_rules.decision is not Decision.ALLOW or not isinstance(mind, ModelMind):
-        return narrowed(by_rules, None, found.language, required), None
+        return apply_review(by_rules, None, found.language, required), None
     if reading.mind == RulesMind.name and reading.fallback:  # nobody answered a moment ago
-        screened = Screened(mind.name, failed=reading.fallback)
-        return narrowed(by_rules, screened, found.language, required), screened
-    part, can = part_for(text, listener.names, listener.others), listener.capabilities
-    looking = screen_by_model(mind.model, part, found.plan, can, found.language, scene=scene, spent=reading.usage)
+        screened = SafetyReview(mind.name, failed=reading.fallback)
+        return apply_review(by_rules, screened, found.language, required), screened
+    part, can = part_for(text, addressee.names, addressee.others), addressee.capabilities
+    looking = review_command(mind.model, part, found.plan, can, found.language, scene=scene, spent=reading.usage)
     screened = await looking
-    return narrowed(by_rules, screened, found.language, required), screened
+    return apply_review(by_rules, screened, found.language, required), screened
 
 
-async def _judged(mind: Mind, reading: Reading, text: str, listener: Listener) -> tuple[list[str], Screened | None]:
+async def _judged(
+    mind: Mind, reading: Reading, text: str, addressee: Addressee
+) -> tuple[list[str], SafetyReview | None]:
     """What the screen says of a command, and what a model adds where the rules allow it."""
-    found, can = reading.understanding, listener.capabilities
+    found, can = reading.understanding, addressee.capabilities
     if found.intent is not Intent.COMMAND:
         return [], None
     verdict = screen(found.plan, text=text, author=_AUTHOR, capabilities=can, language=found.language)
-    verdict, screened = await second_look(mind, reading, verdict, text, listener)
+    verdict, screened = await reviewed_verdict(mind, reading, verdict, text, addressee)
     if verdict.decision is not Decision.ALLOW:
         return [f"  {verdict.decision}: {verdict.reason} ({verdict.rule})"], screened
     looked = ""

@@ -17,7 +17,7 @@ from pathlib import Path
 import structlog
 
 from agentrob.config.load import MindLimitsConfig
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.usage import Usage, spent_by
 
 BUSY_S = 2.0
@@ -59,7 +59,7 @@ class Budget:
         self._today = today
 
     async def reserve(self, tokens: int, cost: float, spent: Sequence[Usage]) -> Reserve:
-        """Set aside the most that a question may take. `MindFault` "budget" names the limit that stands in its way."""
+        """Set aside the most that a question may take. `ModelError` "budget" names the limit that stands in its way."""
         used_tokens, used_money = spent_by(self._mind, spent)
         self._check("command", used_tokens + tokens, used_money + cost)
         reserve = Reserve(self._today(), tokens, cost)
@@ -71,7 +71,7 @@ class Budget:
         more = (tokens - reserve.tokens, cost - reserve.cost)
         try:
             await asyncio.to_thread(self._add, reserve.day, *more)
-        except MindFault as e:  # the answer is there all the same; what was set aside stays counted
+        except ModelError as e:  # the answer is there all the same; what was set aside stays counted
             _log.warning("what a mind used cannot be written down", mind=self._mind, error=str(e))
 
     def spent_today(self) -> tuple[int, float]:
@@ -88,7 +88,7 @@ class Budget:
             what = f"a cost of {cost:.4f} would pass {span}_cost = {most_money:g}"
         else:
             return
-        raise MindFault("budget", f"{self._mind}: {what} (minds.{self._mind}.limits)")
+        raise ModelError("budget", f"{self._mind}: {what} (minds.{self._mind}.limits)")
 
     def _take(self, reserve: Reserve) -> None:
         with self._opened() as db:
@@ -108,7 +108,7 @@ class Budget:
 
     @contextmanager
     def _opened(self) -> Iterator[sqlite3.Connection]:
-        """The file; whatever is wrong with it is a `MindFault`."""
+        """The file; whatever is wrong with it is a `ModelError`."""
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True)
             with closing(sqlite3.connect(self._file, timeout=BUSY_S, isolation_level=None)) as db:
@@ -116,4 +116,4 @@ class Budget:
                 yield db
         except (OSError, sqlite3.Error) as e:
             what = f"{self._mind}: what was spent today cannot be kept in {self._file.name}: {e}"
-            raise MindFault("budget", what) from None
+            raise ModelError("budget", what) from None

@@ -47,7 +47,7 @@ class ToolCall:
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class UserMessage:
     """What we say to the model."""
 
     text: str
@@ -55,7 +55,7 @@ class Said:
 
 
 @dataclass(frozen=True, slots=True)
-class Replied:
+class ModelReply:
     """What the model answered: words, calls of tools, or both."""
 
     text: str
@@ -63,7 +63,7 @@ class Replied:
 
 
 @dataclass(frozen=True, slots=True)
-class Returned:
+class ToolResult:
     """What a call came to, measured by us; goes to the model as data."""
 
     call: ToolCall
@@ -71,7 +71,7 @@ class Returned:
     images: tuple[Image, ...] = ()
 
 
-Message = Said | Replied | Returned
+Message = UserMessage | ModelReply | ToolResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class Answer(Generic[T]):
 
 
 class ChatModel(Protocol):
-    """A model, or a chain of them. Every call raises `faults.MindFault` when there is no answer within its budget.
+    """A model, or a chain of them. Every call raises `ModelError` when there is no answer within its budget.
 
     `spent` is what the command used up before, for the limits per command; pass the usage of earlier answers on.
     """
@@ -123,7 +123,7 @@ class ChatModel(Protocol):
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
-    ) -> Answer[Replied]:
+    ) -> Answer[ModelReply]:
         """One turn with tools. Calls of unknown tools or with wrong arguments come back with a `problem`."""
         ...
 

@@ -8,7 +8,7 @@ from typing import Literal
 from agentrob.errors import MindError
 from agentrob.minds.usage import Usage
 
-Kind = Literal[
+ErrorKind = Literal[
     "no_key",  # the environment has no key
     "no_library",  # the model libraries are not installed
     "denied",  # 401, 403
@@ -26,19 +26,19 @@ Kind = Literal[
     "budget",  # our own limit of tokens or money
 ]
 #: What may be better at once or in a moment.
-PASSING: frozenset[Kind] = frozenset(["limited", "server", "unreachable", "broken", "timeout"])
+TRANSIENT: frozenset[ErrorKind] = frozenset(["limited", "server", "unreachable", "broken", "timeout"])
 #: What the provider did not serve and therefore does not bill.
-UNSERVED: frozenset[Kind] = frozenset(
+UNBILLED: frozenset[ErrorKind] = frozenset(
     ["no_key", "no_library", "denied", "not_found", "rejected", "limited", "server", "dns", "tls", "unreachable"]
 )
 
 
-class MindFault(MindError):
+class ModelError(MindError):
     """A model did not answer. `kind` is a stable word, `usage` what was spent on the way, failed attempts included."""
 
     def __init__(
         self,
-        kind: Kind,
+        kind: ErrorKind,
         message: str,
         retry_after_s: float | None = None,
         usage: Sequence[Usage] = (),
@@ -51,12 +51,12 @@ class MindFault(MindError):
         self._final = final
 
     @property
-    def passing(self) -> bool:
+    def transient(self) -> bool:
         """Whether asking again may help."""
-        return self.kind in PASSING and not self._final
+        return self.kind in TRANSIENT and not self._final
 
 
-def said(text: object, secrets: Sequence[str] = (), limit: int = 160) -> str:
+def one_line(text: object, secrets: Sequence[str] = (), limit: int = 160) -> str:
     """Words of a server for a log: one line, short, printable, and without any of the secrets."""
     line = " ".join("".join(c if c.isprintable() else " " for c in str(text)[:10_000]).split())
     for secret in secrets:

@@ -8,16 +8,16 @@ from pathlib import Path
 import structlog
 
 from agentrob.config.load import MindConfig
-from agentrob.minds.llm.chat import Answer, ChatModel, Image, M, Message, Replied, T, Tool
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.chat import Answer, ChatModel, Image, M, Message, ModelReply, T, Tool
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.minds.usage import Usage
 
 _log = structlog.get_logger()
 
 
-class ChatChain:
-    """Models in order of preference. Raises the last one's `MindFault` when none answers; then the rules are left."""
+class FallbackModel:
+    """Models in order of preference. Raises the last one's `ModelError` when none answers; then the rules are left."""
 
     def __init__(self, models: Sequence[ChatModel]) -> None:
         self.name = models[0].name
@@ -34,13 +34,13 @@ class ChatChain:
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
-    ) -> Answer[Replied]:
+    ) -> Answer[ModelReply]:
         return await self._first(lambda m, used: m.turn(system_prompt, conversation, tools, used), spent)
 
-    def seeing(self) -> ChatChain | None:
+    def with_images(self) -> FallbackModel | None:
         """Those of the models that take pictures; None when the first of them does not."""
         seers = [m for m in self._models if not isinstance(m, ConfiguredModel) or m.config.images]
-        return ChatChain(seers) if seers[:1] == list(self._models[:1]) else None
+        return FallbackModel(seers) if seers[:1] == list(self._models[:1]) else None
 
     @property
     def limit_s(self) -> float:
@@ -67,11 +67,11 @@ class ChatChain:
         self, ask: Callable[[ChatModel, Sequence[Usage]], Awaitable[Answer[T]]], spent: Sequence[Usage]
     ) -> Answer[T]:
         failed: list[Usage] = []
-        fault: MindFault | None = None
+        fault: ModelError | None = None
         for model in self._models:
             try:
                 answer = await ask(model, [*spent, *failed])
-            except MindFault as e:
+            except ModelError as e:
                 _log.warning("a model failed", mind=model.name, kind=e.kind, error=str(e))
                 failed += e.usage
                 fault = e
@@ -82,7 +82,7 @@ class ChatChain:
         raise fault
 
 
-def configured_chain(name: str, minds: Mapping[str, MindConfig], ledger: Path) -> ChatChain:
+def model_with_fallbacks(name: str, minds: Mapping[str, MindConfig], ledger: Path) -> FallbackModel:
     """The mind of that name with its fallbacks; `rules` at their end is no model and is left to whoever asks."""
     names = [name, *(other for other in minds[name].fallbacks if other != "rules")]
-    return ChatChain([ConfiguredModel(n, minds[n], ledger) for n in names])
+    return FallbackModel([ConfiguredModel(n, minds[n], ledger) for n in names])

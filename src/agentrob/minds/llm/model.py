@@ -17,15 +17,15 @@ import structlog
 from agentrob.config.load import MindConfig
 from agentrob.minds.llm import prompted_output, retry
 from agentrob.minds.llm.budget import Budget, Reserve
-from agentrob.minds.llm.chat import Answer, Image, M, Message, Replied, Said, Tool
-from agentrob.minds.llm.errors import UNSERVED, MindFault
+from agentrob.minds.llm.chat import Answer, Image, M, Message, ModelReply, Tool, UserMessage
+from agentrob.minds.llm.errors import UNBILLED, ModelError
 from agentrob.minds.llm.tool_calls import checked_call, final_of, found_in, schema_of
 from agentrob.minds.usage import Usage, cost_of, estimate_tokens
 
 _log = structlog.get_logger()
 
 if TYPE_CHECKING:
-    from agentrob.minds.llm.provider import Heard, Provider
+    from agentrob.minds.llm.provider import Provider, ProviderAnswer
 
 #: How often an answer outside of the schema is sent back with what is wrong.
 _REPAIRS = 1
@@ -50,7 +50,7 @@ class ConfiguredModel:
         self._sees = True
 
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
-        heard, usage = await self._ask(system_prompt, [Said(user_message)], spent)
+        heard, usage = await self._ask(system_prompt, [UserMessage(user_message)], spent)
         if not heard.text.strip():
             raise self._unusable("an empty answer", [usage])
         return Answer(heard.text.strip(), self.name, (usage,))
@@ -63,7 +63,7 @@ class ConfiguredModel:
         images: Sequence[Image] = (),
         spent: Sequence[Usage] = (),
     ) -> Answer[M]:
-        conversation: list[Message] = [Said(user_message, self._pictures(images))]
+        conversation: list[Message] = [UserMessage(user_message, self._pictures(images))]
         used: list[Usage] = []
         until = monotonic() + self.config.total_s
         for _ in range(1 + _REPAIRS):
@@ -71,21 +71,24 @@ class ConfiguredModel:
                 value, problem, reply, usage = await self._typed(
                     system_prompt, conversation, kind, [*spent, *used], until
                 )
-            except MindFault as e:
+            except ModelError as e:
                 raise _with_usage(e, used) from None
             used.append(usage)
             if value is not None:
                 return Answer(value, self.name, tuple(used))
-            conversation += [Replied(reply or "(nothing)"), Said(f"That cannot be used: {problem} Answer again.")]
+            conversation += [
+                ModelReply(reply or "(nothing)"),
+                UserMessage(f"That cannot be used: {problem} Answer again."),
+            ]
         raise self._unusable(f"no usable answer: {problem}", used)
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
-    ) -> Answer[Replied]:
+    ) -> Answer[ModelReply]:
         if self.config.answers == "tools":
             heard, usage = await self._ask(system_prompt, conversation, spent, tools)
             calls = tuple(checked_call(call_id, name, raw, tools) for call_id, name, raw in heard.calls)
-            reply = Replied(heard.text.strip(), calls)
+            reply = ModelReply(heard.text.strip(), calls)
         else:
             asked = prompted_output.with_tools(system_prompt, tools) if tools else system_prompt
             heard, usage = await self._ask(asked, prompted_output.without_tools(conversation), spent)
@@ -108,11 +111,11 @@ class ConfiguredModel:
     async def warm(self, system_prompt: str) -> None:
         """Let a local server read the prompt before the first post comes. Never raises."""
         if self.shares_prompt:
-            with contextlib.suppress(MindFault):
-                await self._ask(system_prompt, [Said("Answer with the one word: ready.")], ())
+            with contextlib.suppress(ModelError):
+                await self._ask(system_prompt, [UserMessage("Answer with the one word: ready.")], ())
 
     async def prepare(self) -> None:
-        with contextlib.suppress(MindFault):  # the first question says what is wrong
+        with contextlib.suppress(ModelError):  # the first question says what is wrong
             await self._opened()
 
     async def close(self) -> None:
@@ -120,10 +123,10 @@ class ConfiguredModel:
             await self._provider.close()
             self._provider = None
 
-    def _unusable(self, why: str, used: Sequence[Usage]) -> MindFault:
+    def _unusable(self, why: str, used: Sequence[Usage]) -> ModelError:
         """An answer that came, was paid for, and is none."""
         last = replace(used[-1], failed="malformed")
-        return MindFault("malformed", f"{self.name}: {why}", usage=[*used[:-1], last])
+        return ModelError("malformed", f"{self.name}: {why}", usage=[*used[:-1], last])
 
     # ------------------------------------------------------------ one typed question
     async def _typed(
@@ -147,17 +150,17 @@ class ConfiguredModel:
         heard, usage = await self._ask(asked, conversation, spent, json_schema=schema, until=until)
         return *found_in(heard.text, kind), heard.text[:2_000], usage
 
-    def _blind(self, fault: MindFault) -> MindFault:
+    def _blind(self, fault: ModelError) -> ModelError:
         """A server that fails on a picture takes none (llama.cpp without a projector): it gets none any more."""
         if self._sees:
             _log.warning("a model fails on pictures and gets none any more", mind=self.name, error=str(fault))
         self._sees = False
         said = f"{self.name} fails on pictures; set images = false in [minds.{self.name}] ({fault})"
-        return MindFault("rejected", said, final=True)
+        return ModelError("rejected", said, final=True)
 
     def _pictures(self, images: Sequence[Image]) -> tuple[Image, ...]:
         if images and not (self.config.images and self._sees):
-            raise MindFault(
+            raise ModelError(
                 "rejected", f"{self.name} takes no images (minds.{self.name}.images is false, or it failed)"
             )
         return tuple(images)
@@ -172,14 +175,14 @@ class ConfiguredModel:
         must_call: bool = False,
         json_schema: dict[str, Any] | None = None,
         until: float | None = None,
-    ) -> tuple[Heard, Usage]:
+    ) -> tuple[ProviderAnswer, Usage]:
         """Ends at `until` by the monotonic clock, or `total_s` from now."""
         if not self._sees and _pictures_in(conversation):
-            raise MindFault("rejected", f"{self.name} failed on a picture before and gets none any more")
+            raise ModelError("rejected", f"{self.name} failed on a picture before and gets none any more")
         began = monotonic()
         until = began + self.config.total_s if until is None else until
         attempt = 0
-        fault: MindFault
+        fault: ModelError
         estimate = self._estimate(system_prompt, conversation, tools)
         wasted = 0  # attempts that may be billed though nothing came
         try:
@@ -195,18 +198,18 @@ class ConfiguredModel:
                         return heard, await self._settled(
                             reserve, heard, began, attempt, self._lost(began, estimate, wasted)
                         )
-                    except MindFault as e:
+                    except ModelError as e:
                         fault = e
                     if fault.kind == "server" and _pictures_in(conversation):
                         fault = self._blind(fault)
-                    wasted += fault.kind not in UNSERVED and fault.kind != "budget"
+                    wasted += fault.kind not in UNBILLED and fault.kind != "budget"
                     wait_s = retry.wait_s(attempt, self._chance(), fault.retry_after_s)
                     given_up = fault.kind == "timeout" and self.config.kind == "local"  # a retry would queue behind it
-                    if given_up or not fault.passing or attempt > self.config.retries or wait_s > until - monotonic():
+                    if given_up or not fault.transient or attempt > self.config.retries or wait_s > until - monotonic():
                         break
                     await asyncio.sleep(wait_s)
         except TimeoutError:
-            fault = MindFault(
+            fault = ModelError(
                 "timeout", f"{self.name}: no answer within {self.config.total_s:g} s ({self.config.address})"
             )
             wasted += attempt > 0
@@ -222,16 +225,16 @@ class ConfiguredModel:
         tools: Sequence[Tool],
         must_call: bool,
         json_schema: dict[str, Any] | None,
-    ) -> Heard:
+    ) -> ProviderAnswer:
         """One attempt; what surely was not served is given back to the day."""
         try:
             async with asyncio.timeout(self.config.timeout_s):
                 return await provider.ask(system_prompt, conversation, tools, must_call, json_schema)
         except TimeoutError:
             limit = f"{self.config.timeout_s:g} s"
-            raise MindFault("timeout", f"{self.name}: no answer within {limit} ({self.config.address})") from None
-        except MindFault as e:
-            if e.kind in UNSERVED:
+            raise ModelError("timeout", f"{self.name}: no answer within {limit} ({self.config.address})") from None
+        except ModelError as e:
+            if e.kind in UNBILLED:
                 await self._budget.settle(reserve, 0, 0.0)
             raise
 
@@ -246,28 +249,33 @@ class ConfiguredModel:
         variable = self.config.key_variable
         key = os.environ.get(variable, "").strip() if variable else ""
         if variable and not key:
-            raise MindFault("no_key", f"{self.name}: the environment variable {variable} must hold the key")
+            raise ModelError("no_key", f"{self.name}: the environment variable {variable} must hold the key")
         if not key.isascii() or not key.isprintable():
-            raise MindFault("no_key", f"{self.name}: what {variable} holds cannot be a key")
+            raise ModelError("no_key", f"{self.name}: what {variable} holds cannot be a key")
         try:
             from agentrob.minds.llm.provider import Provider
         except ImportError as e:
             missing = f"{self.name}: a model needs the extra 'models' (pip install 'agentrob[models]'): {e}"
-            raise MindFault("no_library", missing) from None
+            raise ModelError("no_library", missing) from None
         return Provider(self.name, self.config, key)
 
     # ------------------------------------------------------------ what it takes
     def _estimate(self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool]) -> tuple[int, int]:
         """The most that a question may take: tokens in, tokens out."""
-        texts = [system_prompt, *(m.content if not isinstance(m, Said | Replied) else m.text for m in conversation)]
+        texts = [
+            system_prompt,
+            *(m.content if not isinstance(m, UserMessage | ModelReply) else m.text for m in conversation),
+        ]
         texts += [t.description + str(schema_of(t.arguments)) for t in tools]
-        pictures = sum(len(m.images) for m in conversation if not isinstance(m, Replied))
+        pictures = sum(len(m.images) for m in conversation if not isinstance(m, ModelReply))
         return estimate_tokens(texts, pictures), self.config.max_output_tokens
 
     async def _reserve(self, estimate: tuple[int, int], spent: Sequence[Usage]) -> Reserve:
         return await self._budget.reserve(sum(estimate), cost_of(*estimate, self.config.price) or 0.0, spent)
 
-    async def _settled(self, reserve: Reserve, heard: Heard, began: float, attempts: int, lost: Usage) -> Usage:
+    async def _settled(
+        self, reserve: Reserve, heard: ProviderAnswer, began: float, attempts: int, lost: Usage
+    ) -> Usage:
         """What an answer took, and the attempts lost before it."""
         tokens, cost = reserve.tokens, reserve.cost
         if heard.input_tokens is not None and heard.output_tokens is not None:
@@ -299,10 +307,10 @@ class ConfiguredModel:
 
 
 def _pictures_in(conversation: Sequence[Message]) -> bool:
-    return any(message.images for message in conversation if not isinstance(message, Replied))
+    return any(message.images for message in conversation if not isinstance(message, ModelReply))
 
 
-def _with_usage(fault: MindFault, before: Sequence[Usage]) -> MindFault:
+def _with_usage(fault: ModelError, before: Sequence[Usage]) -> ModelError:
     """The same fault, with what was used before it."""
     fault.usage = (*before, *fault.usage)
     return fault

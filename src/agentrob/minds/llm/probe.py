@@ -14,11 +14,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from agentrob.config.load import MindConfig
 from agentrob.minds.extraction.schema import Wants
-from agentrob.minds.llm.chat import Image, Said, Tool
-from agentrob.minds.llm.errors import MindFault
+from agentrob.minds.llm.chat import Image, Tool, UserMessage
+from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.minds.llm.prompt import prompts, user_message
-from agentrob.minds.safety_review import screen_by_model
+from agentrob.minds.safety_review import review_command
 from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
 
 #: What it is asked to read and to look at.
@@ -41,7 +41,7 @@ _TOOL = Tool("set_number", "Sets the number.", _Number)
 
 
 @dataclass(frozen=True, slots=True)
-class Checked:
+class ProbeResult:
     """One mind as it is now. `problem` is empty when it can be used."""
 
     mind: str
@@ -69,7 +69,7 @@ class Checked:
         return {**asdict(self), "ok": self.ok}
 
 
-async def check(name: str, config: MindConfig, ledger: Path) -> Checked:
+async def probe(name: str, config: MindConfig, ledger: Path) -> ProbeResult:
     """Ask one mind for a tool call, the colour of a picture, a reading and a look at a command; without retries."""
     model = ConfiguredModel(name, config.model_copy(update={"retries": 0}), ledger)
     try:
@@ -78,18 +78,18 @@ async def check(name: str, config: MindConfig, ledger: Path) -> Checked:
         await model.close()
 
 
-async def _check(model: ConfiguredModel) -> Checked:
+async def _check(model: ConfiguredModel) -> ProbeResult:
     config = model.config
     try:
-        answer = await model.turn(_SYSTEM, [Said(_ASK_TOOL)], [_TOOL])
+        answer = await model.turn(_SYSTEM, [UserMessage(_ASK_TOOL)], [_TOOL])
         called = any(isinstance(c.arguments, _Number) and c.arguments.number == 7 for c in answer.value.calls)
-    except MindFault as fault:
+    except ModelError as fault:
         if fault.kind not in ("rejected", "malformed"):
-            return Checked(model.name, config.model, reachable=False, problem=str(fault))
+            return ProbeResult(model.name, config.model, reachable=False, problem=str(fault))
         try:  # perhaps only tools are too much for it
-            answer, called = await model.turn(_SYSTEM, [Said("Say yes.")], []), False
-        except MindFault:
-            return Checked(model.name, config.model, reachable=False, problem=str(fault))
+            answer, called = await model.turn(_SYSTEM, [UserMessage("Say yes.")], []), False
+        except ModelError:
+            return ProbeResult(model.name, config.model, reachable=False, problem=str(fault))
     usage = answer.usage[-1]
     problem, reading_s = "", 0.0
     if not called:
@@ -102,7 +102,7 @@ async def _check(model: ConfiguredModel) -> Checked:
         advice = f"it takes no pictures: set images = false in [minds.{model.name}]"
     else:
         advice = ""
-    return Checked(
+    return ProbeResult(
         model.name,
         usage.model,
         reachable=True,
@@ -123,15 +123,15 @@ async def _works(model: ConfiguredModel) -> tuple[str, float]:
         system_prompt, begins = prompts(_ROBOT, "read", model.shares_prompt)
         await model.answer(system_prompt, begins + user_message(_POST, ()), Wants)
         reading_s = monotonic() - begun_s
-        screened = await screen_by_model(model, _POST, _PLAN, _ROBOT, "en")
-    except MindFault as fault:
+        screened = await review_command(model, _POST, _PLAN, _ROBOT, "en")
+    except ModelError as fault:
         return _advised(fault, model.config), monotonic() - begun_s
     if screened.failed:
         return f"it reads posts but cannot look at commands ({screened.failed}); try another model", reading_s
     return "", reading_s
 
 
-def _advised(fault: MindFault, config: MindConfig) -> str:
+def _advised(fault: ModelError, config: MindConfig) -> str:
     """What is wrong with a reading, and what to set."""
     text = str(fault)
     if fault.kind == "timeout":
@@ -150,8 +150,8 @@ async def _sees(model: ConfiguredModel) -> YesNo:
     if not model.config.images:
         return "off"
     try:
-        answer = await model.turn(_SYSTEM, [Said(_ASK_COLOUR, (_red(),))], [])
-    except MindFault as fault:
+        answer = await model.turn(_SYSTEM, [UserMessage(_ASK_COLOUR, (_red(),))], [])
+    except ModelError as fault:
         return "no" if fault.kind in ("rejected", "malformed", "server") else "unknown"
     words = answer.value.text.lower()
     return "yes" if "red" in words and "green" not in words and "blue" not in words else "no"
@@ -165,6 +165,6 @@ def _red() -> Image:
     return Image(data.getvalue())
 
 
-async def check_all(minds: Mapping[str, MindConfig], ledger: Path) -> list[Checked]:
+async def probe_all(minds: Mapping[str, MindConfig], ledger: Path) -> list[ProbeResult]:
     """All of them at once, in order of their names."""
-    return list(await asyncio.gather(*(check(name, minds[name], ledger) for name in sorted(minds))))
+    return list(await asyncio.gather(*(probe(name, minds[name], ledger) for name in sorted(minds))))

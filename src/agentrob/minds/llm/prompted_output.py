@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
-from agentrob.minds.llm.chat import Message, Replied, Returned, Said, Tool
+from agentrob.minds.llm.chat import Message, ModelReply, Tool, ToolResult, UserMessage
 from agentrob.minds.llm.tool_calls import checked_call, found_in, schema_of
 
 
@@ -44,22 +44,22 @@ def without_tools(conversation: Sequence[Message]) -> list[Message]:
     """The same conversation in words: calls as the JSON that they were, results as what we say."""
     words: list[Message] = []
     for message in conversation:
-        if isinstance(message, Replied):
+        if isinstance(message, ModelReply):
             calls = [json.dumps({"tool": c.name, "arguments": _data(c.raw)}, ensure_ascii=False) for c in message.calls]
-            words.append(Replied("\n".join([message.text, *calls] if message.text else calls)))
-        elif isinstance(message, Returned):
-            words.append(Said(f"Result of {message.call.name}: {message.content}", message.images))
+            words.append(ModelReply("\n".join([message.text, *calls] if message.text else calls)))
+        elif isinstance(message, ToolResult):
+            words.append(UserMessage(f"Result of {message.call.name}: {message.content}", message.images))
         else:
             words.append(message)
     return words
 
 
-def reply_in(text: str, number: int, tools: Sequence[Tool]) -> Replied:
+def reply_in(text: str, number: int, tools: Sequence[Tool]) -> ModelReply:
     """What a text asks for: at most one call of a tool, or plain words. `number` makes the call's id."""
     asked, _ = found_in(text, _Asked)
     if asked is None or not tools:
-        return Replied(text.strip())
-    return Replied("", (checked_call(f"call_{number}", asked.tool, asked.arguments, tools),))
+        return ModelReply(text.strip())
+    return ModelReply("", (checked_call(f"call_{number}", asked.tool, asked.arguments, tools),))
 
 
 def _data(raw: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The one door to the model libraries: our messages out, theirs back, their errors as `MindFault`. Imported lazily.
+"""The one door to the model libraries: our messages out, theirs back, their errors as `ModelError`. Imported lazily.
 
 It asks once: retries, budgets and schemas are `configured`'s. The libraries never hold the key (see `wire`).
 """
@@ -34,8 +34,8 @@ from pydantic_ai.settings import ModelSettings
 from pydantic_ai.tools import ToolDefinition
 
 from agentrob.config.load import MindConfig
-from agentrob.minds.llm.chat import Message, Replied, Returned, Said, Tool, ToolCall
-from agentrob.minds.llm.errors import Kind, MindFault, said
+from agentrob.minds.llm.chat import Message, ModelReply, Tool, ToolCall, ToolResult, UserMessage
+from agentrob.minds.llm.errors import ErrorKind, ModelError, one_line
 from agentrob.minds.llm.http import TooBig, client
 from agentrob.minds.llm.tool_calls import schema_of
 
@@ -43,7 +43,7 @@ _NO_KEY = "held-elsewhere"
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class ProviderAnswer:
     """One answer as it came. `cut` when the model was not done at the limit of output tokens."""
 
     text: str
@@ -76,8 +76,8 @@ class Provider:
         tools: Sequence[Tool] = (),
         must_call: bool = False,
         json_schema: dict[str, Any] | None = None,
-    ) -> Heard:
-        """Ask once. `json_schema` asks for JSON in the way of `answers = "json_object"`. Raises `MindFault`."""
+    ) -> ProviderAnswer:
+        """Ask once. `json_schema` asks for JSON in the way of `answers = "json_object"`. Raises `ModelError`."""
         settings = ModelSettings(max_tokens=self._config.max_output_tokens, timeout=self._config.timeout_s)
         if json_schema is not None:
             settings["extra_body"] = {"response_format": {"type": "json_object", "schema": json_schema}}
@@ -123,50 +123,50 @@ class Provider:
         sdk = anthropic.AsyncAnthropic(api_key=_NO_KEY, base_url=url, max_retries=0, http_client=self._http)
         return AnthropicModel(self._config.model, provider=AnthropicProvider(anthropic_client=sdk))
 
-    def _heard(self, response: ModelResponse) -> Heard:
+    def _heard(self, response: ModelResponse) -> ProviderAnswer:
         calls = tuple((p.tool_call_id, p.tool_name, p.args) for p in response.parts if isinstance(p, ToolCallPart))
         text = "".join(p.content for p in response.parts if isinstance(p, TextPart))
         usage = response.usage
         known = bool(usage.input_tokens or usage.output_tokens)
-        return Heard(
+        return ProviderAnswer(
             text=text,
             calls=calls,
             input_tokens=usage.input_tokens if known else None,
             output_tokens=usage.output_tokens if known else None,
-            model=said(response.model_name or self._config.model, self._secrets, 80),
+            model=one_line(response.model_name or self._config.model, self._secrets, 80),
             cut=response.finish_reason == "length",
         )
 
     # ------------------------------------------------------------ their errors
-    def _fault(self, error: Exception) -> MindFault:
+    def _fault(self, error: Exception) -> ModelError:
         status = getattr(error, "status_code", None)
         causes = list(_causes(error))
         retry_after_s = getattr(error, "retry_after", None)
         if isinstance(error, exceptions.ModelHTTPError) and isinstance(status, int):
             return self._by_status(status, error, retry_after_s)
         kind, why = _by_causes(causes)
-        return MindFault(kind, f"{self._name}: {why} ({self._url})")
+        return ModelError(kind, f"{self._name}: {why} ({self._url})")
 
-    def _by_status(self, status: int, error: exceptions.ModelHTTPError, retry_after_s: float | None) -> MindFault:
-        words = said(_message(error.body), self._secrets)
+    def _by_status(self, status: int, error: exceptions.ModelHTTPError, retry_after_s: float | None) -> ModelError:
+        words = one_line(_message(error.body), self._secrets)
         told = f"; the server says: {words}" if words else ""
         mind, url = self._name, self._url
         if status in (401, 403):
             where = self._config.key_variable
             hint = f"check the key in {where}" if where else "it wants a key: name its variable in key_env"
-            return MindFault("denied", f"{mind}: {url} does not accept us (HTTP {status}); {hint}{told}")
+            return ModelError("denied", f"{mind}: {url} does not accept us (HTTP {status}); {hint}{told}")
         if status == 404:
             hint = f"check base_url and model ({self._config.model!r})"
             if self._config.provider == "compatible" and not url.rstrip("/").endswith("/v1"):
                 hint += f'; most servers want base_url = "{url.rstrip("/")}/v1"'
-            return MindFault("not_found", f"{mind}: {url} does not know this (HTTP 404); {hint}{told}")
+            return ModelError("not_found", f"{mind}: {url} does not know this (HTTP 404); {hint}{told}")
         if status in (402, 429):
             final = status == 402 or isinstance(error, exceptions.ModelQuotaExceededError)
             what = "says that the quota is used up" if final else "wants fewer requests"
-            return MindFault("limited", f"{mind}: {url} {what} (HTTP {status}){told}", retry_after_s, final=final)
+            return ModelError("limited", f"{mind}: {url} {what} (HTTP {status}){told}", retry_after_s, final=final)
         if status >= 500:
-            return MindFault("server", f"{mind}: {url} failed (HTTP {status}){told}", retry_after_s)
-        return MindFault("rejected", f"{mind}: {url} rejects the request (HTTP {status}){told}")
+            return ModelError("server", f"{mind}: {url} failed (HTTP {status}){told}", retry_after_s)
+        return ModelError("rejected", f"{mind}: {url} rejects the request (HTTP {status}){told}")
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:
@@ -177,7 +177,7 @@ def _causes(error: BaseException | None) -> Iterator[BaseException]:
         error = error.__cause__ or error.__context__
 
 
-def _by_causes(causes: Sequence[BaseException]) -> tuple[Kind, str]:
+def _by_causes(causes: Sequence[BaseException]) -> tuple[ErrorKind, str]:
     """What stands behind an error of the transport: stable word, sentence."""
     names = " ".join(type(c).__name__ for c in causes)
     if any(isinstance(c, TooBig) for c in causes):
@@ -186,7 +186,10 @@ def _by_causes(causes: Sequence[BaseException]) -> tuple[Kind, str]:
         return "dns", "no such host; check base_url"
     if any(isinstance(c, ssl.SSLError) for c in causes):
         reason = next(c for c in causes if isinstance(c, ssl.SSLError))
-        return "tls", f"no trusted connection: {said(getattr(reason, 'verify_message', '') or reason.reason or reason)}"
+        return (
+            "tls",
+            f"no trusted connection: {one_line(getattr(reason, 'verify_message', '') or reason.reason or reason)}",
+        )
     if "Timeout" in names:
         return "timeout", "no answer in time"
     if any(isinstance(c, ConnectionRefusedError) for c in causes) or "ConnectError" in names:
@@ -221,7 +224,7 @@ def _definition(tool: Tool, is_output: bool) -> ToolDefinition:
 def _theirs(conversation: Sequence[Message], system_prompt: str) -> list[ModelMessage]:
     found: list[ModelMessage] = []
     for message in conversation:
-        if isinstance(message, Replied):
+        if isinstance(message, ModelReply):
             parts = [TextPart(message.text)] if message.text else []
             calls = [ToolCallPart(c.name, _raw(c), c.id) for c in message.calls]
             found.append(ModelResponse(parts=[*parts, *calls]))
@@ -237,9 +240,9 @@ def _theirs(conversation: Sequence[Message], system_prompt: str) -> list[ModelMe
     return found
 
 
-def _parts(message: Said | Returned) -> list[Any]:
+def _parts(message: UserMessage | ToolResult) -> list[Any]:
     images = [BinaryContent(data=i.data, media_type=i.media_type) for i in message.images]
-    if isinstance(message, Said):
+    if isinstance(message, UserMessage):
         return [UserPromptPart([message.text, *images] if images else message.text)]
     result = ToolReturnPart(message.call.name, message.content, message.call.id)
     return [result, UserPromptPart([f"Image of {message.call.name}:", *images])] if images else [result]

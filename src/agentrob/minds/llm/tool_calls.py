@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from agentrob.minds.llm.chat import M, Tool, ToolCall
-from agentrob.minds.llm.errors import said
+from agentrob.minds.llm.errors import one_line
 
 #: How many places of a text are tried as the beginning of a JSON object.
 _TRIES = 200
@@ -25,7 +25,7 @@ _JSON = json.JSONDecoder(strict=False)
 def checked_call(call_id: str, name: str, raw: Any, tools: Sequence[Tool]) -> ToolCall:
     """A call with its arguments in the tool's schema, or with the problem to tell the model."""
     tool = next((t for t in tools if t.name == name), None)
-    name = said(name, limit=80)
+    name = one_line(name, limit=80)
     if tool is None:
         known = ", ".join(t.name for t in tools) or "none"
         return ToolCall(call_id, name, None, f"There is no tool {name}. There are: {known}.", raw)
@@ -74,7 +74,7 @@ def _left_out(data: Any, error: ErrorDetails) -> bool:
 
 def explain(error: ValidationError) -> str:
     """What is wrong, for the model: at most five points, without the values."""
-    points = [f"{'.'.join(map(str, e['loc'])) or 'it'}: {said(e['msg'])}" for e in error.errors()[:5]]
+    points = [f"{'.'.join(map(str, e['loc'])) or 'it'}: {one_line(e['msg'])}" for e in error.errors()[:5]]
     return "; ".join(points)
 
 

@@ -11,12 +11,12 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 
 from agentrob.language.addressing import part_for
-from agentrob.language.goal import Aim, Goal, Task
+from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.language.parser.grammar import MAX_CHARS, parse
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.visible_text import OMITTED
 from agentrob.minds.llm.prompt import clean
-from agentrob.minds.protocol import Listener
+from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.vocabulary import chinese, colours, one_of, things
 from agentrob.model import Intent, Language
 
@@ -64,23 +64,23 @@ _TOLD = {
 _ZH_WHERE = {"beside": "旁边", "around": "周围", "behind": "后面", "in front of": "前面", "on": "上面", "under": "下面"}
 
 
-def goal_of(text: str, listener: Listener, language: Language) -> Goal | None:
+def goal_of(text: str, addressee: Addressee, language: Language) -> Goal | None:
     """The goal of a post's visible text, when it is one that needs eyes and every word of it is known."""
-    part = clean(part_for(text, listener.names, listener.others)).strip(" ,:：，")
-    if ordering_words(text, listener.names, listener.others):
+    part = clean(part_for(text, addressee.names, addressee.others)).strip(" ,:：，")
+    if ordering_words(text, addressee.names, addressee.others):
         return None
     if OMITTED in part or len(part) > MAX_CHARS or re.search(r"[\"“”「」]", part):
         return None
-    found: list[Task] = []
+    found: list[Subgoal] = []
     for clause in _clauses(part):
-        tasks = _tasks(clause, listener, found)
+        tasks = _tasks(clause, addressee, found)
         if tasks is None or len(found) + len(tasks) > MAX_TASKS:
             return None
         found += tasks
     return Goal(tuple(found)) if any(task.aim is not Aim.STEP for task in found) else None
 
 
-def told(goal: Goal, language: Language, steps: Sequence[str] = ()) -> str:
+def goal_sentence(goal: Goal, language: Language, steps: Sequence[str] = ()) -> str:
     """The goal in our own words; `steps` are those of its named steps, in order."""
     words, named = _TOLD["zh" if language == "zh" else "en"], iter(steps)
     return words["joint"].join(
@@ -88,7 +88,7 @@ def told(goal: Goal, language: Language, steps: Sequence[str] = ()) -> str:
     )
 
 
-def _task_told(task: Task, words: dict[str, str], language: Language) -> str:
+def _task_told(task: Subgoal, words: dict[str, str], language: Language) -> str:
     if task.aim is Aim.LOOK and not task.thing:
         return words["around" if task.where == "around" else "ahead"]
     if language == "zh":
@@ -110,29 +110,29 @@ def _clauses(part: str) -> Iterator[str]:
             yield plain
 
 
-def _tasks(clause: str, listener: Listener, before: Sequence[Task]) -> list[Task] | None:
+def _tasks(clause: str, addressee: Addressee, before: Sequence[Subgoal]) -> list[Subgoal] | None:
     for pattern, aim in _patterns():
         if match := pattern.fullmatch(clause):
             return _task(match, aim, before)
-    others = parse(f"@{_ROBOT} {clause}", (_ROBOT,), (), listener.capabilities.ops)
+    others = parse(f"@{_ROBOT} {clause}", (_ROBOT,), (), addressee.capabilities.ops)
     if others.intent is not Intent.COMMAND or others.plan.notes or others.cancels:
         return None
-    return [Task(Aim.STEP, step=step) for step in others.plan.steps]
+    return [Subgoal(Aim.STEP, step=step) for step in others.plan.steps]
 
 
-def _task(match: re.Match[str], aim: Aim, before: Sequence[Task]) -> list[Task] | None:
+def _task(match: re.Match[str], aim: Aim, before: Sequence[Subgoal]) -> list[Subgoal] | None:
     said = match.groupdict()
     language = "zh" if any(ord(c) > 0x2FF for c in match[0]) else "en"
     where = _WHERE.get(said.get("where") or "", "")
     if said.get("it") or (where not in ("", "around") and not said.get("thing") and any(t.thing for t in before)):
         last = next((task for task in reversed(before) if task.thing), None)
-        return None if last is None else [Task(aim, last.thing, last.colour, where)]
+        return None if last is None else [Subgoal(aim, last.thing, last.colour, where)]
     if said.get("around"):
-        return [Task(aim, where="around")]
+        return [Subgoal(aim, where="around")]
     if not said.get("thing"):
-        return [Task(aim, where="around" if where == "around" else "")]
+        return [Subgoal(aim, where="around" if where == "around" else "")]
     colour = colours(language).get(said.get("colour") or "", "")
-    return [Task(aim, things(language)[said["thing"]], colour, where)]
+    return [Subgoal(aim, things(language)[said["thing"]], colour, where)]
 
 
 @cache

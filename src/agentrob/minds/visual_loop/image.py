@@ -8,7 +8,7 @@ MOST_PX = 1024
 QUALITY = 80
 
 
-def shrunk(jpeg: bytes, most_px: int = MOST_PX) -> bytes:
+def shrink_jpeg(jpeg: bytes, most_px: int = MOST_PX) -> bytes:
     """The picture as a small JPEG; one that cannot be read stays as it is, and the model's host says what it thinks."""
     from PIL import Image
 

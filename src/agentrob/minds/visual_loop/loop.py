@@ -1,12 +1,12 @@
 """The loop in which a model looks, calls a primitive, reads what was measured, and so on until it says what it saw.
 
-    goal (our words) ──► model ──► tool call ──► checked ──► hands (mandate, rights, lease, guard) ──► robot
+    goal (our words) ──► model ──► tool call ──► checked ──► executor (mandate, rights, lease, guard) ──► robot
                            ▲                                                                             │
                            └───────────── result with measured values, new image when asked ◄────────────┘
 
-The model never sees a post: the goal is rendered from a closed vocabulary. What it calls is bounded here by the tools'
-schemas, and once more below by `Hands`, which alone moves anything. Every loop ends: by `finish`, or by a budget of
-calls, time, tokens, or turns without any effect.
+The model never sees a post: the goal is rendered from a closed vocabulary. The tools' schemas limit its calls here, and
+the `ToolExecutor`, the only part that moves anything, limits them again. Every loop ends: with `finish`, or when its
+budget of calls, time, tokens or turns without effect is used up.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
-from agentrob.minds.llm.chat import ChatModel, Image, Message, Replied, Returned, Said, Tool, ToolCall
-from agentrob.minds.llm.errors import MindFault, said
+from agentrob.minds.llm.chat import ChatModel, Image, Message, ModelReply, Tool, ToolCall, ToolResult, UserMessage
+from agentrob.minds.llm.errors import ModelError, one_line
 from agentrob.minds.usage import Usage
-from agentrob.minds.visual_loop.image import shrunk
+from agentrob.minds.visual_loop.image import shrink_jpeg
 from agentrob.minds.visual_loop.tools import (
     FINISH,
     SAID_CHARS,
     SAID_LINES,
     Finish,
-    left_of,
-    problem_told,
-    result_told,
+    problem_message,
+    remaining,
+    result_message,
     step_of,
     tools_of,
 )
@@ -42,18 +42,18 @@ CALLS_AT_ONCE = 3
 #: Less than this is no motion that got anywhere.
 STILL_M, STILL_DEG = 0.02, 1.0
 
-Why = Literal["finished", "calls", "time", "no_progress", "tokens", "model", "cut"]
+EndReason = Literal["finished", "calls", "time", "no_progress", "tokens", "model", "cut"]
 
 
 @dataclass(frozen=True, slots=True)
-class Observed:
+class StepAttempt:
     """What came of a step: a result, or the problem why it was not even tried."""
 
     result: ActionResult | None
     problem: str = ""
 
 
-class Hands(Protocol):
+class ToolExecutor(Protocol):
     """What moves the robot for the loop. Whatever it is asked, it does only what the mandate and the laws allow.
 
     `act` may end the whole loop by raising an exception of its own; the loop passes it on.
@@ -62,7 +62,7 @@ class Hands(Protocol):
     @property
     def used(self) -> Sequence[ActionResult]: ...
 
-    async def act(self, step: Primitive) -> Observed: ...
+    async def act(self, step: Primitive) -> StepAttempt: ...
 
     async def state(self) -> RobotState | None: ...
 
@@ -77,7 +77,7 @@ class LoopBudget:
 
 
 @dataclass(frozen=True, slots=True)
-class Turn:
+class LoopCall:
     """One call of the model and what came of it, for the transcript. `step` counts the robot's steps from 1."""
 
     tool: str
@@ -94,7 +94,7 @@ class Turn:
 class LoopEnd:
     """How a loop ended, and what the model claims. `claim`: done, not_possible, unsure, or nothing."""
 
-    why: Why
+    why: EndReason
     claim: str = ""
     saw: tuple[str, ...] = ()
     did: str = ""
@@ -102,7 +102,7 @@ class LoopEnd:
 
 
 @dataclass(frozen=True, slots=True)
-class Looked:
+class LoopRecord:
     """A whole loop as it is kept with its command: how it ended, every call, and what the model took.
 
     `contradicted` says in the language of the post which of the model's claims the robot's own measurements deny.
@@ -110,25 +110,25 @@ class Looked:
 
     goal: str
     end: LoopEnd
-    turns: tuple[Turn, ...] = ()
+    turns: tuple[LoopCall, ...] = ()
     usage: tuple[Usage, ...] = ()
     mind: str = ""
     contradicted: str = ""
 
 
-class Loop:
+class VisualLoop:
     """One goal, one model, one robot. `turns` and `usage` grow while `run` goes on, and stay when it is cut off."""
 
     def __init__(
         self, model: ChatModel, prompt: str, goal: str, mandate: Mandate, capabilities: Capabilities,
-        hands: Hands, budget: LoopBudget = LoopBudget(), spent: Sequence[Usage] = (),
+        executor: ToolExecutor, budget: LoopBudget = LoopBudget(), spent: Sequence[Usage] = (),
     ) -> None:  # fmt: skip
-        self.turns: list[Turn] = []
+        self.turns: list[LoopCall] = []
         self.usage: list[Usage] = []
         self.thinking = False
         self.mind = model.name
         self._model, self._prompt, self._goal = model, prompt, goal
-        self._mandate, self._hands, self._budget = mandate, hands, budget
+        self._mandate, self._executor, self._budget = mandate, executor, budget
         self._tools = tools_of(mandate, capabilities)
         self._spent = tuple(spent)
         self._talk: list[Message] = []
@@ -150,7 +150,7 @@ class Loop:
                 reply = await self._think()
             except TimeoutError:
                 return LoopEnd("time")
-            except MindFault as e:
+            except ModelError as e:
                 self.usage += e.usage
                 return LoopEnd("tokens" if e.kind == "budget" else "model", fault=e.kind)
             if (end := await self._take(reply)) is not None:
@@ -162,14 +162,14 @@ class Loop:
 
     async def _begin(self) -> None:
         """The goal, what there is to spend, and a first picture."""
-        first = await self._hands.act(Primitive(Op.GET_FRONT_IMAGE))
+        first = await self._executor.act(Primitive(Op.GET_FRONT_IMAGE))
         self._moved = False
         images = await self._pictures(first)
         note = "" if images else f"\nThere is no picture: {first.problem or (first.result and first.result.message)}"
         told = f"Goal: {self._goal}.\nWhat there is to spend: {self._left()}{note}\nThe picture is from now."
-        self._talk.append(Said(told, images))
+        self._talk.append(UserMessage(told, images))
 
-    async def _think(self) -> Replied:
+    async def _think(self) -> ModelReply:
         """One question to the model, within what is left of the time."""
         tools: Sequence[Tool] = self._tools
         if self._calls >= self._budget.calls:  # one last time, to say what was seen
@@ -188,7 +188,7 @@ class Loop:
         return answer.value
 
     # ------------------------------------------------------------ what the model answered
-    async def _take(self, reply: Replied) -> LoopEnd | None:
+    async def _take(self, reply: ModelReply) -> LoopEnd | None:
         """Do what was called; the end when there is one."""
         if not reply.calls:
             return self._words(reply)
@@ -197,7 +197,7 @@ class Loop:
             finished = call.arguments if call.name == FINISH else None
             if isinstance(finished, Finish):
                 self._note(call, reply, outcome=finished.outcome)
-                return LoopEnd("finished", finished.outcome, tuple(map(said, finished.saw)), said(finished.did))
+                return LoopEnd("finished", finished.outcome, tuple(map(one_line, finished.saw)), one_line(finished.did))
             if self._calls >= self._budget.calls:
                 self._note(call, reply, problem="the calls are used up")
                 return LoopEnd("calls")
@@ -206,18 +206,20 @@ class Loop:
         self._idle = 0 if effect else self._idle + 1
         return None
 
-    def _words(self, reply: Replied) -> LoopEnd | None:
+    def _words(self, reply: ModelReply) -> LoopEnd | None:
         """Words without a call: asked once to finish properly, then taken as they are."""
-        lines = [said(line, limit=SAID_CHARS) for line in reply.text.splitlines() if line.strip()]
-        self.turns.append(Turn("", {}, words=said(reply.text, limit=600), mind=self.mind, latency_ms=self._latency_ms))
+        lines = [one_line(line, limit=SAID_CHARS) for line in reply.text.splitlines() if line.strip()]
+        self.turns.append(
+            LoopCall("", {}, words=one_line(reply.text, limit=600), mind=self.mind, latency_ms=self._latency_ms)
+        )
         if self._asked_to_finish or self._calls >= self._budget.calls:
             return LoopEnd("finished", "unsure", tuple(lines[:SAID_LINES]))
         self._asked_to_finish = True
         self._idle += 1
-        self._talk.append(Said(f"Call a tool, or `{FINISH}` to end."))
+        self._talk.append(UserMessage(f"Call a tool, or `{FINISH}` to end."))
         return None
 
-    async def _call(self, call: ToolCall, reply: Replied, number: int) -> bool:
+    async def _call(self, call: ToolCall, reply: ModelReply, number: int) -> bool:
         """One call; whether it changed anything."""
         problem = call.problem
         if number >= CALLS_AT_ONCE:
@@ -229,47 +231,49 @@ class Loop:
         if step.op is Op.GET_FRONT_IMAGE and not self._moved:
             self._return(call, reply, "Nothing has moved since the last picture; it is still as it was.")
             return False
-        found = await self._hands.act(step)
+        found = await self._executor.act(step)
         if found.result is None:
             self._return(call, reply, found.problem)
             return False
-        at = len(self._hands.used)
+        at = len(self._executor.used)
         images = await self._pictures(found)
         effect = _got_somewhere(found.result) or bool(images)
         self._moved = (self._moved or _got_somewhere(found.result)) and not images
         if look and effect:
-            shown = await self._hands.act(Primitive(Op.GET_FRONT_IMAGE))
+            shown = await self._executor.act(Primitive(Op.GET_FRONT_IMAGE))
             images = await self._pictures(shown)
             self._moved = self._moved and not images
-        told = result_told(found.result, await self._hands.state(), self._left())
-        self._talk.append(Returned(call, told, images))
+        told = result_message(found.result, await self._executor.state(), self._left())
+        self._talk.append(ToolResult(call, told, images))
         self._note(call, reply, outcome=str(found.result.outcome), step=at)
         return effect
 
-    def _return(self, call: ToolCall, reply: Replied, problem: str) -> None:
-        self._talk.append(Returned(call, problem_told(problem, self._left())))
-        self._note(call, reply, problem=said(problem, limit=300))
+    def _return(self, call: ToolCall, reply: ModelReply, problem: str) -> None:
+        self._talk.append(ToolResult(call, problem_message(problem, self._left())))
+        self._note(call, reply, problem=one_line(problem, limit=300))
 
-    def _note(self, call: ToolCall, reply: Replied, **more: Any) -> None:
+    def _note(self, call: ToolCall, reply: ModelReply, **more: Any) -> None:
         arguments = call.arguments.model_dump(mode="json", exclude_none=True) if call.arguments else _shown(call.raw)
-        words = said(reply.text, limit=600)
-        self.turns.append(Turn(call.name, arguments, words=words, mind=self.mind, latency_ms=self._latency_ms, **more))
+        words = one_line(reply.text, limit=600)
+        self.turns.append(
+            LoopCall(call.name, arguments, words=words, mind=self.mind, latency_ms=self._latency_ms, **more)
+        )
 
     # ------------------------------------------------------------ what the model is shown
     def _left(self) -> dict[str, Any]:
-        return left_of(self._mandate, self._hands.used, self._budget.calls - self._calls, self._left_s)
+        return remaining(self._mandate, self._executor.used, self._budget.calls - self._calls, self._left_s)
 
-    async def _pictures(self, found: Observed) -> tuple[Image, ...]:
+    async def _pictures(self, found: StepAttempt) -> tuple[Image, ...]:
         if found.result is None or not found.result.image:
             return ()
-        return (Image(await asyncio.to_thread(shrunk, found.result.image)),)
+        return (Image(await asyncio.to_thread(shrink_jpeg, found.result.image)),)
 
     def _thin(self) -> list[Message]:
         """The conversation with its newest pictures only: each is paid for again in every turn."""
         left, thin = PICTURES_KEPT, list(self._talk)
         for at in range(len(thin) - 1, -1, -1):
             message = thin[at]
-            if isinstance(message, Said | Returned) and message.images:
+            if isinstance(message, UserMessage | ToolResult) and message.images:
                 if left <= 0:
                     thin[at] = replace(message, images=())
                 left -= 1
@@ -290,4 +294,6 @@ def _got_somewhere(result: ActionResult) -> bool:
 
 def _shown(raw: Any) -> dict[str, Any]:
     """Arguments that did not fit, for the transcript only."""
-    return {"raw": said(raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False, default=str), limit=200)}
+    return {
+        "raw": one_line(raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False, default=str), limit=200)
+    }

@@ -108,7 +108,7 @@ def _choice(name: str, directions: Sequence[Direction]) -> Any:
 
 
 # ---------------------------------------------------------------------- what the model is told
-def result_told(result: ActionResult, state: RobotState | None, left: dict[str, Any]) -> str:
+def result_message(result: ActionResult, state: RobotState | None, left: dict[str, Any]) -> str:
     """A result as data: what was measured, why it ended, what the robot's sensors say, and what is left."""
     facts: dict[str, Any] = {"outcome": str(result.outcome)}
     if result.primitive.op in (Op.MOVE, Op.TURN):
@@ -117,15 +117,15 @@ def result_told(result: ActionResult, state: RobotState | None, left: dict[str, 
         facts["measured"] = known or (f"unknown: {result.unmeasured}" if result.unmeasured else "unknown")
     if result.outcome is not Outcome.DONE:
         facts |= {"reason": result.reason, "message": result.message}
-    return json.dumps({**facts, **state_told(state), "left": left}, ensure_ascii=False)
+    return json.dumps({**facts, **state_data(state), "left": left}, ensure_ascii=False)
 
 
-def problem_told(problem: str, left: dict[str, Any]) -> str:
+def problem_message(problem: str, left: dict[str, Any]) -> str:
     """A call that was not done, and what is left."""
     return json.dumps({"outcome": "not done", "problem": problem, "left": left}, ensure_ascii=False)
 
 
-def state_told(state: RobotState | None) -> dict[str, Any]:
+def state_data(state: RobotState | None) -> dict[str, Any]:
     """What a driver needs of a robot's state."""
     if state is None:
         return {"state": "unknown"}
@@ -134,7 +134,7 @@ def state_told(state: RobotState | None) -> dict[str, Any]:
     return {"state": {"mode": state.mode, "battery_percent": state.battery_percent, "free_m": ranges or "unknown"}}
 
 
-def left_of(mandate: Mandate, used: Sequence[ActionResult], calls: int, seconds: float) -> dict[str, Any]:
+def remaining(mandate: Mandate, used: Sequence[ActionResult], calls: int, seconds: float) -> dict[str, Any]:
     """What a mandate has left after these results, for the model to plan with; `calls` and `seconds` are the loop's."""
     tried = [r.primitive for r in used if r.outcome is not Outcome.SKIPPED]
     left: dict[str, Any] = {"calls": max(0, calls), "seconds": max(0, round(seconds))}

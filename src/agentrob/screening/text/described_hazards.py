@@ -14,7 +14,7 @@ from functools import cache
 
 from agentrob.language.messages.catalog import quote
 from agentrob.language.parser.amounts import with_amounts
-from agentrob.language.parser.lexicon import Kind, Token, tokens_of
+from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
 from agentrob.language.registry import locale
 from agentrob.model import Decision, Direction, Language, Op, Plan, Verdict
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
@@ -63,15 +63,15 @@ class Clause:
     end: int
 
 
-def in_the_way(text: str, plan: Plan, language: Language) -> Verdict | None:
+def hazard_in_path(text: str, plan: Plan, language: Language) -> Verdict | None:
     """A refusal when the plan leads to what the text says is there, a question when nobody knows what that is."""
-    if (hazard := met(text, plan, language)) is None:
+    if (hazard := first_hazard_met(text, plan, language)) is None:
         return None
     decision = Decision.ASK_BACK if hazard.rule == UNKNOWN else Decision.REFUSE
     return Verdict(decision, hazard.rule, say(hazard.rule, language, quote(hazard.words)))
 
 
-def met(text: str, plan: Plan, language: Language) -> Hazard | None:
+def first_hazard_met(text: str, plan: Plan, language: Language) -> Hazard | None:
     """The first of what the text says is there that the plan leads to; `UNKNOWN` comes last."""
     moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
     hazards = sorted(hazards_in(text, language) if moves else (), key=lambda hazard: hazard.rule == UNKNOWN)
@@ -142,7 +142,7 @@ def without_safe_edges(plain: str) -> str:
 
 def _lengths(plain: str, language: Language) -> list[Token]:
     tokens, _ = tokens_of(plain, locale(language).words)
-    return [token for token in with_amounts(tokens, plain) if token.kind is Kind.LENGTH]
+    return [token for token in with_amounts(tokens, plain) if token.kind is TokenKind.LENGTH]
 
 
 def _placed(said: str, distance_m: float | None) -> Iterator[Hazard]:

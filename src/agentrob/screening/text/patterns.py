@@ -19,7 +19,7 @@ from agentrob.screening.text.prefilter import OneOf, either, needs
 
 _NOT = r"(?!\b(?:don't|dont|not|never|without|avoid|instead of|rather than)\b|不要|别|不许|避免|小心|以免)"
 GAP = rf"(?:{_NOT}[^.!?;\n。！？；]){{0,30}}?"
-DEED = (
+CLAUSE_GAP = (
     rf"(?:{_NOT}(?! (?:and|then|but) (?!then|into|over|through|against|onto|off|straight|right"
     rf"|directly)\w)[^.!?;\n。！？；]){{0,30}}?"
 )
@@ -114,7 +114,7 @@ def compiled(groups: Mapping[str, str], phrases: Sequence[str], *, words: bool) 
 
 
 def _expanded(phrase: str, groups: Mapping[str, str]) -> str:
-    phrase = phrase.replace(" ~ ", rf"(?: |\b{GAP}\b )").replace("~", GAP).replace("…", DEED)
+    phrase = phrase.replace(" ~ ", rf"(?: |\b{GAP}\b )").replace("~", GAP).replace("…", CLAUSE_GAP)
     phrase = phrase.replace(_WITHIN, rf"(?:{_NOT}[^，。！？；,.!?;\n])")
     return _REFERENCE.sub(lambda m: _group(groups[m[1]], groups, m[2] == "+"), phrase)
 

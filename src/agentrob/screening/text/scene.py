@@ -16,7 +16,7 @@ from functools import cache
 
 from agentrob.language.messages.catalog import quote
 from agentrob.model import Decision, Language, Plan, Verdict
-from agentrob.screening.text.described_hazards import UNKNOWN, met
+from agentrob.screening.text.described_hazards import UNKNOWN, first_hazard_met
 from agentrob.screening.text.harm import plain_words
 from agentrob.screening.text.messages import say
 from agentrob.screening.text.patterns import compiled
@@ -139,7 +139,7 @@ def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) 
     if not scene.strip():
         return None
     if plan is not None:  # a robot that walks and waves puts nothing anywhere
-        there = met(scene, plan, "en")
+        there = first_hazard_met(scene, plan, "en")
         if there is None or there.rule == UNKNOWN:
             return None
         return Verdict(Decision.REFUSE, f"scene.{there.rule}", say("scene.way", language, quote(there.words)))

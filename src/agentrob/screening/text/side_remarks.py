@@ -79,7 +79,7 @@ _CARE = re.compile(
 )
 
 
-def said_beside(text: str, plan: Plan, language: Language) -> Verdict | None:
+def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None:
     """A question when something is said beside the command that may change its meaning, or None."""
     if all(step.op in _HARMLESS for step in plan.steps):
         return None
