@@ -48,7 +48,7 @@ except RobotError as e:
 #: The vendor's own client in a hand: a line in is a call, a line out its code. `drive` goes on until the next line.
 REMOTE = """
 import os, sys, threading
-from agentrob import dds
+from agentrob.process import dds
 from unitree_sdk2py.core import channel
 from unitree_sdk2py.core.channel import ChannelFactoryInitialize
 from unitree_sdk2py.go2.sport.sport_client import SportClient

@@ -261,10 +261,10 @@ def test_a_go2_that_is_well_is_said_so_and_on_a_wrong_domain_it_is_found(field: 
 #: Another program that can command the robot: the vendor's own client. Waits until its input ends.
 ANOTHER = """
 import os, sys
-from agentrob.robots import unitree
-unitree.connect(int(sys.argv[1]), "lo")
+from agentrob.robots.unitree import sdk
+sdk.connect(int(sys.argv[1]), "lo")
 from unitree_sdk2py.go2.sport.sport_client import SportClient
-unitree.clients((SportClient, 1.0))
+sdk.clients((SportClient, 1.0))
 print("there", flush=True)
 sys.stdin.read()
 os._exit(0)

@@ -13,8 +13,8 @@ DOMAIN = 211 + int(os.environ["AGENTROB_TEST_NUMBER"])
 
 SPEAK = """
 import gc, sys, time
-from agentrob.robots import unitree
-unitree.connect(int(sys.argv[1]), "lo")
+from agentrob.robots.unitree import sdk
+sdk.connect(int(sys.argv[1]), "lo")
 from unitree_sdk2py.core.channel import ChannelPublisher, ChannelSubscriber
 from unitree_sdk2py.idl.unitree_api.msg.dds_ import *
 
@@ -81,7 +81,7 @@ def test_a_client_that_was_dropped_without_being_closed_does_not_crash_the_proce
 
 ENDS = """
 import threading
-from agentrob import dds
+from agentrob.process import dds
 begun, calls = threading.Event(), []
 
 def called(number):
