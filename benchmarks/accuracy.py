@@ -24,8 +24,9 @@ from agentrob.robots.unitree import g1, go2
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.bodies.sensors import Odometry
+from agentrob.sim.world.legged import PERIOD_S
 from agentrob.sim.world.scene import OPEN_FLOOR
-from agentrob.sim.world.world import PERIOD_S, World
+from agentrob.sim.world.world import World
 
 F, B, L, R = Direction
 STEPS = (

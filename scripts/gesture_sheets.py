@@ -25,10 +25,11 @@ from PIL import Image, ImageDraw
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.g1_gestures import GESTURES, RELEASE
 from agentrob.sim.bodies.go2 import Go2
-from agentrob.sim.bodies.legged import Array
 from agentrob.sim.event_log import Ledger
-from agentrob.sim.rendering.cameras import View, choose_backend, open_renderer
+from agentrob.sim.rendering.cameras import choose_backend, open_renderer
+from agentrob.sim.rendering.view import View
 from agentrob.sim.services.dds import g1_sport, go2_sport
+from agentrob.sim.world.legged import Array
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
 PICTURES, SIDE_PX, COLOURS = 8, 240, 96

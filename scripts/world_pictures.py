@@ -17,7 +17,8 @@ from PIL import Image
 
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.go2 import Go2
-from agentrob.sim.rendering.cameras import choose_backend, open_renderer, overview
+from agentrob.sim.rendering.cameras import choose_backend, open_renderer
+from agentrob.sim.rendering.view import overview
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
 SIZE_PX, QUALITY = (720, 405), 82

@@ -11,8 +11,9 @@ import pytest
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.event_log import Ledger
 from agentrob.sim.services.go2_sport import MOVE, STOP_MOVE, Sport
+from agentrob.sim.world.legged import PERIOD_S
 from agentrob.sim.world.scene import OPEN_FLOOR
-from agentrob.sim.world.world import PERIOD_S, World
+from agentrob.sim.world.world import World
 from tests.sim.served_world import Served, start_world
 
 

@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any
 from agentrob.errors import SimError
 
 if TYPE_CHECKING:
-    from agentrob.sim.bodies.legged import Legged
+    from agentrob.sim.world.legged import Legged
 
 _WORDS = {"ranges": ("good", "missing", "zero", "constant"), "camera": ("good", "dead", "black")}
 _SWITCHES, _PAIRS = ("silent", "lost", "unplugged", "tip"), ("jump_m", "push_mps", "box_m")

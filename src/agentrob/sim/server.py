@@ -24,8 +24,8 @@ from agentrob.errors import AgentRobError, SimError
 from agentrob.process.host_lock import HostLock
 
 if TYPE_CHECKING:
-    from agentrob.sim.bodies.legged import Legged
     from agentrob.sim.services.unitree import RobotServices, Station
+    from agentrob.sim.world.legged import Legged
     from agentrob.sim.world.scene import Scene
 
 ANSWER_LIMIT_S = 5.0
@@ -92,10 +92,12 @@ class _Process:
 
         from agentrob.sim.event_log import Ledger
         from agentrob.sim.realtime_loop import Clockwork
-        from agentrob.sim.rendering.cameras import Cameras, front_view, overview
+        from agentrob.sim.rendering.cameras import Cameras
+        from agentrob.sim.rendering.view import front_view, overview
         from agentrob.sim.services.dds import Node
         from agentrob.sim.services.unitree import Station
-        from agentrob.sim.world.world import PERIOD_S, World
+        from agentrob.sim.world.legged import PERIOD_S
+        from agentrob.sim.world.world import World
 
         self.began_s = time.monotonic()
         self.settings, self.stack = settings, stack

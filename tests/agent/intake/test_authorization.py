@@ -20,7 +20,7 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Command, Plan, Post, Report, Role, Understanding
 from agentrob.robots.control.controller import REST
 from agentrob.robots.driver.api import Service
-from agentrob.robots.driver.process import Driver as RobotDriver
+from agentrob.robots.driver.driver import Driver as RobotDriver
 from agentrob.robots.driver.process import listening
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.guard import Guard

@@ -15,7 +15,8 @@ from agentrob.model import ActionResult, Plan, Primitive, StopResult, Understand
 from agentrob.robots.control.controller import REST, Velocity
 from agentrob.robots.driver.api import Service
 from agentrob.robots.driver.client import DriverClient
-from agentrob.robots.driver.process import Driver, listening
+from agentrob.robots.driver.driver import Driver
+from agentrob.robots.driver.process import listening
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.protocol import Watch
 from agentrob.robots.safety.guard import Guard

@@ -18,8 +18,9 @@ from agentrob.model import AccountKind, Post, Primitive, Role
 from agentrob.process.host_lock import HostLock
 from agentrob.robots.driver.api import Service
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.driver import Driver
 from agentrob.robots.driver.lease import Leases
-from agentrob.robots.driver.process import Driver, listening, lock_name, serve_stops
+from agentrob.robots.driver.process import listening, lock_name, serve_stops
 from agentrob.robots.driver.stop import halt_robot, stop_robot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt

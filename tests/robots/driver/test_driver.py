@@ -25,7 +25,8 @@ from agentrob.model import EMERGENCY_STOP, ActionResult, Direction, Op, Outcome,
 from agentrob.process import host_lock
 from agentrob.robots.driver.api import Service
 from agentrob.robots.driver.client import DriverClient, run_plan
-from agentrob.robots.driver.process import Driver, listening, make_robot
+from agentrob.robots.driver.driver import Driver
+from agentrob.robots.driver.process import listening, make_robot
 from agentrob.robots.driver.stop import halt_robot, stop_all, stop_driver
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.guard import Guard

@@ -19,7 +19,7 @@ from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.crash_marker import COUNTS_S, Left, Mark
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
-from agentrob.robots.safety.odometry import DECAY_S, Hands
+from agentrob.robots.safety.takeover import DECAY_S, Hands
 from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
 from tests.robots.guard_scene import Pusher, until
 

@@ -8,7 +8,8 @@ import pytest
 
 from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
-from agentrob.robots.safety.odometry import Hands, Odometry
+from agentrob.robots.control.odometry import Odometry
+from agentrob.robots.safety.takeover import Hands
 from tests.robots.guard_scene import Make, Pusher, fake_of, homes, move, turn, until
 
 

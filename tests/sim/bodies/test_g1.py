@@ -17,12 +17,13 @@ from agentrob.sim.bodies.g1_gestures import GESTURES, RELEASE
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.bodies.sensors import Ranges, wrap
 from agentrob.sim.event_log import Ledger
-from agentrob.sim.rendering.cameras import front_view
+from agentrob.sim.rendering.view import front_view
 from agentrob.sim.services import g1_sport
 from agentrob.sim.services.g1_sport import G1Sport
+from agentrob.sim.world.legged import PERIOD_S
 from agentrob.sim.world.meshes import read_stl
 from agentrob.sim.world.scene import OPEN_FLOOR
-from agentrob.sim.world.world import PERIOD_S, World
+from agentrob.sim.world.world import World
 
 pytestmark = pytest.mark.sim
 

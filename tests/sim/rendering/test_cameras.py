@@ -8,8 +8,9 @@ import pytest
 from PIL import Image
 
 from agentrob.sim.rendering import cameras
-from agentrob.sim.rendering.cameras import Cameras, front_view, overview
+from agentrob.sim.rendering.cameras import Cameras
 from agentrob.sim.rendering.ray_camera import RayRenderer
+from agentrob.sim.rendering.view import front_view, overview
 
 pytestmark = pytest.mark.sim
 

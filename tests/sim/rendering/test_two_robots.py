@@ -10,7 +10,8 @@ import pytest
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.rendering import cameras, ray_camera
-from agentrob.sim.rendering.cameras import Cameras, front_view, open_renderer, overview
+from agentrob.sim.rendering.cameras import Cameras, open_renderer
+from agentrob.sim.rendering.view import front_view, overview
 from agentrob.sim.world.world import World
 
 pytestmark = pytest.mark.sim

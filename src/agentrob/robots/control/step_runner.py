@@ -22,8 +22,8 @@ from agentrob.robots.control.controller import (
     rotate,
     wrap,
 )
+from agentrob.robots.control.odometry import Odometry
 from agentrob.robots.protocol import BODY_RADIUS_M, Watch
-from agentrob.robots.safety.odometry import Odometry
 
 #: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %). What shall
 #: not change, the place of a turn and the heading of a move, has no such share of its own: degrees are no metres.

@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import uvicorn
 from starlette.applications import Starlette
@@ -20,9 +20,7 @@ from starlette.routing import Route
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError
 from agentrob.robots.codec import decode_primitive, encode, name_of
-
-if TYPE_CHECKING:
-    from agentrob.robots.driver.process import Driver
+from agentrob.robots.driver.driver import Driver
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)

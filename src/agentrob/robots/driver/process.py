@@ -9,25 +9,21 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
-import math
 import os
 import signal
 import socket
 import sys
 import threading
-import time
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from agentrob.config.load import RobotConfig, default_data_dir, runtime_dir
 from agentrob.errors import RobotBusy, RobotError
-from agentrob.model import ActionResult, Lock, Pose, Primitive, RobotState, StopResult
 from agentrob.plugins import find
 from agentrob.process.host_lock import HostLock
 from agentrob.robots.codec import encode, name_of
-from agentrob.robots.driver.lease import Leases
+from agentrob.robots.driver.driver import Driver
 from agentrob.robots.protocol import Robot
 from agentrob.robots.safety.crash_marker import Mark
 from agentrob.robots.safety.guard import Guard
@@ -35,115 +31,8 @@ from agentrob.robots.safety.lock import Halt
 
 log = logging.getLogger(__name__)
 
-#: At most so long is waited for rest before the process ends.
-LAST_STOP_S = 0.4
-#: A new holder waits so long for the end of the last one's step: a robot comes to rest within 3 s.
-TAKE_S = 4.0
-#: Pictures for the record are taken no more often than this.
-LOOK_S = 0.4
 #: A line on the stop channel must come within this time.
 LINE_S = 2.0
-
-
-class Driver:
-    """What the process does, without sockets: all calls are thread-safe."""
-
-    def __init__(self, name: str, guard: Guard) -> None:
-        self.name, self.guard = name, guard
-        self.leases = Leases()
-        self._step = threading.Lock()
-        self._looking, self._looked_s = threading.Lock(), -LOOK_S
-
-    @property
-    def busy(self) -> bool:
-        return self._step.locked()
-
-    def state(self) -> RobotState:
-        return self.guard.state()
-
-    def take(self, holder: str, since_s: float | None = None) -> str:
-        """A lease, once the last holder's step has come to rest; waits for that.
-
-        `since_s` is when the command was accepted, by the monotonic clock; now when not given. Raises `RobotBusy`, and
-        `LeaseLost` when a stop or a halt came since then, also while this waits.
-        """
-        asked_s = time.monotonic()
-        since_s, end_s = asked_s if since_s is None else since_s, asked_s + TAKE_S
-        self.leases.refuse_ended(since_s)
-        while self.leases.holder is None and self.busy and time.monotonic() < end_s:
-            time.sleep(0.02)
-        if self.leases.holder is None and self.busy:
-            raise RobotBusy("the robot is still ending the step of its last holder; try again in a moment")
-        lease = self.leases.take(holder, since_s)
-        log.info("lease to %s", holder)
-        return lease
-
-    def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
-        """Blocks until the step has ended. Raises `LeaseLost`, `RobotBusy`."""
-        self.leases.renew(lease)
-        if not self._step.acquire(blocking=False):
-            raise RobotBusy("another step of this lease is still running")
-        try:
-            result = self.guard.step(primitive, lambda _: self.leases.lost(lease), deadline_s)
-        finally:
-            self._step.release()
-        log.info("step %s %s: %s %s", primitive.op, primitive.asked(), result.outcome, result.message)
-        return result
-
-    def look(self) -> bytes:
-        """A picture of the robot's own camera, for the record; at most every `LOOK_S`, whoever asks. `RobotBusy` when
-        that is too soon or another look is under way."""
-        if not self._looking.acquire(blocking=False):
-            raise RobotBusy("another look through the robot's camera is under way")
-        try:
-            if time.monotonic() - self._looked_s < LOOK_S:
-                raise RobotBusy(f"the robot's camera is looked through at most every {LOOK_S:g} s")
-            self._looked_s = time.monotonic()
-            return self.guard.look()
-        finally:
-            self._looking.release()
-
-    def stop(self, by: str, asked_s: float | None = None, *, running_only: bool = False) -> StopResult:
-        """Ends the running step and the lease: what its holder was about to do is over too, and so is what was accepted
-        before; that is left with `running_only`, by which an agent ends a command of its own.
-
-        `asked_s` is when it was asked for, by the monotonic clock; the latency counts from there.
-        """
-        asked_s = time.monotonic() if asked_s is None else asked_s
-        ended_s = self.leases.end("stop", by, running_only=running_only)
-        late_ms = 1000 * (time.monotonic() - asked_s)
-        result = self.guard.stop()
-        log.warning("stop by %s: %s", by, result)
-        return replace(result, latency_ms=round(result.latency_ms + late_ms, 3), ended_s=ended_s)
-
-    def halt(self, by: str) -> StopResult:
-        ended_s = self.leases.end("halt", by)
-        return replace(self.guard.halt(name_of(by)), ended_s=ended_s)
-
-    def release(self, by: str, since_s: float = math.inf) -> Lock | None:
-        """Let a locked robot move again. Nothing moves by this: what was accepted before the release is over (law 14).
-
-        `since_s` is when it was asked for, by the monotonic clock. The lock that was taken away, None when there was
-        none. Raises `RobotError` when it stays locked.
-        """
-        lock = self.guard.release(by, since_s)
-        if lock is not None:
-            self.leases.end("release", by)
-        return lock
-
-    def home(self, by: str) -> Pose:
-        """Where the robot stands now is its home. Raises `RobotError`, also while anything moves."""
-        if self.busy:
-            raise RobotError("cannot set home while a step runs")
-        return self.guard.home(name_of(by))
-
-    def close(self) -> None:
-        """Stop the robot, waiting for its rest only a moment, and let it go."""
-        self.leases.end("shutdown")
-        last = threading.Thread(target=self.guard.stop, daemon=True)
-        last.start()
-        last.join(LAST_STOP_S)
-        self.guard.close()
 
 
 # ------------------------------------------------------------------ the process

@@ -61,6 +61,7 @@ from agentrob.model import (
     StopResult,
 )
 from agentrob.robots.control.controller import known
+from agentrob.robots.control.odometry import Odometry
 from agentrob.robots.control.picture_check import looked
 from agentrob.robots.control.step_runner import JUMPED, LOST, unmeasured
 from agentrob.robots.protocol import Robot, Sighted, Watch
@@ -68,8 +69,8 @@ from agentrob.robots.safety.crash_marker import Mark
 from agentrob.robots.safety.fence import Fence, ahead
 from agentrob.robots.safety.limits import beyond_limits
 from agentrob.robots.safety.lock import Halt
-from agentrob.robots.safety.odometry import DAMPING, WALKS, Hands, Odometry
 from agentrob.robots.safety.ranges import STOPPING_S, Ranges
+from agentrob.robots.safety.takeover import DAMPING, WALKS, Hands
 
 log = logging.getLogger(__name__)
 

@@ -11,9 +11,9 @@ from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.control.controller import RATE_HZ, STOPPED_WINDOW_S, Rest, known, wrap
 from agentrob.robots.control.gesture import Gesture
+from agentrob.robots.control.odometry import Odometry
 from agentrob.robots.control.step_runner import REST_LIMIT_S
 from agentrob.robots.protocol import Watch
-from agentrob.robots.safety.odometry import Odometry
 from agentrob.robots.unitree import sdk
 
 #: Commands of velocity and stops are written, not asked: they must never wait long for a robot that is not there.

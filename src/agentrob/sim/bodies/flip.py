@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from agentrob.sim.bodies.legged import Array, Legged
 from agentrob.sim.world import room
+from agentrob.sim.world.legged import Array, Legged
 from agentrob.sim.world.world import FIRST_ROBOT_GROUP, MOST_ROBOTS
 
 SECONDS = 1.6

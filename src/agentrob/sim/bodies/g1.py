@@ -9,9 +9,8 @@ import numpy as np
 from agentrob.sim.bodies.g1_gestures import Indices
 from agentrob.sim.bodies.g1_policy import COMMAND_SLEW, STAND_RAD, TORQUE_NM, G1Policy, G1Trim
 from agentrob.sim.bodies.go2_gestures import Motion
-from agentrob.sim.bodies.go2_policy import PERIOD_S
-from agentrob.sim.bodies.legged import Array, Build, Drive, Legged
 from agentrob.sim.world import assets, meshes
+from agentrob.sim.world.legged import PERIOD_S, Array, Build, Drive, Legged
 from agentrob.sim.world.scene import Start
 
 #: What the policy follows well: forward, sideways (m/s) and turning (rad/s).

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from agentrob.sim.bodies.g1_policy import STAND_RAD
 from agentrob.sim.bodies.go2_gestures import Frame, Motion
-from agentrob.sim.bodies.legged import Array
+from agentrob.sim.world.legged import Array
 
 Indices = NDArray[np.intp]
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from agentrob.sim.bodies.go2_policy import PERIOD_S, VelocityTrim, onnx_session
-from agentrob.sim.bodies.legged import Array
+from agentrob.sim.bodies.go2_policy import VelocityTrim, onnx_session
+from agentrob.sim.world.legged import PERIOD_S, Array
 
 _LEG = (-0.312, 0.0, 0.0, 0.669, -0.363, 0.0)
 #: Standing with the knees a little bent and the forearms ahead.

@@ -9,9 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from agentrob.sim.bodies import go2_policy
-from agentrob.sim.bodies.go2_policy import COMMAND_SLEW, PERIOD_S, STAND_RAD
-from agentrob.sim.bodies.legged import Array, Build, Drive, Legged
+from agentrob.sim.bodies.go2_policy import COMMAND_SLEW, STAND_RAD
 from agentrob.sim.world import assets, meshes
+from agentrob.sim.world.legged import PERIOD_S, Array, Build, Drive, Legged
 from agentrob.sim.world.scene import Start
 
 #: What the policy follows well: forward, sideways (m/s) and turning (rad/s). The real robot takes up to 3.8, 1 and 4.

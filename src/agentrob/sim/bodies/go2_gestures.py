@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from agentrob.sim.bodies.go2_policy import STAND_RAD
-from agentrob.sim.bodies.legged import Array
+from agentrob.sim.world.legged import Array
 
 THIGH_M = CALF_M = 0.213
 HIP_X_M = 0.1934  # from the body's middle to a hip, along x

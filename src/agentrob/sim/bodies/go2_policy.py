@@ -10,13 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from agentrob.sim.world.legged import PERIOD_S, Array
 
 JOINTS = tuple(f"{leg}_{part}_joint" for leg in ("FR", "FL", "RR", "RL") for part in ("hip", "thigh", "calf"))
 STAND_RAD: Array = np.array([0.0, 0.8, -1.5] * 4)
-PERIOD_S = 0.02
 KP, KD = 20.0, 0.5  # N·m/rad, N·m·s/rad
 ACTION_SCALE: Array = np.array([0.125, 0.25, 0.25] * 4)
 GYRO_SCALE, JOINT_SPEED_SCALE = 0.25, 0.05

@@ -12,8 +12,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from agentrob.sim.bodies.legged import Array, Legged
 from agentrob.sim.world import room
+from agentrob.sim.world.legged import Array, Legged
 from agentrob.sim.world.world import FIRST_ROBOT_GROUP, MOST_ROBOTS
 
 POSITION_NOISE_M, YAW_NOISE_RAD = 0.002, math.radians(0.2)

@@ -10,20 +10,18 @@ import os
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
-from agentrob.sim.bodies.legged import Array
 from agentrob.sim.rendering import gl_probe
+from agentrob.sim.rendering.ray_camera import RayRenderer
+from agentrob.sim.rendering.view import Picture, Renderer, View, place_cameras
 from agentrob.sim.world import room
-from agentrob.sim.world.world import ROBOT_GROUP
+from agentrob.sim.world.legged import Array
 
-Picture = NDArray[np.uint8]  # (height, width, 3)
 Deliver = Callable[[bytes | None], None]
 
 SEVERAL_S = 0.5  # other views drawn within this time: several cameras are looked at
@@ -32,43 +30,6 @@ FRESH_S = 0.07  # a picture younger than this is given again: ten a second, aske
 JPEG_QUALITY = 88
 LARGEST = (1280, 720)
 SHADE_M = (0.34, 0.20, 0.004)
-
-
-@dataclass(frozen=True, slots=True)
-class View:
-    """One camera: size of its picture, the geom groups it sees, and its pose in MuJoCo's terms."""
-
-    width: int
-    height: int
-    groups: tuple[int, ...]
-    camera: Any
-
-
-def front_view(model: Any, robot: str) -> View:
-    """What the camera in a robot's nose sees: 640x480 as the real Go2's sample."""
-    camera = mujoco.MjvCamera()
-    camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-    camera.fixedcamid = model.camera(f"{robot}/front").id
-    return View(640, 480, (room.ROOM_GROUP, room.NEAR_WALL_GROUP, ROBOT_GROUP), camera)
-
-
-def overview(model: Any) -> View:
-    """The whole room from above a corner, the two near walls left out."""
-    camera = mujoco.MjvCamera()
-    camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-    camera.fixedcamid = model.camera("overview").id
-    return View(800, 450, (room.ROOM_GROUP, ROBOT_GROUP), camera)
-
-
-class Renderer(Protocol):
-    """Draws views of one model; used from one thread only. `smooth` edges take twice the time, where it can them."""
-
-    name: str
-    smooth: bool
-
-    def draw(self, view: View, pose: Array) -> Picture: ...
-
-    def close(self) -> None: ...
 
 
 class GlRenderer:
@@ -127,15 +88,6 @@ class GlRenderer:
         self._gl.free()
 
 
-def place_cameras(model: Any, data: Any, pose: Array) -> None:
-    """Put a world's pose (nq + 3,) into data far enough for drawing."""
-    data.qpos[:] = pose[: model.nq]
-    data.mocap_pos[:] = pose[model.nq :].reshape(data.mocap_pos.shape)
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_camlight(model, data)
-
-
 def choose_backend() -> str:
     """`egl`, `osmesa` or `ray`.
 
@@ -152,8 +104,6 @@ def choose_backend() -> str:
 
 def open_renderer(model: Any, backend: str) -> Renderer:
     """The renderer for a backend; rays when it cannot be opened after all."""
-    from agentrob.sim.rendering.ray_camera import RayRenderer
-
     if backend != "ray":
         try:
             return GlRenderer(model, backend)

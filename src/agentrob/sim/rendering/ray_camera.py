@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from agentrob.sim.bodies.legged import Array
-from agentrob.sim.rendering.cameras import Picture, View, place_cameras
+from agentrob.sim.rendering.view import Picture, View, place_cameras
+from agentrob.sim.world.legged import Array
 from agentrob.sim.world.world import FIRST_ROBOT_GROUP, ROBOT_GROUP
 
 SHRINK = 2  # rays per picture: a quarter of its pixels

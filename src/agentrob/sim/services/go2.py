@@ -17,9 +17,9 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_
 
 from agentrob.sim.bodies import sensors
 from agentrob.sim.bodies.go2 import Go2
-from agentrob.sim.bodies.go2_policy import PERIOD_S
 from agentrob.sim.faults import Faults
 from agentrob.sim.services.go2_sport import WALKING, Sport
+from agentrob.sim.world.legged import PERIOD_S
 
 AMBIENT_C, WARMING_C_PER_NM, WARMING_S = 30.0, 1.2, 120.0  # of a motor
 FEET = ("FR", "FL", "RR", "RL")

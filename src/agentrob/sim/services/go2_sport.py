@@ -23,8 +23,8 @@ from agentrob.sim.bodies import flip, go2_gestures
 from agentrob.sim.bodies.flip import Flight
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.bodies.go2_gestures import Motion
-from agentrob.sim.bodies.legged import Array
 from agentrob.sim.event_log import Ledger
+from agentrob.sim.world.legged import Array
 
 OK, NOT_IMPLEMENTED, BAD_PARAMETER = 0, 3203, 3204
 BROKEN_OFF, BUSY, UNSUITABLE = 4201, 4205, 4206

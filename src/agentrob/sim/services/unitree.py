@@ -25,11 +25,10 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 from unitree_sdk2py.utils.crc import CRC
 
 from agentrob.sim.bodies import sensors
-from agentrob.sim.bodies.go2_policy import PERIOD_S
-from agentrob.sim.bodies.legged import Legged
 from agentrob.sim.event_log import Ledger
 from agentrob.sim.faults import Faults, Trouble, black_picture
 from agentrob.sim.rendering.cameras import Cameras
+from agentrob.sim.world.legged import PERIOD_S, Legged
 from agentrob.sim.world.world import World
 
 LOW_EVERY = 5  # ticks: lowstate at 10 Hz (500 on a real robot), odometry at every tick (50 Hz)

@@ -13,10 +13,9 @@ import mujoco
 import numpy as np
 
 from agentrob.errors import SimError
-from agentrob.sim.bodies.legged import Array, Legged
 from agentrob.sim.world import room, scene
+from agentrob.sim.world.legged import PERIOD_S, Array, Legged
 
-PERIOD_S = 0.02
 TIME_STEP_S = 0.0025
 SUB_STEPS = round(PERIOD_S / TIME_STEP_S)
 SETTLE_S = 1.2  # from being placed to standing still

@@ -13,6 +13,9 @@ from agentrob.sim.world.scene import Start
 
 Array = NDArray[np.float64]
 
+#: One control period: every robot decides once, then the physics advances.
+PERIOD_S = 0.02
+
 
 @dataclass(frozen=True, slots=True)
 class Drive:
