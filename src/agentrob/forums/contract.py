@@ -17,7 +17,7 @@ from typing import Any, Protocol
 import pytest
 
 from agentrob.errors import ForumDenied, ForumNotFound, ForumUnoffered, ForumUnreachable
-from agentrob.forums.protocol import Event, EventKind, Forum, Notices, Permissions, Registrar, Searcher
+from agentrob.forums.protocol import Event, EventKind, Forum, Notifications, Permissions, Registrar, Searcher
 from agentrob.language.rendered_text import text_in
 from agentrob.language.visible_text import OMITTED, mentions
 from agentrob.model import AccountKind, Post, Role, StatusCard
@@ -365,19 +365,19 @@ class ForumContract:
         alice, bob = await world.sign_in("alice"), await world.sign_in("bob")
         first = await _topic(alice, "hello")
         mention = (await bob.reply(first.topic_id, "@alice look", key="1")).post
-        if not isinstance(alice, Notices):
+        if not isinstance(alice, Notifications):
             return
         try:
-            found = await alice.notices()
+            found = await alice.notifications()
             async with asyncio.timeout(LIMIT_S):
                 while mention.id not in [n.post.id for n in found.items]:
                     await asyncio.sleep(0.1)  # some forums make them a moment after the post
-                    found = await alice.notices()
+                    found = await alice.notifications()
         except ForumUnoffered:
             return
         assert [n.kind for n in found.items if n.post.id == mention.id] == ["mention"]
-        assert isinstance(bob, Notices)
-        assert [n for n in (await bob.notices()).items if n.post.topic_id == first.topic_id] == []
+        assert isinstance(bob, Notifications)
+        assert [n for n in (await bob.notifications()).items if n.post.topic_id == first.topic_id] == []
 
     async def test_accounts_and_rights_are_for_admins_or_are_said_not_to_be_offered(self, world: World) -> None:
         alice, admin = await world.sign_in("alice"), await world.sign_in("admin", role=Role.ADMIN)

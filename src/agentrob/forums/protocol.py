@@ -2,7 +2,7 @@
 
 A forum is a `Reader`, a `Writer`, `Accounts` and `Events`; one that also has pages for robots is a `Stage`. What not
 every forum has are protocols of their own (`Roster`, `Searcher`, `MeaningSearcher`, `Registrar`, `Permissions`,
-`Notices`): one that lacks it has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise
+`Notifications`): one that lacks it has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise
 `agentrob.errors.ForumError` subclasses, never the transport's own.
 """
 
@@ -236,7 +236,7 @@ class Registered:
 
 
 @dataclass(frozen=True, slots=True)
-class Notice:
+class Notification:
     """Why an account should look at a post: `mention`, `reply` or another word of the forum."""
 
     id: str
@@ -299,10 +299,10 @@ class Permissions(Protocol):
 
 
 @runtime_checkable
-class Notices(Protocol):
+class Notifications(Protocol):
     """A forum that keeps for each account who mentioned or answered it."""
 
-    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+    async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
         """Of the signed-in account, newest first."""
         ...
 

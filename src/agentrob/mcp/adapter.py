@@ -30,7 +30,7 @@ from agentrob.errors import (
     McpError,
 )
 from agentrob.forums.cards import facts_of
-from agentrob.forums.protocol import Board, Event, EventKind, Notice, Page, Topic, Written
+from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Topic, Written
 from agentrob.mcp import mapping, results
 from agentrob.mcp.client import ForumClient, ServerGone, ToolFailed
 from agentrob.mcp.forum.resources import address
@@ -195,9 +195,9 @@ class McpForum:
         asked = self._client.manage_permissions(name, str(role) if role else None, suspended)
         return mapping.account((await _said(asked)).account)
 
-    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+    async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
         page = await _said(self._client.list_notifications(cursor, limit))
-        found = (Notice(n.id, n.kind, mapping.post(n.post), n.read) for n in page.notifications)
+        found = (Notification(n.id, n.kind, mapping.post(n.post), n.read) for n in page.notifications)
         return Page(tuple(found), page.next)
 
 

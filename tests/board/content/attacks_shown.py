@@ -31,7 +31,7 @@ from tests.board.web.page_world import World
 QUOTED, ON_CARD, IN_RECORD = 40, 60, 25
 #: In every post that begins a topic, so that a search finds them all.
 WORD = "wordofall"
-LISTS = ("/", "/b/talk", "/latest", "/notices", f"/search?q={WORD}", "/admin/audit", "/admin/accounts")
+LISTS = ("/", "/b/talk", "/latest", "/notifications", f"/search?q={WORD}", "/admin/audit", "/admin/accounts")
 OTHERS = (
     *("/u/boss", "/b/talk/new", "/search?q=<script>alert(1)</script>", "/b/robots/new?to=<script>alert(1)</script>"),
     "/search?q=x&tag=<script>alert(1)</script>&board=<img src=x onerror=alert(1)>",
@@ -77,7 +77,7 @@ def typed(raw: str) -> Rendered:
 
 
 def titled(t: Transaction, boss: Account, rows: Sequence[str]) -> None:
-    """As titles and as the beginnings of posts: in every list of topics and posts, and in the notices of `root`."""
+    """As titles and first words of posts: in every list of topics and posts, and in the notifications of `root`."""
     for title in titles(rows):
         writes.create_topic(t, "talk", title, Draft(boss, typed(f"@root {WORD}\n\n{title}")))
 

@@ -1,4 +1,4 @@
-"""Whoever may approve a command decides it in its thread; notices of a thread that was read are no news."""
+"""Whoever may approve a command decides it in its thread; notifications of a thread that was read are no news."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_until_when_it_may_be_approved_is_shown_as_a_time_of_the_reader_s_zone(b
     _, post, status = waiting(board, until="2026-11-22T21:14:05+01:00")
     board.client("quadruped").put("/robots/quadruped", json={"card": {"line": [post]}}).raise_for_status()
     shown = 'until <time datetime="2026-11-22T20:14:05.000Z"'
-    for path in (f"/p/{status}/fragment", f"/c/{post}", "/robots/quadruped/fragment", "/notices"):
+    for path in (f"/p/{status}/fragment", f"/c/{post}", "/robots/quadruped/fragment", "/notifications"):
         assert board.browser("admin").get(path).text.count(shown) == 1, path
     queue = board.browser("admin").get("/robots/quadruped/fragment").text.partition("<h2>Queue</h2>")[2]
     assert "waits for approval" in queue
@@ -94,7 +94,7 @@ def test_who_may_approve_is_told_while_the_command_waits(board: RunningBoard) ->
 
     asked = {"watcher": ["approve"], "admin": ["approve"], "member": [], "op": ["reply"]}
     assert told() == asked
-    page = board.browser("watcher").get("/notices").text
+    page = board.browser("watcher").get("/notifications").text
     assert "waits for your approval" in page
     assert f'href="/p/{status}"' in page
     tell("running")
@@ -120,7 +120,7 @@ def test_the_page_of_a_robot_s_own_report_is_that_of_the_command(board: RunningB
     assert re.search(r"Asked by <a[^>]*>op</a>", page)
 
 
-def test_reading_a_thread_clears_its_notices(board: RunningBoard) -> None:
+def test_reading_a_thread_clears_its_notifications(board: RunningBoard) -> None:
     board.add("reading")
     browser = board.browser("reading")
     topics = []
@@ -130,8 +130,8 @@ def test_reading_a_thread_clears_its_notices(board: RunningBoard) -> None:
     count = lambda: len(board.client("reading").get("/notifications").json()["items"])  # noqa: E731
     fresh = lambda: [n["read"] for n in board.client("reading").get("/notifications").json()["items"]]  # noqa: E731
     assert (count(), fresh()) == (2, [False, False])
-    assert ">2<" in browser.get("/notices/count").text
+    assert ">2<" in browser.get("/notifications/count").text
     assert browser.get(f"/t/{topics[1]}").status_code == 200
     board.run(board.services.marks.write(board.services.store))  # as every few seconds
     assert fresh() == [True, False], "of the other thread it is still news"
-    assert ">1<" in browser.get("/notices/count").text
+    assert ">1<" in browser.get("/notifications/count").text

@@ -59,7 +59,7 @@ PAGES = (
     Shown("tags", "/tags"),
     Shown("tag", "/tags/window"),
     Shown("topic-tags", "/t/{topic}/tags"),
-    Shown("notices", "/notices"),
+    Shown("notifications", "/notifications"),
     Shown("new-topic", "/b/robots/new?to=quadruped"),
     Shown("quote", "/t/{topic}?quote={said}#reply"),
     Shown("edit", "/p/{walk}/edit"),

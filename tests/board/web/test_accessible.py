@@ -36,7 +36,7 @@ NO_PAGES = {
         "/p/{post_id}/fragment",
         "/p/{post_id}/raw",
         "/robots/{name}/fragment",
-        "/notices/count",
+        "/notifications/count",
         "/names",
     ),
     *("/admin", "/static/{version}/{name}", "/favicon.ico"),
@@ -356,8 +356,8 @@ def test_the_bell_rings_without_reloading(world: World, windows: Windows, names:
     page = windows.open("bob")
     page.clock.install()
     page.goto("/robots")
-    expect(page.get_by_role("link", name="Notices", exact=True)).to_be_visible()
+    expect(page.get_by_role("link", name="Notifications", exact=True)).to_be_visible()
     body = {"body": "@bob look"}
     world.api("alice").post(f"/topics/{names['topic']}/posts", json=body).raise_for_status()
     page.clock.run_for(10_500)
-    expect(page.get_by_role("link", name="Notices 1 new")).to_be_visible()
+    expect(page.get_by_role("link", name="Notifications 1 new")).to_be_visible()

@@ -1,4 +1,4 @@
-"""Search, latest, notices and feeds: what is found, by whom, and that nothing hidden shows."""
+"""Search, latest, notifications and feeds: what is found, by whom, and that nothing hidden shows."""
 
 from __future__ import annotations
 
@@ -117,11 +117,11 @@ def test_what_is_on_a_board_one_may_not_read_is_not_found_told_or_fed(world: Wor
     for words, here in (("narwhal", "staff"), ("narwhal", "nowhere"), ("narwhal", "talk")):
         answer = world.api("bob").get("/search", params={"q": words, "board": here})
         assert (answer.status_code, answer.json()["items"]) == (200, []), here
-    for path in ("/latest", "/notices", "/feed.atom", "/u/alice"):
+    for path in ("/latest", "/notifications", "/feed.atom", "/u/alice"):
         assert "narwhal" not in bob.get(path).text, path
     assert bob.get("/b/staff/feed.atom").status_code == 404
     assert bob.get(f"/c/{post}").status_code == 404
-    assert bob.client.get("/notices/count").text.strip() == "Notices"
+    assert bob.client.get("/notifications/count").text.strip() == "Notifications"
 
 
 def test_erased_posts_leave_no_words_behind(world: World) -> None:
@@ -212,9 +212,9 @@ def test_indexing_keeps_every_character_of_a_run_findable() -> None:
     assert around("a **bold** word here", "word") == (("a bold ", False), ("word", True), (" here", False))
 
 
-# -------------------------------------------------------------------- notices
+# -------------------------------------------------------------------- notifications
 def count(world: World, name: str) -> str:
-    return world.browser(name).get("/notices/count").text
+    return world.browser(name).get("/notifications/count").text
 
 
 def test_people_are_told_of_mentions_answers_and_their_topics_once_each(world: World) -> None:
@@ -226,7 +226,7 @@ def test_people_are_told_of_mentions_answers_and_their_topics_once_each(world: W
     emil.post(f"/topics/{number}/posts", json={"body": "an answer", "reply_to": first}).raise_for_status()
     emil.post(f"/topics/{number}/posts", json={"body": "@dora you", "reply_to": first}).raise_for_status()
     emil.post(f"/topics/{number}/posts", json={"body": "`@dora` as code"}).raise_for_status()
-    page = world.browser("dora").get("/notices").text
+    page = world.browser("dora").get("/notifications").text
     assert page.count("names you") == 1
     assert page.count("answers you") == 1
     assert page.count("is in your topic") == 2
@@ -238,21 +238,21 @@ def test_what_was_seen_is_no_longer_counted_and_comes_back_never(world: World) -
     world.board.add("fritz")
     number, _ = topic(world, "T", "@fritz look")
     surfer = world.browser("fritz")
-    assert "1<span" in surfer.get("/notices/count").text
-    assert surfer.send("/notices/seen", page="/notices").status_code == 200
-    assert surfer.get("/notices/count").text.strip() == "Notices"
+    assert "1<span" in surfer.get("/notifications/count").text
+    assert surfer.send("/notifications/seen", page="/notifications").status_code == 200
+    assert surfer.get("/notifications/count").text.strip() == "Notifications"
     csrf = surfer.csrf(f"/t/{number}")
-    surfer.client.post("/notices/seen", data={"csrf": csrf, "up_to": "0"})
-    assert surfer.get("/notices/count").text.strip() == "Notices"
-    surfer.client.post("/notices/seen", data={"csrf": csrf, "up_to": "9" * 18})
+    surfer.client.post("/notifications/seen", data={"csrf": csrf, "up_to": "0"})
+    assert surfer.get("/notifications/count").text.strip() == "Notifications"
+    surfer.client.post("/notifications/seen", data={"csrf": csrf, "up_to": "9" * 18})
     world.api("alice").post(f"/topics/{number}/posts", json={"body": "@fritz again"}).raise_for_status()
-    assert "1<span" in surfer.get("/notices/count").text, "a number of the future hides nothing"
+    assert "1<span" in surfer.get("/notifications/count").text, "a number of the future hides nothing"
 
 
 def test_nobody_else_and_no_form_of_elsewhere_marks_them_as_seen(world: World) -> None:
     surfer = world.browser("alice")
-    assert surfer.client.post("/notices/seen", data={"up_to": "9"}).status_code == 403
-    assert world.browser().client.get("/notices").url.path == "/sign-in"
+    assert surfer.client.post("/notifications/seen", data={"up_to": "9"}).status_code == 403
+    assert world.browser().client.get("/notifications").url.path == "/sign-in"
 
 
 # -------------------------------------------------------------------- feeds

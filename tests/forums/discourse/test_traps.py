@@ -372,15 +372,15 @@ async def test_notices_name_mentions_and_replies_newest_first_page_by_page(world
         (await bob.reply(first.topic_id, text, key=str(n), reply_to=first.id if n == 1 else None)).post
         for n, text in enumerate(said)
     ]
-    page = await alice.notices(limit=2)
+    page = await alice.notifications(limit=2)
     assert [(n.kind, n.post.id, n.read) for n in page.items] == [
         ("mention", posts[3].id, False), ("reply", posts[1].id, False),
     ]  # fmt: skip
-    rest = await alice.notices(page.next, limit=2)
+    rest = await alice.notifications(page.next, limit=2)
     assert [(n.kind, n.post.id) for n in rest.items] == [("mention", posts[0].id)]
     assert rest.next is None
     await world.remove(posts[3].id)
-    assert [n.post.id for n in (await alice.notices()).items] == [posts[1].id, posts[0].id]
+    assert [n.post.id for n in (await alice.notifications()).items] == [posts[1].id, posts[0].id]
 
 
 @pytest.mark.parametrize(

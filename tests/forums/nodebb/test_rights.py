@@ -8,7 +8,7 @@ import pytest
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
 from agentrob.forums.nodebb.forum import NodeBBForum
-from agentrob.forums.protocol import Notice
+from agentrob.forums.protocol import Notification
 from agentrob.model import AccountKind, Role
 from tests.forums.nodebb.nodebb_world import NodeBBWorld, begin
 
@@ -79,11 +79,11 @@ async def test_law_2_a_right_by_a_group_that_is_open_is_not_said_to_be_given(nod
     await nodebb.wire.send("PUT", "/groups/robot-operators", {"private": 1})
 
 
-# ---------------------------------------------------------------------- notices
-async def told(forum: NodeBBForum, number: int) -> tuple[Notice, ...]:
-    """So many notices; NodeBB makes them a moment after the post."""
+# ---------------------------------------------------------------------- notifications
+async def told(forum: NodeBBForum, number: int) -> tuple[Notification, ...]:
+    """So many notifications; NodeBB makes them a moment after the post."""
     async with asyncio.timeout(60):
-        while len(found := (await forum.notices()).items) < number:  # noqa: ASYNC110 - it has no event of its own
+        while len(found := (await forum.notifications()).items) < number:  # noqa: ASYNC110 - it has no event of its own
             await asyncio.sleep(0.2)
     return found
 
@@ -100,12 +100,12 @@ async def test_a_reply_is_a_notice_one_that_mentions_is_one_only_page_by_page(
     reply = (await bob.reply(first.topic_id, "and here", key="3", reply_to=first.id)).post
     wanted = [("reply", reply.id), ("mention", both.id), ("mention", mention.id)]
     assert [(n.kind, n.post.id) for n in await told(alice, 3)] == wanted
-    one = await alice.notices(limit=1)
-    rest = await alice.notices(one.next, limit=2)
+    one = await alice.notifications(limit=1)
+    rest = await alice.notifications(one.next, limit=2)
     assert [(n.kind, n.post.id) for n in (*one.items, *rest.items)] == wanted
     assert not any(n.read for n in one.items)
     await nodebb.remove(both.id)
-    assert [n.post.id for n in (await alice.notices()).items] == [reply.id, mention.id]
+    assert [n.post.id for n in (await alice.notifications()).items] == [reply.id, mention.id]
 
 
 async def test_a_notice_of_what_may_not_be_read_any_more_hides_no_other(nodebb: NodeBBWorld) -> None:
@@ -119,6 +119,6 @@ async def test_a_notice_of_what_may_not_be_read_any_more_hides_no_other(nodebb: 
     for privilege in ("groups:find", "groups:read", "groups:topics:read"):
         for group in ("registered-users", "guests"):
             await nodebb.wire.send("DELETE", f"/categories/{room}/privileges/{privilege}", {"member": group})
-    left = (await alice.notices()).items
+    left = (await alice.notifications()).items
     await nodebb.wire.send("DELETE", f"/categories/{room}")
     assert [n.post.id for n in left] == [seen.id]

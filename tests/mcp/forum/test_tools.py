@@ -243,7 +243,7 @@ async def test_a_forum_without_search_says_that_it_is_not_offered(world: MemoryW
             self._inner = inner
 
         def __getattr__(self, name: str) -> Any:
-            if name in ("search", "register", "set_rights", "notices"):
+            if name in ("search", "register", "set_rights", "notifications"):
                 raise AttributeError(name)
             return getattr(self._inner, name)
 

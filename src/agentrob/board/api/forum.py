@@ -19,7 +19,7 @@ from agentrob.board.api.models import (
     Changes,
     EditIn,
     Items,
-    NoticeOut,
+    NotificationOut,
     Now,
     Paged,
     PostOut,
@@ -36,8 +36,7 @@ from agentrob.board.api.models import (
 from agentrob.board.api.problem import documented
 from agentrob.board.auth import accounts, visibility
 from agentrob.board.auth.access import Viewer, account_of, member, moderator, reader, stopper, viewer
-from agentrob.board.content import notifications as notices
-from agentrob.board.content import tags
+from agentrob.board.content import notifications, tags
 from agentrob.board.content.store import SearchMode
 from agentrob.board.db.reader import MAX_LIMIT, Reader, event_number, not_found
 from agentrob.board.db.records import Written
@@ -87,12 +86,14 @@ async def me(request: Request) -> Response:
     return out(account_out(who.account))
 
 
-@router.get("/notifications", response_model=Paged[NoticeOut])
-async def notifications(request: Request, who: Reading, cursor: Cursor = None, limit: Limit = 20) -> Response:
+@router.get("/notifications", response_model=Paged[NotificationOut])
+async def list_notifications(request: Request, who: Reading, cursor: Cursor = None, limit: Limit = 20) -> Response:
     """Posts that name the caller, answer them, or are in a topic of theirs, newest first."""
     shape, account = shaper(request, who.account), account_of(who)
-    page = notices.latest(get_services(request).store.reader, account, cursor, limit)
-    found = (NoticeOut(id=n.post.id, kind=n.reason, read=not n.fresh, post=shape.post(n.post)) for n in page.items)
+    page = notifications.latest(get_services(request).store.reader, account, cursor, limit)
+    found = (
+        NotificationOut(id=n.post.id, kind=n.reason, read=not n.fresh, post=shape.post(n.post)) for n in page.items
+    )
     return out(Paged(items=tuple(found), next=page.next))
 
 

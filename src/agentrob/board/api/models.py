@@ -210,7 +210,7 @@ class PostOut(_Out):
     card: dict[str, Any] | None
 
 
-class NoticeOut(_Out):
+class NotificationOut(_Out):
     id: str
     kind: str = Field(description="approve, mention, reply or topic")
     read: bool

@@ -50,7 +50,7 @@ _UNREAD = {boards: _unread(boards) for boards in (False, True)}
 
 
 @dataclass(frozen=True, slots=True)
-class Notice:
+class Notification:
     """`reason` is a word of `REASONS`; `fresh`: not seen before."""
 
     post: Post
@@ -109,8 +109,8 @@ def unread(reader: Reader, account: Account) -> int:
     return int(reader.rows(_UNREAD[seen is not None], **values)[0][0])
 
 
-def latest(reader: Reader, account: Account, cursor: str | None = None, limit: int = 30) -> Page[Notice]:
-    """An account's notices, newest first; those of posts that are gone or not to be seen are left out."""
+def latest(reader: Reader, account: Account, cursor: str | None = None, limit: int = 30) -> Page[Notification]:
+    """An account's notifications, newest first; those of posts that are gone or not to be seen are left out."""
     n, r, seen = db.notices.c, db.topic_reads.c, _seen(reader, account)
     read = func.coalesce(r.post_id, 0).label("read")
     statement = _visible(reader, _of(account, n.post_id, n.reason, read))
@@ -121,7 +121,7 @@ def latest(reader: Reader, account: Account, cursor: str | None = None, limit: i
     rows = reader.rows(statement)
     posts = {int(p.id): p for p in reader.posts_by_id([row.post_id for row in rows[:limit]])}
     items = tuple(
-        Notice(posts[row.post_id], row.reason, row.post_id > max(seen, row.read))
+        Notification(posts[row.post_id], row.reason, row.post_id > max(seen, row.read))
         for row in rows[:limit]
         if row.post_id in posts
     )

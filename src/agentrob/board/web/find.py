@@ -1,4 +1,4 @@
-"""Pages for finding things: search, the latest posts, notices; and what forms ask while somebody writes."""
+"""Pages for finding things: search, the latest posts, notifications; and what forms ask while somebody writes."""
 
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ def _with_topics(known: Services, posts: tuple[Post, ...]) -> list[tuple[Topic, 
     return [(topics[post.topic_id], post) for post in posts]
 
 
-# ------------------------------------------------------------------ notices
-@router.get("/notices")
+# ------------------------------------------------------------------ notifications
+@router.get("/notifications")
 async def notices_page(request: Request, viewer: Reading, after: str | None = None) -> Response:
     known, account = get_services(request), access.account_of(viewer)
     page = notifications.latest(known.store.reader, account, after)
@@ -84,23 +84,23 @@ async def notices_page(request: Request, viewer: Reading, after: str | None = No
         "reasons": notifications.REASONS,
         "first_page": not after,
     }
-    return show(request, viewer, "notices.html", data, here="notices")
+    return show(request, viewer, "notifications.html", data, here="notifications")
 
 
-@router.get("/notices/count")
+@router.get("/notifications/count")
 async def count(request: Request, viewer: Reading) -> Response:
     """The number at the bell."""
     return show(request, viewer, "bell.html", {})
 
 
-@router.post("/notices/seen")
+@router.post("/notifications/seen")
 async def seen(request: Request, viewer: Anybody) -> Response:
     form = await forms.read(request)
     access.check_form(viewer, form.get("csrf"))
     account, up_to = access.account_of(viewer), forms.field(form, "up_to")
     if up_to.isascii() and up_to.isdigit() and len(up_to) < 19:
         await get_services(request).store.do(lambda t: notifications.mark_seen(t, account, int(up_to)))
-    return go("/notices")
+    return go("/notifications")
 
 
 # ------------------------------------------------------------------ while somebody writes

@@ -16,7 +16,7 @@ from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by, card_of, facts_of
 from agentrob.forums.http import USER_AGENT, retry_after_s, same_origin, text_of, translated, where
-from agentrob.forums.protocol import TRACE_ID, Board, Event, EventKind, Notice, Page, Registered, Topic, Written
+from agentrob.forums.protocol import TRACE_ID, Board, Event, EventKind, Notification, Page, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 from agentrob.process.tls import tls
 
@@ -208,8 +208,8 @@ class BoardForum:
         changes = {k: v for k, v in given.items() if v is not None}
         return await self._call("PATCH", f"/admin/accounts/{quote(name, safe='')}", _account, changes)
 
-    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
-        return await self._call("GET", "/notifications", partial(_page, _notice), params=_paging(cursor, limit))
+    async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
+        return await self._call("GET", "/notifications", partial(_page, _notification), params=_paging(cursor, limit))
 
     # ---------------------------------------------------------------- buttons
     async def press_stop(self, robot: str) -> None:
@@ -385,8 +385,8 @@ def _event_of(told: Any) -> Event | None:
         return Event(event_id, EventKind(kind), datetime.now(UTC))
 
 
-def _notice(n: _JSON) -> Notice:
-    return Notice(str(n["id"]), str(n["kind"]), _post(n["post"]), bool(n.get("read")))
+def _notification(n: _JSON) -> Notification:
+    return Notification(str(n["id"]), str(n["kind"]), _post(n["post"]), bool(n.get("read")))
 
 
 def _nothing(_: Any) -> None:

@@ -16,7 +16,7 @@ from agentrob.forums.discourse.mapping import safe_name
 from agentrob.forums.discourse.settings import DiscourseOptions
 from agentrob.forums.discourse.sign_up import signed_up
 from agentrob.forums.http import translated
-from agentrob.forums.protocol import Notice, Page, Registered
+from agentrob.forums.protocol import Notification, Page, Registered
 from agentrob.model import Account, AccountKind, Post, Role
 
 _JSON = Mapping[str, Any]
@@ -44,18 +44,18 @@ class Forum(Protocol):
     async def by_number(self, topic_id: int, number: int) -> _JSON | None: ...
 
 
-async def notices_of(forum: Forum, wire: Wire, cursor: str | None, limit: int) -> Page[Notice]:
+async def notifications_of(forum: Forum, wire: Wire, cursor: str | None, limit: int) -> Page[Notification]:
     """Of the signed-in account, newest first. Posts that are gone are left out."""
     at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
-    found: list[Notice] = []
+    found: list[Notification] = []
     for _ in range(MOST_PAGES):
         answer = await wire.get("/notifications.json", offset=at, limit=NOTES_A_PAGE)
         with translated():
             notes, total = answer["notifications"], int(answer["total_rows_notifications"])
         for note in notes:
             at += 1
-            if (notice := await _notice(forum, note)) is not None:
-                found.append(notice)
+            if (notification := await _notification(forum, note)) is not None:
+                found.append(notification)
             if len(found) == limit:
                 return Page(tuple(found), str(at) if at < total else None)
         if not notes or at >= total:
@@ -63,13 +63,13 @@ async def notices_of(forum: Forum, wire: Wire, cursor: str | None, limit: int) -
     return Page(tuple(found), str(at))
 
 
-async def _notice(forum: Forum, note: _JSON) -> Notice | None:
+async def _notification(forum: Forum, note: _JSON) -> Notification | None:
     with translated():
         kind, topic, number = NOTICE_KINDS.get(note["notification_type"]), note.get("topic_id"), note.get("post_number")
         if kind is None or topic is None or number is None:
             return None
         raw = await forum.by_number(int(topic), int(number))
-        return None if raw is None else Notice(str(note["id"]), kind, await forum.build(raw), bool(note["read"]))
+        return None if raw is None else Notification(str(note["id"]), kind, await forum.build(raw), bool(note["read"]))
 
 
 class Admin:

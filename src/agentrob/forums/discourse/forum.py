@@ -18,7 +18,7 @@ from agentrob.errors import ForumDenied, ForumError, ForumMalformed, ForumNotFou
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.cards import card_by
 from agentrob.forums.discourse import settings as settings_of
-from agentrob.forums.discourse.admin import Admin, notices_of
+from agentrob.forums.discourse.admin import Admin, notifications_of
 from agentrob.forums.discourse.events import Watch, removed
 from agentrob.forums.discourse.http import Wire
 from agentrob.forums.discourse.mapping import Versions, boards_of, number_of, safe_name, stranger_of, time_of
@@ -29,7 +29,7 @@ from agentrob.forums.discourse.settings import Credentials, DiscourseOptions
 from agentrob.forums.discourse.sign_up import signed_up
 from agentrob.forums.discourse.writer import Desk
 from agentrob.forums.http import text_of, translated
-from agentrob.forums.protocol import Board, Event, Notice, Page, Registered, Topic, Written
+from agentrob.forums.protocol import Board, Event, Notification, Page, Registered, Topic, Written
 from agentrob.language.rendered_text import rendering_differs
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
@@ -208,8 +208,8 @@ class DiscourseForum:
     async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
         return await Admin(self, self._wire).set_rights(name, role, suspended)
 
-    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
-        return await notices_of(self, self._wire, cursor, limit)
+    async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
+        return await notifications_of(self, self._wire, cursor, limit)
 
     # ---------------------------------------------------------------- Events
     async def now(self) -> tuple[str, datetime]:
@@ -226,7 +226,7 @@ class DiscourseForum:
 
     async def mentions(self, limit: int = 30) -> tuple[Post, ...]:
         """Posts that mention this account, newest first, by its notifications."""
-        return tuple(n.post for n in (await self.notices(limit=limit)).items if n.kind == "mention")
+        return tuple(n.post for n in (await self.notifications(limit=limit)).items if n.kind == "mention")
 
     # ---------------------------------------------------------------- what the other parts need
     async def newest(self, before: int | None) -> Sequence[_JSON]:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by
 from agentrob.forums.memory.world import MemoryRecords
-from agentrob.forums.protocol import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
+from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 from agentrob.semantic.encoder import LEAST, alike
 
@@ -235,16 +235,16 @@ class MemoryForum:
             world.suspend(name, suspended)
         return world.accounts[name]
 
-    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
-        world, found = self._up(), list[Notice]()
+    async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
+        world, found = self._up(), list[Notification]()
         for post in reversed(world.posts.values()):
             answered = world.posts.get(post.reply_to or "")
             if post.author.name == self._name or post.removed:
                 continue
             if self._name in post.mentions:
-                found.append(Notice(f"mention-{post.id}", "mention", self._seen(post.id)))
+                found.append(Notification(f"mention-{post.id}", "mention", self._seen(post.id)))
             elif answered is not None and answered.author.name == self._name:
-                found.append(Notice(f"reply-{post.id}", "reply", self._seen(post.id)))
+                found.append(Notification(f"reply-{post.id}", "reply", self._seen(post.id)))
         return _page(found, cursor, limit)
 
     # ---------------------------------------------------------------- Stage

@@ -20,11 +20,11 @@ from agentrob.forums.nodebb.accounts import Registry
 from agentrob.forums.nodebb.events import Ledger, Source
 from agentrob.forums.nodebb.http import Guest, NodeBBWire
 from agentrob.forums.nodebb.markers import Marked, mark, unmark
-from agentrob.forums.nodebb.notices import notices_of
+from agentrob.forums.nodebb.notifications import notifications_of
 from agentrob.forums.nodebb.posts import Shelf, own_place
 from agentrob.forums.nodebb.settings import Credentials, NodeBBOptions
 from agentrob.forums.nodebb.socket import Push
-from agentrob.forums.protocol import Board, Event, EventKind, Notice, Page, Registered, Topic, Written
+from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
 
 P = ParamSpec("P")
@@ -158,9 +158,9 @@ class NodeBBForum:
         return tuple([await self.post(pid) for pid in dict.fromkeys(pids)])
 
     @_in_our_errors
-    async def notices(self, cursor: str | None = None, limit: int = 20) -> Page[Notice]:
+    async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
         me = await self._registry.me()
-        return await notices_of(self._wire, self._shelf.post, me.name, cursor, limit)
+        return await notifications_of(self._wire, self._shelf.post, me.name, cursor, limit)
 
     # ---------------------------------------------------------------- Writer
     @_in_our_errors

@@ -10,7 +10,16 @@ from typing import Any
 
 from agentrob.errors import ForumUnoffered
 from agentrob.forums.cards import card_of
-from agentrob.forums.protocol import Event, EventKind, MeaningSearcher, Notices, Page, Permissions, Registrar, Searcher
+from agentrob.forums.protocol import (
+    Event,
+    EventKind,
+    MeaningSearcher,
+    Notifications,
+    Page,
+    Permissions,
+    Registrar,
+    Searcher,
+)
 from agentrob.mcp import results as r
 from agentrob.mcp.envelope import ToolError
 from agentrob.mcp.forum import arguments as a
@@ -129,9 +138,9 @@ async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
 
 async def list_notifications(call: Call, args: a.ListNotifications) -> r.Notifications:
     forum = call.who.forum
-    if not isinstance(forum, Notices):
+    if not isinstance(forum, Notifications):
         raise ForumUnoffered("this forum keeps no notifications; subscribe_topic tells of new posts")
-    page = await forum.notices(place_in(unseal("list_notifications", "", args.cursor)), args.limit)
+    page = await forum.notifications(place_in(unseal("list_notifications", "", args.cursor)), args.limit)
     found = (r.NoticeInfo(id=n.id, kind=n.kind, post=_cut([n.post], 400)[0], read=n.read) for n in page.items)
     return r.Notifications(
         notifications=tuple(found), next=_next("list_notifications", "", page), untrusted=r.UNTRUSTED

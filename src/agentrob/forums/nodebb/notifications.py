@@ -7,7 +7,7 @@ from typing import Any
 
 from agentrob.errors import ForumNotFound
 from agentrob.forums.nodebb.http import NodeBBWire
-from agentrob.forums.protocol import Notice, Page
+from agentrob.forums.protocol import Notification, Page
 from agentrob.model import Post
 
 #: By `type`; what else NodeBB notifies of (votes, followers, chats) names no post that wants an answer.
@@ -16,21 +16,21 @@ KINDS = {"mention": "mention", "new-reply": "reply"}
 NOTES_A_PAGE, MOST_PAGES = 20, 5
 
 
-async def notices_of(
+async def notifications_of(
     wire: NodeBBWire, read: Callable[[str], Awaitable[Post]], mine: str, cursor: str | None, limit: int
-) -> Page[Notice]:
+) -> Page[Notification]:
     """Newest first, of the account `mine`. NodeBB makes them half a second after the post, and shows of several replies
     in one topic the latest only. A reply that mentions us is told once, as a mention; posts that are gone, or may not
     be read any more, are left out."""
     at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
-    found: list[Notice] = []
+    found: list[Notification] = []
     for _ in range(MOST_PAGES):
         page, skip = divmod(at, NOTES_A_PAGE)
         notes = (await wire.get("/api/notifications", page=page + 1))["notifications"]
         for note in notes[skip:]:
             at += 1
-            if (notice := await _notice(read, note, mine)) is not None:
-                found.append(notice)
+            if (notification := await _notification(read, note, mine)) is not None:
+                found.append(notification)
             if len(found) == limit:
                 more = page * NOTES_A_PAGE + len(notes) > at or len(notes) == NOTES_A_PAGE
                 return Page(tuple(found), str(at) if more else None)
@@ -39,7 +39,9 @@ async def notices_of(
     return Page(tuple(found), str(at))
 
 
-async def _notice(read: Callable[[str], Awaitable[Post]], note: Mapping[str, Any], mine: str) -> Notice | None:
+async def _notification(
+    read: Callable[[str], Awaitable[Post]], note: Mapping[str, Any], mine: str
+) -> Notification | None:
     kind, pid = KINDS.get(str(note.get("type"))), note.get("pid")
     if kind is None or not pid:
         return None
@@ -49,4 +51,4 @@ async def _notice(read: Callable[[str], Awaitable[Post]], note: Mapping[str, Any
         return None
     if post.removed or (kind == "reply" and mine in post.mentions):
         return None
-    return Notice(str(note["nid"]), kind, post, bool(note.get("read")))
+    return Notification(str(note["nid"]), kind, post, bool(note.get("read")))
