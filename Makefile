@@ -22,10 +22,9 @@ test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
 	@scripts/axe
-	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not alone and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow and not alone and browser and not sim" $(ARGS)
-	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not alone and sim" $(ARGS)
-	$(BIN)/pytest -q -m "not slow and alone" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow and browser and not sim" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and sim" $(ARGS)
 
 test-slow: setup-dev
 	@scripts/system-packages render browser postgres peers
@@ -33,9 +32,9 @@ test-slow: setup-dev
 	@scripts/axe
 	@scripts/peers
 	@scripts/mcp-peers
-	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not alone and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -q -n 2 --dist loadfile -m "slow and browser and not alone and not sim" $(ARGS)
-	$(BIN)/pytest -m "slow and (alone or sim)" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist loadfile -m "slow and browser and not sim" $(ARGS)
+	$(BIN)/pytest -m "slow and sim" $(ARGS)
 
 test-all: test test-slow
 
@@ -47,7 +46,7 @@ lint: setup-dev
 
 check: lint
 	@scripts/model-double
-	$(BIN)/pytest -q $(MANY) -m "not slow and not alone and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q $(MANY) -m "not slow and not sim and not browser" $(ARGS)
 
 format: setup-dev
 	$(BIN)/ruff format .

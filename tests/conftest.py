@@ -43,6 +43,8 @@ sys.dont_write_bytecode = False
 # In the environment, since a test's own processes drive the same robot.
 _domain, _held_to_the_end = _take("domain", FAKE_DOMAINS)
 os.environ["AGENTROB_TEST_DOMAIN"] = str(_domain)
+# `agentrob stop --all` of a test stops the simulated robots of this test process, not those of tests beside it.
+os.environ["AGENTROB_LOCK_NAMESPACE"] = f"test-{_domain}"
 _number, _held_to_the_end_too = _take("number", NUMBERS)
 os.environ["AGENTROB_TEST_NUMBER"] = str(_number)
 

@@ -1,6 +1,5 @@
 """`agentrob stop` as a person types it while board and agent are dead and something else moves the robot (laws 13, 15
-and 17): the words, the exit code, and what the robots do. `--all` means every robot of this machine, also of tests
-beside it: those tests are marked `alone`."""
+and 17): the words, the exit code, and what the robots do."""
 
 from __future__ import annotations
 
@@ -73,7 +72,7 @@ class Field:
         return self.drivers[name]
 
     def lock(self, name: str) -> str:
-        return f"driver/fake/{self.domain}/{name}"
+        return host_lock.namespaced(f"driver/fake/{self.domain}/{name}")
 
     def robot(self, name: str) -> DriverClient:
         return client_of(name, self.drivers[name])
@@ -190,7 +189,7 @@ def ours(out: str, *starts: str) -> list[str]:
     return [line for line in out.splitlines() if line.startswith(starts)]
 
 
-@pytest.mark.parametrize("how", ["name", pytest.param("all", marks=pytest.mark.alone)])
+@pytest.mark.parametrize("how", ["name", "all"])
 def test_law_13_a_robot_that_drive_moves_is_stopped_with_board_and_agent_dead(field: Field, how: str) -> None:
     name = field.names[0]
     drive = field.command("drive", name, "walk forward 5 metres, then walk forward 5 metres")
@@ -208,7 +207,6 @@ def test_law_13_a_robot_that_drive_moves_is_stopped_with_board_and_agent_dead(fi
     assert at_rest(field.robot(name))
 
 
-@pytest.mark.alone
 def test_law_15_a_driver_that_hangs_is_said_so_and_the_other_robot_is_stopped_all_the_same(field: Field) -> None:
     hung, good = field.names
     drives = [field.command("drive", name, "walk forward 5 metres") for name in field.names]
@@ -260,7 +258,7 @@ def test_law_17_no_driver_at_all_is_said_so(monkeypatch: pytest.MonkeyPatch, tmp
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("how", ["name", pytest.param("all", marks=pytest.mark.alone)])
+@pytest.mark.parametrize("how", ["name", "all"])
 def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(tmp_path: Path, how: str) -> None:
     with Demo(DemoSettings(tmp_path / "demo", port=None)) as demo:
         demo.start()

@@ -32,6 +32,20 @@ def descendants(pid: int) -> set[int]:
     return found
 
 
+def abstract_sockets() -> dict[str, str]:
+    """Inode and name of each host lock on this machine."""
+    lines = [line.split(maxsplit=7) for line in Path("/proc/net/unix").read_text().splitlines()[1:]]
+    start = "@" + host_lock.PREFIX
+    return {line[6]: line[7].removeprefix(start) for line in lines if len(line) == 8 and line[7].startswith(start)}
+
+
+def locks_of(processes: set[int]) -> dict[str, str]:
+    """Inode and name of each host lock that these processes hold."""
+    files = [file for pid in processes for file in Path(f"/proc/{pid}/fd").iterdir()]
+    open_now = {str(file.readlink()) for file in files if file.is_symlink()}
+    return {inode: name for inode, name in abstract_sockets().items() if f"socket:[{inode}]" in open_now}
+
+
 def ledger_of(data: Path, robot: str) -> list[dict[str, Any]]:
     """What a robot really did, by the world's own record."""
     events = map(json.loads, (data / "world.jsonl").read_text().splitlines())
@@ -52,14 +66,12 @@ def true_ways(data: Path, robot: str) -> list[tuple[float, float]]:
     return ways
 
 
-@pytest.mark.alone  # it counts all locks of the machine
 def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(tmp_path: Path) -> None:
-    before = set(host_lock.held())
     demo = start_demo(tmp_path / "data")
     children = descendants(demo.process.pid)
     assert len(children) >= 6, "the forum, the world, and a driver and an agent for each robot"
-    locks = set(host_lock.held()) - before
-    kinds = [name.split("/")[0] for name in sorted(locks)]
+    locks = locks_of({demo.process.pid, *children})
+    kinds = sorted(name.split("/")[0] for name in locks.values())
     assert kinds == ["board", "domain", "domain", "driver", "driver", "world", "world"]
     port = urlsplit(demo.url).port
     began = time.monotonic()
@@ -67,7 +79,7 @@ def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_
     assert demo.process.wait(60) == 0
     assert time.monotonic() - began < 3.0
     assert not [c for c in children if Path(f"/proc/{c}").exists()]
-    assert not locks & set(host_lock.held())
+    assert not locks.keys() & abstract_sockets().keys()
     with socket.socket() as s:
         s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         s.bind(("127.0.0.1", port))

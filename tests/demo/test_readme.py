@@ -17,7 +17,7 @@ COMMANDS = [
 MAKE = [c for c in COMMANDS if c.startswith("make ")]
 SHELL = [c for c in COMMANDS if not c.startswith("make ")]
 PYTHON = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
-MARKS = {"drive g1|demo": pytest.mark.slow, "stop": pytest.mark.alone}
+MARKS = {"drive g1|demo": pytest.mark.slow}
 LIMIT_S = 200
 
 

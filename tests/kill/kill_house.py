@@ -33,7 +33,7 @@ DRIVER_AWAY = frozenset({"failed"})
 DRIVER_DIED = frozenset({"interrupted"})
 #: An agent, a driver or a board is back within seconds; what waits longest is the agent for a board, with its backoff.
 END_S = 90.0
-ENTRY = "[agentrob.robots]\nfar = kill_robot:FarRobot\n"
+ENTRY = "[agentrob.robots]\nfar = tests.kill.kill_robot:FarRobot\n"
 
 
 @dataclass
@@ -93,13 +93,10 @@ class House:
     def robot(self) -> RobotConfig:
         fence = FenceConfig(x_min_m=-900, x_max_m=900, y_min_m=-900, y_max_m=900)
         options = {"body": str(self.runtime / "body")}
-        # its driver's host lock must be no other test's
-        interface = f"kill-{secrets.token_hex(4)}"
         rates = RatesConfig(commands_per_hour=0, cooldown_s=0, waiting=0)  # hundreds of commands by one account
         return RobotConfig(
             rates=rates,
             model="far",
-            interface=interface,
             simulated=True,
             home_on_start=True,
             fence=fence,

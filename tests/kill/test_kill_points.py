@@ -113,32 +113,38 @@ DRIVER = [
     driver("lease given", "agentrob.robots.driver.process:Driver.take", "after", 0, DRIVER_AWAY),
     driver("lease renewed", "agentrob.robots.driver.lease:Leases.renew", "after", nth=3),
     driver("step asked for", "agentrob.robots.driver.process:Driver.step", "before", 0),
-    driver("step begun", "kill_robot:FarRobot.step", "before", 0),
-    driver("first velocity commanded", "kill_robot:FarRobot.command", "after", 1),
-    driver("walking", "kill_robot:FarRobot.command", "before", 1, nth=8),
-    driver("to rest", "kill_robot:FarRobot.rest", "before", 1),
-    driver("at rest", "kill_robot:FarRobot.rest", "after", 1),
-    driver("step measured", "kill_robot:FarRobot.step", "after", 1),
+    driver("step begun", "tests.kill.kill_robot:FarRobot.step", "before", 0),
+    driver("first velocity commanded", "tests.kill.kill_robot:FarRobot.command", "after", 1),
+    driver("walking", "tests.kill.kill_robot:FarRobot.command", "before", 1, nth=8),
+    driver("to rest", "tests.kill.kill_robot:FarRobot.rest", "before", 1),
+    driver("at rest", "tests.kill.kill_robot:FarRobot.rest", "after", 1),
+    driver("step measured", "tests.kill.kill_robot:FarRobot.step", "after", 1),
     driver("result to be sent", "agentrob.robots.driver.process:Driver.step", "after", 1),
 ]
 #: While the board is away nobody could stop the robot, so a motion may be interrupted, or not begin;
 #: nor can it be asked whether the command still holds, which cancels it before anything moved (see `check`).
 AWAY = frozenset({"done", "interrupted", "cancelled"})
 BOARD = [
-    board("command to be written", "writes:create_topic", "before"),
-    board("command in the transaction", "writes:create_topic", "after"),
-    board("command committed, not published", "writer:Writer._answer", "before"),
-    board("command being published", "events:Hub._tell", "before"),
-    board("command published", "events:Hub._tell", "after"),
-    board("claim to be written", "writes:reply", "before", AWAY, containing="claim:"),
-    board("claim in the transaction", "writes:reply", "after", AWAY, containing="claim:"),
-    board("claim committed, not answered", "writer:Writer._answer", "before", AWAY, nth=2),
-    board("claim answered", "writer:Writer._answer", "after", AWAY, nth=2),
-    board("status in the transaction", "writes:edit", "after", AWAY, containing="'running'"),
-    board("picture kept", "images:keep", "after", text=PHOTO),
-    board("picture registered", "writes:add_image", "after", text=PHOTO),
-    board("final reply to be written", "writes:edit", "before", containing="'done'"),
-    board("final reply in the transaction", "writes:edit", "after", containing="'done'"),
+    board("command to be written", "content.writes:create_topic", "before"),
+    board("command in the transaction", "content.writes:create_topic", "after"),
+    board("command committed, not published", "db.writer:Writer._answer", "before"),
+    board("command being published", "events.hub:Hub._tell", "before"),
+    board("command published", "events.hub:Hub._tell", "after"),
+    board("claim to be written", "content.writes:reply", "before", AWAY, containing="claim:"),
+    board("claim in the transaction", "content.writes:reply", "after", AWAY, containing="claim:"),
+    board("claim committed, not answered", "db.writer:Writer._answer", "before", AWAY, nth=2),
+    board("claim answered", "db.writer:Writer._answer", "after", AWAY, nth=2),
+    board("status in the transaction", "content.writes:edit", "after", AWAY, containing="'running'"),
+    board("picture kept", "content.images:keep", "after", text=PHOTO),
+    board("picture registered", "content.writes:add_image", "after", text=PHOTO),
+    board("final reply to be written", "content.writes:edit", "before", containing="'done'"),
+    board("final reply in the transaction", "content.writes:edit", "after", containing="'done'"),
+]
+IN_A_STOP = [
+    ("agentrob.robots.driver.process:Driver.stop", "before"),
+    ("agentrob.robots.safety.guard:Guard.stop", "before"),
+    ("tests.kill.kill_robot:FarRobot.stop", "after"),
+    ("agentrob.robots.driver.process:Driver.stop", "after"),
 ]
 POINTS = [*BEFORE_MOTION, *BEGUN, *ENDED, *DRIVER, *BOARD]
 #: One of each kind of process is killed before every change.
@@ -186,15 +192,7 @@ def test_law_11_the_agent_is_killed_on_a_long_walk_and_the_robot_stands_within_1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("target", "when"),
-    [
-        ("agentrob.robots.driver.process:Driver.stop", "before"),
-        ("agentrob.robots.safety.guard:Guard.stop", "before"),
-        ("kill_robot:FarRobot.stop", "after"),
-        ("agentrob.robots.driver.process:Driver.stop", "after"),
-    ],
-)
+@pytest.mark.parametrize(("target", "when"), IN_A_STOP)
 def test_law_14_a_driver_killed_in_a_stop_leaves_a_robot_that_stands_and_never_goes_on(
     house: House, target: str, when: str
 ) -> None:

@@ -19,6 +19,8 @@ THINKING, JOURNAL = "agentrob.agent.understanding.understand:", "agentrob.agent.
 SCREENED = {"target": THINKING + "judge", "when": "after"}
 CLAIMED = {"target": JOURNAL + "posted", "when": "after"}
 WALKING = {"target": "agentrob.agent.execution.execute:Run._must_end", "when": "before", "nth": 5}
+ENDED = {"target": JOURNAL + "_end", "when": "after"}
+ORDERS = (SCREENED, CLAIMED, WALKING, ENDED)
 
 
 def slow(*values: Any, id: str) -> Any:
@@ -241,7 +243,7 @@ def test_laws_6_and_11_a_second_start_is_refused_in_one_line_and_the_first_is_no
         slow(SCREENED, "done", 1, id="it waits"),
         slow(CLAIMED, "done", 1, id="it is claimed on the forum"),
         slow(WALKING, "interrupted", 1, id="it walks"),
-        slow({"target": JOURNAL + "_end", "when": "after"}, "done", 1, id="it has walked"),
+        slow(ENDED, "done", 1, id="it has walked"),
     ],
 )
 def test_law_6_another_version_ends_what_the_one_before_it_left_open_and_tells_it_once(

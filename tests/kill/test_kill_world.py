@@ -10,7 +10,9 @@ from tests.kill.kill_house import DRIVER_DIED, PHOTO, WALK
 from tests.kill.kill_world import WorldHouse
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
-SPORT, SERVICES = "agentrob.sim.services.go2_sport:Sport.", "agentrob.sim.services.unitree:RobotServices."
+MOVE, TICK = "agentrob.sim.services.go2_sport:Sport._move", "agentrob.sim.services.unitree:RobotServices.after_tick"
+RENDER, COMMAND = "agentrob.sim.rendering.cameras:Cameras._fresh", "agentrob.robots.unitree.go2:Go2.command"
+TARGETS = (MOVE, TICK, RENDER, COMMAND)
 
 
 @pytest.fixture(scope="module")
@@ -23,10 +25,10 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WorldHouse]:
 @pytest.mark.parametrize(
     ("target", "when", "nth", "containing", "text"),
     [
-        pytest.param(SPORT + "_move", "before", 1, "", WALK, id="first Move received"),
-        pytest.param(SPORT + "_move", "after", 6, "", WALK, id="walking"),
-        pytest.param(SERVICES + "after_tick", "after", 60, "", WALK, id="state published"),
-        pytest.param("agentrob.sim.rendering.cameras:Cameras._fresh", "after", 1, "/front", PHOTO, id="image rendered"),
+        pytest.param(MOVE, "before", 1, "", WALK, id="first Move received"),
+        pytest.param(MOVE, "after", 6, "", WALK, id="walking"),
+        pytest.param(TICK, "after", 60, "", WALK, id="state published"),
+        pytest.param(RENDER, "after", 1, "/front", PHOTO, id="image rendered"),
     ],
 )
 def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
@@ -50,7 +52,7 @@ def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
 def test_law_6_a_go2_whose_driver_dies_stands_still_and_the_motion_is_not_repeated(
     house: WorldHouse, when: str, nth: int
 ) -> None:
-    house.arm("driver", {"target": "agentrob.robots.unitree.go2:Go2.command", "when": when, "nth": nth})
+    house.arm("driver", {"target": COMMAND, "when": when, "nth": nth})
     asked = house.ask(WALK)
     house.died("driver")
     at_death = len(house.ledger())

@@ -13,6 +13,7 @@ from typing import Any
 from uuid import uuid4
 
 from agentrob.model import Direction, Op, Primitive
+from agentrob.process.host_lock import namespaced
 from agentrob.robots.driver.client import DriverClient
 
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0)
@@ -74,7 +75,7 @@ class Drivers:
         assert process.stdout is not None
         ready = json.loads(process.stdout.readline())
         assert ready["ready"] == "driver"
-        assert ready["lock"] == f"driver/fake/{name}"
+        assert ready["lock"] == namespaced(f"driver/fake/{name}")
         return name, process
 
     def client(self, name: str) -> DriverClient:

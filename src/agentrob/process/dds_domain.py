@@ -18,7 +18,7 @@ class OwnDomain:
     """
 
     def __init__(self) -> None:
-        taken = set(host_lock.held())
+        taken = {host_lock.without_namespace(name) for name in host_lock.held_anywhere()}
         for number in DOMAINS:
             if not {f"world/lo/{number}", f"driver/lo/{number}"} & taken:
                 with contextlib.suppress(RobotBusy):

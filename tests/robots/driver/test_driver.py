@@ -206,7 +206,7 @@ async def test_law_14_what_was_accepted_before_a_stop_gets_no_lease(standing: St
     async with drivers.client(name) as robot:
         accepted_s = time.monotonic()
         if how == "stop channel":
-            await asyncio.to_thread(stop_driver, f"driver/fake/{name}", "shell")
+            await asyncio.to_thread(stop_driver, host_lock.namespaced(f"driver/fake/{name}"), "shell")
         else:
             await (robot.stop("shell") if how == "stop" else robot.halt("shell"))
         with pytest.raises(LeaseLost, match="by a halt" if how == "halt" else "by a stop"):
@@ -269,7 +269,7 @@ async def test_law_13_the_stop_channel_needs_neither_socket_nor_lease(drivers: D
         step = asyncio.create_task(robot.step(lease, FAR, 60))
         await moving(robot)
         (drivers.folder / f"{name}.sock").unlink()
-        stopped = await asyncio.to_thread(stop_driver, f"driver/fake/{name}", "shell")
+        stopped = await asyncio.to_thread(stop_driver, host_lock.namespaced(f"driver/fake/{name}"), "shell")
         assert stopped.confirmed
         assert stopped.was_moving
         assert (await step).reason == "stop"
@@ -295,13 +295,13 @@ async def test_law_13_stop_all_finds_every_driver(drivers: Drivers) -> None:
         step = asyncio.create_task(robot.step(lease, FAR, 60))
         await moving(robot)
         stopped = await asyncio.to_thread(stop_all, "shell", f"driver/fake/{flock}")  # not those of who tests beside us
-        assert sorted(stopped) == [f"driver/fake/{name}" for name in names]
+        assert sorted(stopped) == [host_lock.namespaced(f"driver/fake/{name}") for name in names]
         assert all(not isinstance(v, RobotUnreachable) and v.confirmed for v in stopped.values())
         assert (await step).reason == "stop"
 
 
 def test_law_15_silent_and_foul_callers_do_not_hold_up_a_stop(standing: Standing) -> None:
-    lock = f"driver/fake/{standing[1]}"
+    lock = host_lock.namespaced(f"driver/fake/{standing[1]}")
     silent = [host_lock.connect(lock) for _ in range(10)]
     with host_lock.connect(lock) as foul:
         foul.sendall(b"\xff\xfe go \n")
@@ -471,7 +471,7 @@ async def test_a_driver_that_is_ended_stops_the_robot_and_leaves_nothing(drivers
         (told,) = await asyncio.gather(step, return_exceptions=True)
         assert isinstance(told, RobotUnreachable) or told.outcome is Outcome.STOPPED
     assert not (drivers.folder / f"{name}.sock").exists()
-    assert f"driver/fake/{name}" not in host_lock.held("driver/")
+    assert host_lock.namespaced(f"driver/fake/{name}") not in host_lock.held("driver/")
     _, err = process.communicate()
     assert "Traceback" not in err
 

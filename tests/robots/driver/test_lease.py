@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.errors import LeaseLost
+from agentrob.process.host_lock import namespaced
 from agentrob.robots.codec import name_of
 from agentrob.robots.driver.lease import Leases
 from agentrob.robots.driver.stop import stop_driver
@@ -71,7 +72,9 @@ async def test_law_13_who_stopped_from_a_shell_reaches_the_holder_of_the_lease(d
         assert await robot.lost(lease) is None
         step = asyncio.create_task(robot.step(lease, FAR, 60))
         await moving(robot)
-        await asyncio.to_thread(stop_driver, f"driver/fake/{name}", "Ada\x1b at the\u202e desk " + "x" * 200)
+        await asyncio.to_thread(
+            stop_driver, namespaced(f"driver/fake/{name}"), "Ada\x1b at the\u202e desk " + "x" * 200
+        )
         assert (await step).reason == "stop"
         lost = await robot.lost(lease)
         assert lost is not None

@@ -21,7 +21,7 @@ from typing import Any
 from agentrob.config.load import RobotConfig, default_data_dir, runtime_dir
 from agentrob.errors import RobotBusy, RobotError
 from agentrob.plugins import find
-from agentrob.process.host_lock import HostLock
+from agentrob.process.host_lock import HostLock, namespaced
 from agentrob.robots.codec import encode, name_of
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.protocol import Robot
@@ -37,10 +37,14 @@ LINE_S = 2.0
 
 # ------------------------------------------------------------------ the process
 def lock_name(name: str, settings: RobotConfig) -> str:
-    """The host lock of a robot's driver; also the name of its stop channel. A fake's domain tells namesakes apart."""
+    """The host lock of a robot's driver; also the name of its stop channel. A fake's domain tells namesakes apart.
+
+    A robot that is not simulated has no namespace, also on loopback: a stranger's robot may need no interface.
+    """
     if settings.model == "fake":
-        return f"driver/fake/{settings.domain}/{name}" if settings.domain else f"driver/fake/{name}"
-    return f"driver/{settings.interface}/{settings.domain}"
+        return namespaced(f"driver/fake/{settings.domain}/{name}" if settings.domain else f"driver/fake/{name}")
+    lock = f"driver/{settings.interface}/{settings.domain}"
+    return namespaced(lock) if settings.simulated and settings.interface == "lo" else lock
 
 
 def make_robot(settings: RobotConfig) -> Robot:
