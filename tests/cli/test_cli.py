@@ -209,8 +209,8 @@ def test_plan_reads_the_part_of_the_first_robot_that_is_named() -> None:
 def test_plan_compiles_no_words_of_harm_for_a_plain_command() -> None:
     """All of them take most of a second."""
     code = (
-        "import sys\nsys.argv = ['agentrob', 'plan', 'walk forward 2 m']\nfrom agentrob.screening.text import patterns\n"
-        "made = []\nreal = patterns.compiled\n"
+        "import sys\nsys.argv = ['agentrob', 'plan', 'walk forward 2 m']\n"
+        "from agentrob.screening.text import patterns\nmade = []\nreal = patterns.compiled\n"
         "def counted(groups, phrases, **how):\n    made.extend(phrases)\n    return real(groups, phrases, **how)\n"
         "patterns.compiled = counted\nfrom agentrob.cli.main import main\n"
         "try:\n    main()\nexcept SystemExit:\n    pass\nprint(len(made))"
