@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from typer.testing import CliRunner
 
-from agentrob.cli.main import cli, told
+from agentrob.cli.main import cli, error_line
 from agentrob.errors import AgentRobError
 
 
@@ -31,6 +31,6 @@ def agentrob(folder: Path, *args: str, **env: str) -> Said:
         case None | SystemExit():
             return Said(done.exit_code, done.stdout, done.stderr)
         case AgentRobError() as error:
-            return Said(1, done.stdout, f"{done.stderr}{told(error)}\n")
+            return Said(1, done.stdout, f"{done.stderr}{error_line(error)}\n")
         case error:
             raise error

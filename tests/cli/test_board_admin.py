@@ -82,7 +82,7 @@ def test_a_forum_that_has_begun_is_safe_by_default_and_is_not_begun_again(shell:
     assert shell.settings.limits.posts > 0
     chief = local_admin.find_account(shell.settings, "chief")
     assert (chief.role, chief.kind) == (Role.ADMIN, AccountKind.HUMAN)
-    with pytest.raises(AgentRobError, match="is there already"):
+    with pytest.raises(AgentRobError, match="exists already"):
         shell.run("init", "--admin", "other")
     assert "password" not in shell.config.read_text()
 
@@ -223,3 +223,21 @@ def test_no_word_but_migrate_changes_the_tables_of_another_version(tmp_path: Pat
         shell.board(*asked)
     shell.board("migrate")
     shell.board(*asked)
+
+
+def test_lists_wait_for_no_writer_and_create_nothing(shell: Shell, tmp_path: Path) -> None:
+    _, made = post(shell, "some words")
+    lists = [
+        ["account", "list"], ["account", "tokens", "quadruped"], ["boards", "list"], ["robot", "show", "quadruped"],
+        ["invite", "list"], ["audit"], ["moderate", "read", made],
+    ]  # fmt: skip
+    with local_admin.writing(shell.settings):  # holds the write lock, as a server that writes does
+        for words in lists:
+            shell.board(*words)
+    missing = Shell(tmp_path / "none")
+    missing.folder.mkdir()
+    missing.config.write_text(f'data = "{missing.folder}/data"\n')
+    for words in lists:
+        with pytest.raises(ConfigError, match="there is no forum"):
+            missing.board(*words)
+    assert not (missing.folder / "data").exists()

@@ -7,9 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from agentrob.demo import run as demo
 from agentrob.errors import RobotBusy
-from agentrob.process import host_lock
+from agentrob.process import dds_domain, host_lock
 from agentrob.process.dds_domain import OwnDomain
 
 
@@ -25,7 +24,7 @@ def test_all_who_choose_a_domain_at_once_have_one_of_their_own_until_they_give_i
 
 @pytest.mark.parametrize("who", ["world/lo", "driver/lo", "domain/lo"])
 def test_a_domain_that_somebody_uses_is_not_chosen(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
-    monkeypatch.setattr(demo, "DOMAINS", range(231, 233))  # beyond those of DDS: nobody is there
+    monkeypatch.setattr(dds_domain, "DOMAINS", range(231, 233))  # beyond those of DDS: nobody is there
     with host_lock.HostLock(f"{who}/231", "the test"), contextlib.closing(OwnDomain()) as domain:
         assert domain.number == 232
         with pytest.raises(RobotBusy, match="all DDS domains from 231 to 232 are taken"):

@@ -201,7 +201,7 @@ def test_a_robot_that_a_driver_holds_is_asked_through_it(tmp_path: Path, monkeyp
 def test_read_only_and_move_contradict_each_other(tmp_path: Path) -> None:
     run = spawn("doctor", "fake", "--read-only", "--move")
     _, err = run.communicate(timeout=100)
-    assert (run.returncode, "leave one of the two out" in err) == (2, True)
+    assert (run.returncode, "--read-only and --move exclude each other" in err) == (2, True)
 
 
 # ------------------------------------------------------------------ with a simulated Go2 and G1

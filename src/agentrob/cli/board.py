@@ -1,72 +1,50 @@
-"""The words a person types to run the embedded forum: `agentrob init`, backups, migrations, the log."""
+"""`agentrob init` and `agentrob board`: run the embedded forum and take care of its database."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated
 
 import typer
 
+from agentrob.cli import accounts, boards, moderation
+from agentrob.cli.forum_database import board_settings, existing, reading, writable, write
+from agentrob.cli.options import ConfigFile
 from agentrob.config import load as configuration
-from agentrob.config.load import Config
 from agentrob.config.section import DEFAULT_LISTEN
 from agentrob.errors import ConfigError
 from agentrob.model import Role
+from agentrob.wiring import app
 
-if TYPE_CHECKING:
-    from agentrob.board.db.reader import Reader
-    from agentrob.board.db.writer import Transaction
-    from agentrob.board.settings import BoardSettings
-
-T = TypeVar("T")
-ConfigFile = Annotated[Path | None, typer.Option("--config", "-c", help="Configuration file. [default: agentrob.toml]")]
-
-
-def settings_of(config: Path | None) -> BoardSettings:
-    """The board's settings, its database made when there is none. One of another version is never changed here, since
-    a server of that version may be running."""
-    from agentrob.board.admin import local_admin
-
-    settings = _settings(configuration.load(config))
-    local_admin.ensure_database(settings)
-    return settings
+cli = typer.Typer(no_args_is_help=True, help="The embedded forum.")
+cli.add_typer(accounts.cli, name="account")
+cli.add_typer(boards.cli, name="boards")
+cli.add_typer(boards.robot_cli, name="robot")
+cli.add_typer(accounts.invite_cli, name="invite")
+cli.add_typer(moderation.cli, name="moderate")
 
 
-def _settings_to_read(config: Path | None) -> BoardSettings:
-    """The settings of a board whose database is there, of this version, and is not changed."""
-    from agentrob.board.db.database import check_version
-
-    settings = _settings(configuration.load(config))
-    if not check_version(settings):
-        what = f"there is no forum in {settings.database_shown}"
-        raise ConfigError(f"{what}; name its configuration with --config, or begin one: agentrob init")
-    return settings
-
-
-# ---------------------------------------------------------------------- init
 def init(
     admin: Annotated[str, typer.Option(help="The handle of the first admin.")],
     url: Annotated[str, typer.Option(help="The address that browsers see, as https://forum.example.org.")] = "",
-    listen: Annotated[str, typer.Option(help="Where the forum listens.")] = DEFAULT_LISTEN,
-    title: Annotated[str, typer.Option(help="What the forum is called.")] = "AgentRob",
-    data: Annotated[str, typer.Option(help="Where everything is kept.")] = "",
+    listen: Annotated[str, typer.Option(help="Host and port where the forum listens.")] = DEFAULT_LISTEN,
+    title: Annotated[str, typer.Option(help="The name of the forum.")] = "AgentRob",
+    data: Annotated[str, typer.Option(help="Folder where everything is kept.")] = "",
     database: Annotated[str, typer.Option(help="A database URL. [default: SQLite in the data folder]")] = "",
-    invites: Annotated[int, typer.Option(min=0, max=1000, help="How many people one invite lets in.")] = 0,
+    invites: Annotated[int, typer.Option(min=0, max=1000, help="How many people one invite admits.")] = 0,
     config: Annotated[Path, typer.Option("--config", "-c", help="The file to write.")] = Path("agentrob.toml"),
 ) -> None:
-    """Begin a forum: a configuration file, the database, the first admin, and a link to set the admin's password."""
+    """Create a forum: configuration file, database, first admin, and a link to set the admin's password."""
     from agentrob.board.admin import management
     from agentrob.board.admin.audit import SHELL
     from agentrob.board.admin.local_admin import bootstrap, writing
-    from agentrob.board.settings import BoardSettings
     from agentrob.model import AccountKind
 
     if config.exists():
-        raise ConfigError(f"{config} is there already; to add an admin: agentrob board account add NAME --role admin")
+        raise ConfigError(f"{config} exists already; to add an admin: agentrob board account add NAME --role admin")
     board = {"listen": listen, "base_url": url, "title": title, "database": database, "sign_up": False}
     made = configuration.parse({"data": data, "board": board}, "agentrob init")
-    settings = BoardSettings.from_config(made.board, made.data_dir)
+    settings = board_settings(made)
     bootstrap(settings)
     with writing(settings) as connection:
         management.add_account(connection, SHELL, admin, kind=AccountKind.HUMAN, role=Role.ADMIN)
@@ -80,102 +58,84 @@ def init(
     typer.echo(f"then: agentrob board serve --config {config}")
 
 
-# ---------------------------------------------------------------------- backup
+@cli.command()
+def serve(config: ConfigFile = None) -> None:
+    """Run the embedded forum."""
+    app.serve_board(app.load(config))
+
+
+@cli.command()
 def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: ConfigFile = None) -> None:
-    """Write the whole forum into one file, while it runs or not."""
-    from agentrob.board.admin.backup import backup as write
+    """Write the whole forum into one file, whether it runs or not."""
+    from agentrob.board.admin.backup import backup as save
 
-    typer.echo(_counted(write(_settings_to_read(config), file)))
+    typer.echo(_counted(save(existing(config), file)))
 
 
+@cli.command()
 def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
-    """Put a backup into an empty database, of whichever kind. The forum must not be running."""
-    from agentrob.board.admin.backup import restore as read
+    """Restore a backup into an empty database of either kind. The forum must not be running."""
+    from agentrob.board.admin.backup import restore as load
     from agentrob.board.db.serving_lock import alone
 
-    loaded = configuration.load(config)
-    settings = _settings(loaded)
+    settings = board_settings(configuration.load(config))
     with alone(settings):
-        typer.echo(_counted(read(settings, file)))
+        typer.echo(_counted(load(settings, file)))
 
 
+@cli.command()
 def export(
     file: Annotated[Path, typer.Argument(help="The new file.")],
     account: Annotated[str | None, typer.Option(help="Only what this account wrote.")] = None,
     config: ConfigFile = None,
 ) -> None:
-    """Write what people wrote, without secrets, as JSON files and pictures in a tar."""
-    from agentrob.board.admin.backup import export as write
+    """Export what people wrote, without secrets, as JSON files and pictures in a tar."""
+    from agentrob.board.admin.backup import export as save
 
-    typer.echo(f"{write(_settings_to_read(config), file, account)} posts")
+    typer.echo(f"{save(existing(config), file, account)} posts")
 
 
+@cli.command()
 def migrate(
     to: Annotated[str, typer.Option(help="A revision, also an earlier one.")] = "head", config: ConfigFile = None
 ) -> None:
-    """Bring the tables to the shape of this version, or back to an earlier one before going back to it."""
+    """Migrate the database to this version, or back to an earlier one. The forum must not be running."""
     from agentrob.board.db.database import migrate as run
     from agentrob.board.db.serving_lock import alone
 
-    settings = _settings(configuration.load(config))
+    settings = board_settings(configuration.load(config))
     with alone(settings):
         run(settings, to, alone=True)
     typer.echo(f"the tables are at {to}")
 
 
-def _settings(loaded: Config) -> BoardSettings:
-    from agentrob.board.settings import BoardSettings
-
-    return BoardSettings.from_config(loaded.board, loaded.data_dir)
-
-
-def _counted(counts: dict[str, int]) -> str:
-    return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "nothing"
-
-
+@cli.command()
 def audit(
-    target: Annotated[str | None, typer.Option(help="Only of this, as account:ann.")] = None,
-    limit: Annotated[int, typer.Option(min=1, max=10000)] = 50,
+    target: Annotated[str | None, typer.Option(help="Only entries about this, as account:ann.")] = None,
+    limit: Annotated[int, typer.Option(min=1, max=10000, help="How many entries.")] = 50,
     config: ConfigFile = None,
 ) -> None:
-    """Who changed what, newest first."""
+    """List who changed what, newest first."""
     from agentrob.board.admin import audit as log
 
-    statement = log.statement(None, limit, target)
-    for row in in_transaction(_settings_to_read(config), lambda t: t.connection.execute(statement).all()):
+    with reading(config) as connection:
+        rows = connection.execute(log.statement(None, limit, target)).all()
+    for row in rows:
         e = log.entry(row)
         details = " ".join(f"{k}={v}" for k, v in e.detail.items())
         typer.echo(f"{e.at:%Y-%m-%d %H:%M:%S} {e.actor} {e.action} {e.target} {details}".rstrip())
 
 
+@cli.command()
 def expire(config: ConfigFile = None) -> None:
-    """Delete camera pictures that are older than their robots' owners keep them; a running forum does so each hour."""
-    from agentrob.board.admin import moderation
+    """Delete camera pictures older than their robots' owners keep them. A running forum does this every hour."""
+    from agentrob.board.admin import moderation as pictures
 
-    settings = settings_of(config)
-    digests = in_transaction(settings, moderation.expire_pictures)
-    taken = in_transaction(settings, lambda t: moderation.take_away(t, settings.images_dir, digests))
+    settings = writable(config)
+    digests = write(settings, pictures.expire_pictures)
+    taken = write(settings, lambda t: pictures.take_away(t, settings.images_dir, digests))
     typer.echo(f"{len(digests)} pictures expired, {taken} files deleted")
 
 
-def in_transaction(settings: BoardSettings, job: Callable[[Transaction], T]) -> T:
-    """Run a job of the writer here, beside a server that may be running, which waits for its end: print afterwards."""
-    from agentrob.board.admin import local_admin
-    from agentrob.board.db.writer import Transaction
-
-    with local_admin.writing(settings) as connection:
-        return job(Transaction(connection))
-
-
-def looked_up(config: Path | None, read: Callable[[Reader], T]) -> T:
-    """What is in the forum's database now."""
-    from agentrob.board.db.reader import Reader
-
-    return in_transaction(_settings_to_read(config), lambda t: read(Reader(t.connection)))
-
-
-def add_to(cli: typer.Typer, board: typer.Typer) -> None:
-    """Put these words into the command line."""
-    cli.command()(init)
-    for word in (backup, restore, export, migrate, audit, expire):
-        board.command()(word)
+def _counted(counts: dict[str, int]) -> str:
+    return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "nothing"

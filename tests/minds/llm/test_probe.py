@@ -159,17 +159,17 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     )
     good = f'[minds.good]\nprovider = "openai"\nmodel = "m"\nbase_url = "{running.url}/v1"\nkey_env = "TEST_KEY"\n'
     (tmp_path / "agentrob.toml").write_text(good)
-    tried = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m")
+    tried = run_plan(tmp_path, "be a dear and meander forward 2 m")
     assert tried.returncode == 0, tried.stderr
     begin = "command: walk forward 2 m\n  read by good\n  the rules have nothing against it; good neither\n  good (m): "
     assert tried.stdout.startswith(begin)
-    against = run_mind(tmp_path, "try", "good", "be a dear and meander forward 2 m where the cards wobble")
+    against = run_plan(tmp_path, "be a dear and meander forward 2 m where the cards wobble")
     refused = (
         "\n  refuse: A model that looks at commands is against it, for the words `the cards`: somebody may be hurt"
     )
     assert refused in against.stdout
     assert "(model.people)" in against.stdout
-    failed = run_mind(tmp_path, "try", "good", "walk forward 1 m", TEST_KEY="")
+    failed = run_plan(tmp_path, "walk forward 1 m", TEST_KEY="")
     assert "command: walk forward 1 m\n  read by rules\n" in failed.stdout
     assert "  the rules have nothing against it; good could not look: no_key\n" in failed.stdout
 
@@ -178,6 +178,11 @@ def run_mind(folder: Path, *args: str, **env: str) -> Said:
     """The command in this process, which has loaded the libraries: in each process of its own that takes seconds."""
     config = ("--config", str(folder / "agentrob.toml"))
     return agentrob(folder, "mind", *args, *config, AGENTROB_DATA=str(folder), **env)
+
+
+def run_plan(folder: Path, text: str, **env: str) -> Said:
+    config = ("--config", str(folder / "agentrob.toml"))
+    return agentrob(folder, "plan", text, "--mind", "good", *config, AGENTROB_DATA=str(folder), **env)
 
 
 def run_program(folder: Path, *args: str) -> Said:
@@ -208,7 +213,7 @@ def test_the_command_has_a_line_for_each_mind_and_an_exit_code(double: Start, tm
     assert second == (
         "keyless: NOT reachable, model other: keyless: the environment variable NO_SUCH_VARIABLE must hold the key"
     )
-    assert rules == "rules: always there, without a model"
+    assert rules == "rules: always available, without a model"
     assert key not in both.stdout + both.stderr
     one = run_mind(tmp_path, "check", "good", "--json")
     assert one.returncode == 0, one.stderr

@@ -269,6 +269,14 @@ def _board_row(board: Board) -> dict[str, str]:
 
 
 # -------------------------------------------------------------------- robots
+def robot_settings(reader: Reader, name: str) -> RobotSettings:
+    """What the forum keeps of a robot. Raises `BoardError` 404."""
+    robot = reader.account(name)
+    if robot is None or robot.kind is not AccountKind.ROBOT_AGENT:
+        raise not_found("robot", name)
+    return rights.settings_of(reader, robot.name)
+
+
 def change_robot(connection: Connection, actor: str, name: str, **changes: Any) -> RobotSettings:
     """Change what is kept of a robot: fields of `RobotSettings`, the owner by handle (empty: nobody)."""
     robot = account_named(connection, name)

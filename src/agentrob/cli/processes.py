@@ -1,0 +1,29 @@
+"""Processes that others start: the driver of a robot and the simulated world."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agentrob.cli.options import ConfigFile, OnlyRobot, World
+from agentrob.wiring import app
+
+
+def driver(robot: OnlyRobot = None, config: ConfigFile = None) -> None:
+    """Hold one robot: the only process that moves it."""
+    settings = app.load(config)
+    app.run_driver(settings, app.only_robot(settings, robot))
+
+
+def sim(
+    world: World = "room",
+    robot: Annotated[list[str] | None, typer.Option(help="go2 or g1; both with two --robot. [default: go2]")] = None,
+    domain: Annotated[list[str] | None, typer.Option(help="ROBOT=DDS-DOMAIN. [default: go2=1, g1=2]")] = None,
+    interface: Annotated[str, typer.Option(help="Network interface for DDS.")] = "lo",
+    http_port: Annotated[int, typer.Option(help="Port of the room's camera; 0 for any free one.")] = 0,
+    ledger: Annotated[Path | None, typer.Option(help="Write what really happened to this file, line by line.")] = None,
+) -> None:
+    """Run a simulated world with walking robots that speak the real robots' DDS."""
+    app.serve_world(robot or [], domain or [], world, interface, http_port, ledger)

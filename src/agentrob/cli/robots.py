@@ -1,0 +1,79 @@
+"""Commands for one robot without a forum: drive, doctor, stop, release, home."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agentrob.cli.options import AsJson, ConfigFile, DemoData, RobotName
+from agentrob.process.logs import log_to_stderr
+from agentrob.wiring import app
+
+
+def drive(
+    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, g1, …")],
+    text: Annotated[str, typer.Argument(help="What to do, in words.")],
+    config: ConfigFile = None,
+    interface: Annotated[
+        str | None, typer.Option(help="Network interface of a real robot; without it a simulated robot is driven.")
+    ] = None,
+    pictures: Annotated[Path, typer.Option(help="Folder for pictures.")] = Path("."),
+    as_json: AsJson = False,
+    mind: Annotated[
+        str | None, typer.Option(help="The mind that reads the text; a model with images may also look and steer.")
+    ] = None,
+) -> None:
+    """Drive a robot without a forum."""
+    from agentrob.wiring import drive as driving
+
+    log_to_stderr()
+    raise typer.Exit(driving.run(robot, text, app.load(config), interface, pictures, as_json, mind))
+
+
+def doctor(
+    robot: Annotated[str | None, typer.Argument(help="A robot of the configuration, or a kind: go2, g1.")] = None,
+    config: ConfigFile = None,
+    interface: Annotated[str | None, typer.Option(help="Network interface, instead of the configured one.")] = None,
+    domain: Annotated[int | None, typer.Option(help="DDS domain, instead of the configured one.")] = None,
+    read_only: Annotated[bool, typer.Option("--read-only", help="Move nothing; the default without --move.")] = False,
+    move: Annotated[bool, typer.Option("--move", help="Walk 10 cm forward if nothing bad was found.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Say what keeps a robot from being driven, and what to do about it. Exit code 1 if something does.
+
+    Beside a running demo it knows the demo's robots too.
+    """
+    from agentrob.demo import run as demonstration
+    from agentrob.wiring import doctor as examination
+
+    if read_only and move:
+        raise typer.BadParameter("--read-only and --move exclude each other")
+    settings = demonstration.config_for(robot, config)
+    raise typer.Exit(examination.run(robot, settings, interface, domain, move, as_json))
+
+
+def stop(
+    robot: Annotated[str | None, typer.Argument(help="The robot's name; without it all robots are stopped.")] = None,
+    everyone: Annotated[bool, typer.Option("--all", help="Every robot that a driver on this machine holds.")] = False,
+    config: ConfigFile = None,
+) -> None:
+    """Stop a robot now. Works without forum, agent, journal and configuration; in doubt all are stopped."""
+    lines, code = app.stop(None if everyone else robot, config)
+    typer.echo("\n".join(lines))
+    raise typer.Exit(code)
+
+
+def release(robot: RobotName, config: ConfigFile = None, data: DemoData = None) -> None:
+    """Release a robot that an emergency stop has locked, on its own machine. Nothing moves."""
+    from agentrob.wiring import unlock
+
+    typer.echo(unlock.release(robot, app.load(config), data))
+
+
+def home(robot: RobotName, config: ConfigFile = None, data: DemoData = None) -> None:
+    """Set a robot's home to where it stands now, on its own machine. It must stand still."""
+    from agentrob.wiring import unlock
+
+    typer.echo(unlock.home(robot, app.load(config), data))

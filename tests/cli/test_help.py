@@ -1,0 +1,34 @@
+"""The help of every command: what it does, and what each of its options and arguments means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+import typer
+
+from agentrob.cli.main import cli
+from tests.in_process import agentrob
+
+
+def commands(group: object, words: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], object]]:
+    yield words, group
+    for name, command in getattr(group, "commands", {}).items():
+        yield from commands(command, (*words, name))
+
+
+ALL = dict(commands(typer.main.get_command(cli)))
+
+
+@pytest.mark.parametrize("words", ALL, ids=lambda words: " ".join(words) or "agentrob")
+def test_every_command_option_and_argument_has_help(words: tuple[str, ...]) -> None:
+    command = ALL[words]
+    assert getattr(command, "help", ""), words
+    for parameter in getattr(command, "params", ()):
+        assert getattr(parameter, "help", ""), f"{' '.join(words)} {parameter.name}"
+
+
+def test_what_a_newcomer_needs_stands_apart_from_processes_that_others_start(tmp_path: object) -> None:
+    said = agentrob(tmp_path, "--help").stdout  # type: ignore[arg-type]
+    assert said.index("First steps") < said.index("demo ") < said.index("Processes that others start")
+    assert said.index("Processes that others start") < said.index("driver ") < said.index("sim ")
