@@ -19,7 +19,7 @@ import numpy as np
 from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Pose, Primitive, RobotState
 from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap
-from agentrob.robots.control.step_runner import TOLERANCE_DEG, TOLERANCE_M, axis, walk
+from agentrob.robots.control.step_runner import TOLERANCE_DEG, TOLERANCE_M, run_step, unit_vector
 from agentrob.robots.unitree import g1, go2
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.go2 import Go2
@@ -105,13 +105,13 @@ class Run(NamedTuple):
 def one(robot: SimulatedBody, step: Primitive, gait: Gait) -> Run:
     robot.begin()
     began_s = robot.now_s()
-    result = walk(robot, step, gait, lambda _: None)
+    result = run_step(robot, step, gait, lambda _: None)
     seconds = robot.now_s() - began_s
     robot.run(0.6)
     if robot.body.upright < 0.9:
         raise SystemExit(f"it fell on {step}")
     forward, left, turned = robot.truth()
-    x, y = axis(step.direction)
+    x, y = unit_vector(step)
     sign = -1.0 if step.direction is R else 1.0
     asked_m, asked_deg = step.distance_m or 0.0, sign * (step.degrees or 0.0) if step.op is Op.TURN else 0.0
     off_m = math.hypot(forward - x * asked_m, left - y * asked_m) if step.op is Op.MOVE else math.hypot(forward, left)

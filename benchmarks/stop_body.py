@@ -82,7 +82,7 @@ class Simulated:
     def __post_init__(self) -> None:
         from agentrob.sim.bodies.g1 import G1
         from agentrob.sim.bodies.go2 import Go2
-        from agentrob.sim.event_log import Ledger
+        from agentrob.sim.event_log import EventLog
         from agentrob.sim.services.g1_sport import G1Sport
         from agentrob.sim.services.go2_sport import Sport
         from agentrob.sim.world.scene import OPEN_FLOOR
@@ -91,7 +91,7 @@ class Simulated:
         self.body: Any = Go2() if self.robot == "go2" else G1()
         self.world = World([self.body], OPEN_FLOOR)
         made = Sport if self.robot == "go2" else G1Sport
-        self.sport: Any = made(self.body, lambda: self.world.time_s, Ledger())
+        self.sport: Any = made(self.body, lambda: self.world.time_s, EventLog())
 
     def run(self, seconds: float, each: Callable[[], None] = lambda: None) -> None:
         for _ in range(round(seconds / PERIOD_S)):

@@ -25,7 +25,7 @@ from PIL import Image, ImageDraw
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.g1_gestures import GESTURES, RELEASE
 from agentrob.sim.bodies.go2 import Go2
-from agentrob.sim.event_log import Ledger
+from agentrob.sim.event_log import EventLog
 from agentrob.sim.rendering.cameras import choose_backend, open_renderer
 from agentrob.sim.rendering.view import View
 from agentrob.sim.services.dds import g1_sport, go2_sport
@@ -77,11 +77,11 @@ def stage(robot: str) -> Stage:
     if robot == "go2":
         go2 = Go2(start=FACING)
         world = World([go2], OPEN_FLOOR)
-        service = go2_sport.Sport(go2, lambda: world.time_s, Ledger())
+        service = go2_sport.Sport(go2, lambda: world.time_s, EventLog())
         return Stage(world, go2, service, lambda n: [lambda answer: service.call(GO2[n], {}, answer)], 1.35, 0.22)
     g1 = G1(start=FACING)
     world = World([g1], OPEN_FLOOR)
-    arm = g1_sport.G1Sport(g1, lambda: world.time_s, Ledger())
+    arm = g1_sport.G1Sport(g1, lambda: world.time_s, EventLog())
 
     def calls(name: str) -> list[Callable[[Callable[..., None]], None]]:
         wanted = [ACTIONS[name], *([RELEASE] if GESTURES[ACTIONS[name]].holds else [])]

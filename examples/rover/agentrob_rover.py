@@ -14,7 +14,7 @@ from agentrob.config.load import RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.model import ActionResult, Capabilities, Direction, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap
-from agentrob.robots.control.step_runner import REST_LIMIT_S, walk
+from agentrob.robots.control.step_runner import REST_LIMIT_S, run_step
 from agentrob.robots.protocol import Watch, limits_of
 
 TRACK_M = 0.4  # from wheel to wheel
@@ -69,7 +69,7 @@ class Rover:
             )
             return ActionResult(primitive, Outcome.REFUSED, {}, "unsupported", message, now_s, now_s)
         before = self._stops
-        return walk(self, primitive, self._gait, lambda state: "stop" if self._stops != before else watch(state))
+        return run_step(self, primitive, self._gait, lambda state: "stop" if self._stops != before else watch(state))
 
     def stop(self) -> StopResult:
         asked_s = self.now_s()

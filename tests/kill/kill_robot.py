@@ -18,7 +18,7 @@ from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Primitive, RobotState, StopResult
 from agentrob.robots import codec
 from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity
-from agentrob.robots.control.step_runner import REST_LIMIT_S, walk
+from agentrob.robots.control.step_runner import REST_LIMIT_S, run_step
 from agentrob.robots.protocol import Watch, limits_of
 
 GAIT = Gait(gain_speed=3.0, gain_turn=4.0, coast_s=0.15, coast_turn_s=0.15, settle_s=0.4)
@@ -57,7 +57,7 @@ class FarRobot:
         attentive: Watch = lambda state: "stop" if self._stops != before else watch(state)  # noqa: E731
         if primitive.moves:
             self._ask("step", op=str(primitive.op))
-            return walk(self, primitive, self._gait, attentive)
+            return run_step(self, primitive, self._gait, attentive)
         now_s = time.monotonic()
         return ActionResult(primitive, Outcome.DONE, {}, started_s=now_s, ended_s=now_s, image=self.picture())
 

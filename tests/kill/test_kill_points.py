@@ -109,17 +109,17 @@ ENDED = [
     agent("journal closed", JOURNAL + "finish", "after", DONE, 1),
 ]
 DRIVER = [
-    driver("lease asked for", "agentrob.robots.driver.process:Driver.take", "before", 0, DRIVER_AWAY),
-    driver("lease given", "agentrob.robots.driver.process:Driver.take", "after", 0, DRIVER_AWAY),
+    driver("lease asked for", "agentrob.robots.driver.driver:Driver.take", "before", 0, DRIVER_AWAY),
+    driver("lease given", "agentrob.robots.driver.driver:Driver.take", "after", 0, DRIVER_AWAY),
     driver("lease renewed", "agentrob.robots.driver.lease:Leases.renew", "after", nth=3),
-    driver("step asked for", "agentrob.robots.driver.process:Driver.step", "before", 0),
+    driver("step asked for", "agentrob.robots.driver.driver:Driver.step", "before", 0),
     driver("step begun", "tests.kill.kill_robot:FarRobot.step", "before", 0),
     driver("first velocity commanded", "tests.kill.kill_robot:FarRobot.command", "after", 1),
     driver("walking", "tests.kill.kill_robot:FarRobot.command", "before", 1, nth=8),
     driver("to rest", "tests.kill.kill_robot:FarRobot.rest", "before", 1),
     driver("at rest", "tests.kill.kill_robot:FarRobot.rest", "after", 1),
     driver("step measured", "tests.kill.kill_robot:FarRobot.step", "after", 1),
-    driver("result to be sent", "agentrob.robots.driver.process:Driver.step", "after", 1),
+    driver("result to be sent", "agentrob.robots.driver.driver:Driver.step", "after", 1),
 ]
 #: While the board is away nobody could stop the robot, so a motion may be interrupted, or not begin;
 #: nor can it be asked whether the command still holds, which cancels it before anything moved (see `check`).
@@ -141,10 +141,10 @@ BOARD = [
     board("final reply in the transaction", "content.writes:edit", "after", containing="'done'"),
 ]
 IN_A_STOP = [
-    ("agentrob.robots.driver.process:Driver.stop", "before"),
+    ("agentrob.robots.driver.driver:Driver.stop", "before"),
     ("agentrob.robots.safety.guard:Guard.stop", "before"),
     ("tests.kill.kill_robot:FarRobot.stop", "after"),
-    ("agentrob.robots.driver.process:Driver.stop", "after"),
+    ("agentrob.robots.driver.driver:Driver.stop", "after"),
 ]
 POINTS = [*BEFORE_MOTION, *BEGUN, *ENDED, *DRIVER, *BOARD]
 #: One of each kind of process is killed before every change.

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from agentrob.sim.bodies.go2 import Go2
-from agentrob.sim.event_log import Ledger
+from agentrob.sim.event_log import EventLog
 from agentrob.sim.services.go2_sport import MOVE, STOP_MOVE, Sport
 from agentrob.sim.world.legged import PERIOD_S
 from agentrob.sim.world.scene import OPEN_FLOOR
@@ -61,7 +61,7 @@ class Bench:
 def open_floor_bench() -> Bench:
     body = Go2()
     world = World([body], OPEN_FLOOR)
-    return Bench(world, body, Sport(body, lambda: world.time_s, Ledger()))
+    return Bench(world, body, Sport(body, lambda: world.time_s, EventLog()))
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def bench(open_floor_bench: Bench) -> Bench:
 def furnished_bench() -> Bench:
     body = Go2()
     world = World([body])
-    return Bench(world, body, Sport(body, lambda: world.time_s, Ledger()))
+    return Bench(world, body, Sport(body, lambda: world.time_s, EventLog()))
 
 
 @pytest.fixture

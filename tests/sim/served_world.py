@@ -26,7 +26,7 @@ class Served:
     domain: int
     ready: Mapping[str, Any]
     cpu_until_ready_s: float
-    ledger: Path
+    event_log: Path
 
     @property
     def url(self) -> str:
@@ -47,9 +47,9 @@ class Served:
 
 def start_world(folder: Path, *options: str, environment: Mapping[str, str] | None = None) -> Served:
     """Serve on the first free test domain."""
-    ledger = folder / "ledger.jsonl"
+    event_log = folder / "ledger.jsonl"
     for domain in DOMAINS:
-        command = [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain), "--ledger", str(ledger)]
+        command = [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain), "--event-log", str(event_log)]
         process = subprocess.Popen(
             [*command, *options],
             stdout=subprocess.PIPE,
@@ -62,7 +62,7 @@ def start_world(folder: Path, *options: str, environment: Mapping[str, str] | No
         readable, _, _ = select.select([process.stdout], [], [], READY_LIMIT_S)
         line = process.stdout.readline() if readable else ""
         if line:
-            world = Served(process, domain, json.loads(line), 0.0, ledger)
+            world = Served(process, domain, json.loads(line), 0.0, event_log)
             world.cpu_until_ready_s = world.cpu_seconds()
             return world
         process.kill()

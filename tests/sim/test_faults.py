@@ -10,7 +10,7 @@ import pytest
 
 from agentrob.errors import SimError
 from agentrob.sim.bodies import sensors
-from agentrob.sim.faults import Faults, Trouble, read
+from agentrob.sim.faults import Faults, FaultState, read
 
 ROOM_M = (8.0, 6.0)
 
@@ -74,7 +74,7 @@ def test_a_box_stands_where_it_is_put_and_is_seen_and_touched_by_nobody_before(r
 
 
 def test_a_body_is_shoved_and_tipped_over(room_bench) -> None:
-    trouble = Trouble(room_bench.body)
+    trouble = FaultState(room_bench.body)
     trouble.make(Faults("go2", push_mps=(0.0, 1.0)))
     assert room_bench.body.heading_velocity()[1] > 0.8
     trouble.make(Faults("go2", tip=True))
@@ -85,7 +85,7 @@ def test_a_body_is_shoved_and_tipped_over(room_bench) -> None:
 
 
 def test_calls_are_lost_as_often_as_was_asked(room_bench) -> None:
-    trouble = Trouble(room_bench.body)
+    trouble = FaultState(room_bench.body)
     for asked, least, most in ((0.0, 0, 0), (0.5, 70, 130), (1.0, 200, 200)):
         trouble.make(Faults("go2", drops=asked))
         assert least <= sum(trouble.swallows() for _ in range(200)) <= most

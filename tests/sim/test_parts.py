@@ -1,4 +1,4 @@
-"""Parts of the simulated world by themselves: merged meshes, the clock, the ledger, assets."""
+"""Parts of the simulated world by themselves: merged meshes, the clock, the event_log, assets."""
 
 import json
 import threading
@@ -12,8 +12,8 @@ from hypothesis.extra import numpy as hnp
 
 from agentrob.errors import SimError
 from agentrob.sim.bodies.go2_gestures import STAND_RAD, Frame, Motion
-from agentrob.sim.event_log import Ledger
-from agentrob.sim.realtime_loop import Clockwork
+from agentrob.sim.event_log import EventLog
+from agentrob.sim.realtime_loop import RealtimeLoop
 from agentrob.sim.world import assets
 from agentrob.sim.world.meshes import merge_vertices, read_obj
 
@@ -67,11 +67,11 @@ def run_clock(clock, tick):
 
 
 def test_the_clock_does_work_at_once_not_at_the_next_tick():
-    clock, done, ticked = Clockwork(period_s=0.5), threading.Event(), threading.Event()
+    clock, done, ticked = RealtimeLoop(period_s=0.5), threading.Event(), threading.Event()
     thread = run_clock(clock, ticked.set)
     assert ticked.wait(60)
     began = time.monotonic()
-    clock.later(done.set)
+    clock.call_soon(done.set)
     assert done.wait(60)
     assert time.monotonic() - began < 0.3
     clock.stop()
@@ -80,7 +80,7 @@ def test_the_clock_does_work_at_once_not_at_the_next_tick():
 
 
 def test_a_slow_machine_shows_in_the_real_time_factor():
-    clock, enough = Clockwork(period_s=0.01), threading.Event()
+    clock, enough = RealtimeLoop(period_s=0.01), threading.Event()
     ticks = 0
 
     def slow_tick() -> None:
@@ -98,7 +98,7 @@ def test_a_slow_machine_shows_in_the_real_time_factor():
 
 
 def test_a_fast_machine_runs_in_real_time():
-    clock, enough = Clockwork(period_s=0.01), threading.Event()
+    clock, enough = RealtimeLoop(period_s=0.01), threading.Event()
     ticks = 0
 
     def tick() -> None:
@@ -118,23 +118,23 @@ def test_a_fast_machine_runs_in_real_time():
 
 def test_the_ledger_is_there_line_by_line(tmp_path):
     path = tmp_path / "ledger.jsonl"
-    ledger = Ledger(path)
-    ledger.write(1.5, "go2", "move_begin", {"x_m": 0.0}, {"velocity": [0.5, 0, 0]})
+    event_log = EventLog(path)
+    event_log.write(1.5, "go2", "move_begin", {"x_m": 0.0}, {"velocity": [0.5, 0, 0]})
     line = json.loads(path.read_text())
     assert (line["time_s"], line["robot"], line["event"], line["velocity"]) == (1.5, "go2", "move_begin", [0.5, 0, 0])
-    ledger.close()
+    event_log.close()
 
 
 def test_a_ledger_on_a_full_disk_says_so_once_and_does_not_stop_the_world(capsys):
     from pathlib import Path
 
-    ledger = Ledger(Path("/dev/full"))
+    event_log = EventLog(Path("/dev/full"))
     for _ in range(3):
-        ledger.write(0.0, "go2", "move_begin", {}, {})
-    assert "No space" in ledger.trouble
+        event_log.write(0.0, "go2", "move_begin", {}, {})
+    assert "No space" in event_log.last_error
     assert capsys.readouterr().err.count("incomplete") == 1
 
 
 def test_a_ledger_that_cannot_be_opened_is_refused(tmp_path):
-    with pytest.raises(SimError, match="cannot write the ledger"):
-        Ledger(tmp_path / "no" / "such" / "folder")
+    with pytest.raises(SimError, match="cannot write the event log"):
+        EventLog(tmp_path / "no" / "such" / "folder")

@@ -31,6 +31,19 @@ class Direction(StrEnum):
     LEFT = "left"
     RIGHT = "right"
 
+    @property
+    def unit_vector(self) -> tuple[float, float]:
+        """(forward, left) in the robot's frame."""
+        return _UNIT_VECTORS[self]
+
+
+_UNIT_VECTORS = {
+    Direction.FORWARD: (1.0, 0.0),
+    Direction.BACKWARD: (-1.0, 0.0),
+    Direction.LEFT: (0.0, 1.0),
+    Direction.RIGHT: (0.0, -1.0),
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Primitive:

@@ -48,7 +48,7 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, bytes) else value
 
 
-def name_of(text: str) -> str:
+def display_name(text: str) -> str:
     """What somebody called themselves, in one line of at most 100 characters without control or invisible ones.
 
     It stays untrusted text; whoever shows it to people must still disarm it.

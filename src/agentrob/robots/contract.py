@@ -22,7 +22,7 @@ from importlib.metadata import entry_points
 from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.control.controller import wrap
-from agentrob.robots.protocol import Robot, Sighted
+from agentrob.robots.protocol import HasCamera, Robot
 
 FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
@@ -182,7 +182,7 @@ class RobotContract:
             assert result.image.startswith(b"\xff\xd8")
 
     def test_a_look_while_it_moves_is_a_jpeg_and_leaves_the_step_alone(self, robot: Robot) -> None:
-        if not isinstance(robot, Sighted) or Op.GET_FRONT_IMAGE not in robot.capabilities.ops:
+        if not isinstance(robot, HasCamera) or Op.GET_FRONT_IMAGE not in robot.capabilities.ops:
             return
         results: list[ActionResult] = []
         turn = Primitive(Op.TURN, Direction.LEFT, degrees=60.0)

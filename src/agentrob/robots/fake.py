@@ -22,7 +22,7 @@ from agentrob.config.load import RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.control.controller import RATE_HZ, REST, Gait, Velocity, rotate, wrap
-from agentrob.robots.control.step_runner import REST_LIMIT_S, walk
+from agentrob.robots.control.step_runner import REST_LIMIT_S, run_step
 from agentrob.robots.protocol import Watch, limits_of
 
 TICK_S = 0.01
@@ -95,7 +95,7 @@ class FakeRobot:
         before = self._stops
         attentive: Watch = lambda state: "stop" if self._stops != before else watch(state)  # noqa: E731
         if primitive.op in (Op.MOVE, Op.TURN):
-            return walk(self, primitive, self._gait, attentive)
+            return run_step(self, primitive, self._gait, attentive)
         if primitive.op is Op.GET_FRONT_IMAGE:
             now_s = time.monotonic()
             return ActionResult(primitive, Outcome.DONE, {}, started_s=now_s, ended_s=now_s, image=self._picture())

@@ -44,7 +44,7 @@ class Robot(Protocol):
 
 
 @runtime_checkable
-class Sighted(Protocol):
+class HasCamera(Protocol):
     """A robot that can also be looked through while it moves."""
 
     def look(self) -> bytes:

@@ -12,21 +12,21 @@ from typing import Any, TextIO
 from agentrob.errors import SimError
 
 
-class Ledger:
+class EventLog:
     """Appends to a file, flushed line by line; without a path it does nothing.
 
     A line: `{"at": wall clock, "time_s": world time, "robot", "event", "pose": {x_m, y_m, yaw_deg}, …}`. When writing
-    fails (disk full), that is said once on stderr and in `trouble`, and the world goes on.
+    fails (disk full), that is said once on stderr and in `last_error`, and the world goes on.
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self.trouble = ""
+        self.last_error = ""
         self._file: TextIO | None = None
         if path is not None:
             try:
                 self._file = path.open("a", encoding="utf-8")
             except OSError as e:
-                raise SimError(f"cannot write the ledger {path}: {e.strerror}") from None
+                raise SimError(f"cannot write the event log {path}: {e.strerror}") from None
 
     def write(self, time_s: float, robot: str, event: str, pose: Mapping[str, float], facts: Mapping[str, Any]) -> None:
         if self._file is None:
@@ -37,9 +37,9 @@ class Ledger:
             self._file.write(json.dumps(line) + "\n")
             self._file.flush()
         except (OSError, ValueError) as e:
-            if not self.trouble:
-                sys.stderr.write(f"the ledger is incomplete from now on: {e}\n")
-            self.trouble = str(e)
+            if not self.last_error:
+                sys.stderr.write(f"the event log is incomplete from here on: {e}\n")
+            self.last_error = str(e)
 
     def close(self) -> None:
         if self._file is not None:

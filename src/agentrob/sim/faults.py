@@ -110,7 +110,7 @@ def _number(value: Any, name: str, least: float, most: float) -> float:
     return float(value)
 
 
-class Trouble:
+class FaultState:
     """One robot's faults where its services and its body feel them. `make` and `tick` run in the world's thread."""
 
     def __init__(self, body: Legged) -> None:

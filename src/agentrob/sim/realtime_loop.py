@@ -11,8 +11,8 @@ LATE_S = 0.5  # further behind than this it gives up catching up; the real-time 
 WINDOW = 10  # half seconds over which the real-time factor is taken
 
 
-class Clockwork:
-    """Owned by the world's thread; `later` and `stop` may be called from any thread and from signal handlers."""
+class RealtimeLoop:
+    """Owned by the world's thread; `call_soon` and `stop` may be called from any thread and from signal handlers."""
 
     def __init__(self, period_s: float) -> None:
         self._period_s = period_s
@@ -21,7 +21,7 @@ class Clockwork:
         self._simulated_s = 0.0
         self.tick_ms = 0.0
 
-    def later(self, work: Callable[[], None]) -> None:
+    def call_soon(self, work: Callable[[], None]) -> None:
         """Have work done in the world's thread, between two ticks."""
         self._work.put(work)
 

@@ -24,7 +24,7 @@ from agentrob.errors import AgentRobError, SimError
 from agentrob.process.host_lock import HostLock
 
 if TYPE_CHECKING:
-    from agentrob.sim.services.unitree import RobotServices, Station
+    from agentrob.sim.services.unitree import RobotContext, RobotServices
     from agentrob.sim.world.legged import Legged
     from agentrob.sim.world.scene import Scene
 
@@ -37,9 +37,10 @@ ROBOTS = {"go2": 1, "g1": 2}
 
 @dataclass(frozen=True, slots=True)
 class WorldSettings:
-    """`domains`: robot name (its kind) → DDS domain. `http_port` 0 takes a free one. `ledger`: see `ledger.Ledger`.
+    """`domains` maps each robot (go2, g1) to its DDS domain; `http_port` 0 picks a free port.
 
-    `world` is the name of a shipped world or the path of one's own (docs/worlds.md).
+    `world` is the name of a shipped world or the path of a world file (docs/worlds.md); `event_log` is the file that
+    `agentrob.sim.event_log.EventLog` appends to.
     """
 
     domains: Mapping[str, int] = field(default_factory=lambda: {"go2": 1})
@@ -48,7 +49,7 @@ class WorldSettings:
     world: str = "room"
     seed: int = 0
     noise: bool = True
-    ledger: Path | None = None
+    event_log: Path | None = None
 
 
 def serve(settings: WorldSettings) -> None:
@@ -90,23 +91,23 @@ class _Process:
     def __init__(self, settings: WorldSettings, scene: Scene, stack: ExitStack) -> None:
         import numpy as np
 
-        from agentrob.sim.event_log import Ledger
-        from agentrob.sim.realtime_loop import Clockwork
+        from agentrob.sim.event_log import EventLog
+        from agentrob.sim.realtime_loop import RealtimeLoop
         from agentrob.sim.rendering.cameras import Cameras
         from agentrob.sim.rendering.view import front_view, overview
         from agentrob.sim.services.dds import Node
-        from agentrob.sim.services.unitree import Station
+        from agentrob.sim.services.unitree import RobotContext
         from agentrob.sim.world.legged import PERIOD_S
         from agentrob.sim.world.world import World
 
         self.began_s = time.monotonic()
         self.settings, self.stack = settings, stack
-        self.clock = Clockwork(PERIOD_S)
+        self.loop = RealtimeLoop(PERIOD_S)
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGTERM, signal.SIGINT):
-                signal.signal(number, lambda *_: self.clock.stop())
-        self.ledger = Ledger(settings.ledger)
-        stack.callback(self.ledger.close)
+                signal.signal(number, lambda *_: self.loop.stop())
+        self.event_log = EventLog(settings.event_log)
+        stack.callback(self.event_log.close)
         robots = {name: _robot(name) for name in settings.domains}
         self.bodies: dict[str, Legged] = {name: body for name, (body, _) in robots.items()}
         self.world = World(list(self.bodies.values()), scene)
@@ -116,12 +117,12 @@ class _Process:
         stack.callback(self.cameras.close)
         rng = np.random.default_rng(settings.seed)
 
-        def station(domain: int) -> Station:
+        def context(domain: int) -> RobotContext:
             node = Node(domain, settings.interface)
-            later = self.clock.later
-            return Station(node, self.world, self.cameras, self.ledger, later, rng, settings.noise)
+            call_soon = self.loop.call_soon
+            return RobotContext(node, self.world, self.cameras, self.event_log, call_soon, rng, settings.noise)
 
-        self.served = {name: serve(station(settings.domains[name])) for name, (_, serve) in robots.items()}
+        self.served = {name: serve(context(settings.domains[name])) for name, (_, serve) in robots.items()}
 
     def run(self) -> None:
         from agentrob.sim.services.room_http import Room, RoomServer
@@ -142,7 +143,7 @@ class _Process:
         }
         sys.stdout.write((announce(ready) if sys.stdout.isatty() else json.dumps(ready)) + "\n")
         sys.stdout.flush()
-        self.clock.run(self.tick)
+        self.loop.run(self.tick)
 
     def tick(self) -> None:
         for services in self.served.values():
@@ -190,13 +191,13 @@ class _Process:
     def health(self) -> Mapping[str, Any]:
         cameras = self.cameras
         return {
-            "real_time_factor": round(self.clock.real_time_factor, 3),
-            "tick_ms": round(self.clock.tick_ms, 2),
+            "real_time_factor": round(self.loop.real_time_factor, 3),
+            "tick_ms": round(self.loop.tick_ms, 2),
             "time_s": round(self.world.time_s, 2),
             "camera": cameras.backend,
             "frames_rendered": cameras.drawn,
             "frame_ms": round(1000 * cameras.seconds / max(1, cameras.drawn), 1),
-            "trouble": [t for t in (cameras.trouble, self.ledger.trouble) if t],
+            "trouble": [t for t in (cameras.last_error, self.event_log.last_error) if t],
         }
 
     def _in_world(self, work: Callable[[], None]) -> bool:
@@ -207,23 +208,23 @@ class _Process:
             work()
             done.set()
 
-        self.clock.later(both)
+        self.loop.call_soon(both)
         return done.wait(ANSWER_LIMIT_S)
 
 
-def _robot(kind: str) -> tuple[Legged, Callable[[Station], RobotServices]]:
+def _robot(kind: str) -> tuple[Legged, Callable[[RobotContext], RobotServices]]:
     """A robot's body and what serves it."""
     if kind == "g1":
         from agentrob.sim.bodies.g1 import G1
         from agentrob.sim.services.g1 import G1Services
 
         g1 = G1(kind)
-        return g1, lambda station: G1Services(g1, station)
+        return g1, lambda context: G1Services(g1, context)
     from agentrob.sim.bodies.go2 import Go2
     from agentrob.sim.services.go2 import Go2Services
 
     go2 = Go2(kind)
-    return go2, lambda station: Go2Services(go2, station)
+    return go2, lambda context: Go2Services(go2, context)
 
 
 def parse_domains(texts: Sequence[str]) -> dict[str, int]:
@@ -276,7 +277,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--http-port", type=int, default=0, help="port of the room's HTTP server (default: a free one)")
     parser.add_argument("--seed", type=int, default=0, help="of the sensors' noise")
     parser.add_argument("--no-noise", action="store_true", help="perfect sensors")
-    parser.add_argument("--ledger", type=Path, help="append to this file what the robots really did")
+    parser.add_argument("--event-log", type=Path, help="append to this file what the robots really did")
     given = parser.parse_args(arguments)
     try:
         settings = WorldSettings(
@@ -286,7 +287,7 @@ def main(arguments: list[str] | None = None) -> int:
             world=given.world,
             seed=given.seed,
             noise=not given.no_noise,
-            ledger=given.ledger,
+            event_log=given.event_log,
         )
         serve(settings)
     except AgentRobError as e:

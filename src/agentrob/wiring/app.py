@@ -391,6 +391,6 @@ def serve_world(
     from agentrob.sim.server import WorldSettings, choose_domains, serve
 
     settings = WorldSettings(
-        domains=choose_domains(robots, domains), interface=interface, http_port=http_port, world=world, ledger=ledger
+        domains=choose_domains(robots, domains), interface=interface, http_port=http_port, world=world, event_log=ledger
     )
     serve(settings)

@@ -19,7 +19,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Command, Plan, Post, Report, Role, Understanding
 from agentrob.robots.control.controller import REST
-from agentrob.robots.driver.api import Service
+from agentrob.robots.driver.api import DriverServer
 from agentrob.robots.driver.driver import Driver as RobotDriver
 from agentrob.robots.driver.process import listening
 from agentrob.robots.fake import FakeRobot
@@ -46,7 +46,7 @@ class OpenDriver(Driver):
         addressee = self._open.enter_context(listening(self.socket))
         driver = RobotDriver(name, Guard(self.fake, self.settings, Halt(folder / f"{name}.halt")))
         self._open.callback(driver.close)
-        self._open.enter_context(Service(driver, addressee))
+        self._open.enter_context(DriverServer(driver, addressee))
 
     @property
     def walked(self) -> bool:

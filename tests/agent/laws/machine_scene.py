@@ -13,7 +13,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import ActionResult, Plan, Primitive, StopResult, Understanding
 from agentrob.robots.control.controller import REST, Velocity
-from agentrob.robots.driver.api import Service
+from agentrob.robots.driver.api import DriverServer
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.driver.process import listening
@@ -146,7 +146,7 @@ class Stand:
 def robot_stand(folder: Path) -> Iterator[Stand]:
     robot = LedgerRobot()
     driver = Driver(ROBOT, Guard(robot, robot_settings(), Halt(folder / "robot.halt")))
-    with listening(folder / "robot.sock") as addressee, Service(driver, addressee):
+    with listening(folder / "robot.sock") as addressee, DriverServer(driver, addressee):
         yield Stand(folder, robot, driver)
         driver.close()
 

@@ -16,7 +16,7 @@ from agentrob.agent.agent import RobotAgent
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.model import AccountKind, Post, Primitive, Role
 from agentrob.process.host_lock import HostLock
-from agentrob.robots.driver.api import Service
+from agentrob.robots.driver.api import DriverServer
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.driver.lease import Leases
@@ -54,7 +54,7 @@ def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
     driver.leases = Leases(LIMIT_S)  # a busy machine may hold up a renewal, and that is another law
     with (
         listening(folder / "robot.sock") as listener,
-        Service(driver, listener),
+        DriverServer(driver, listener),
         HostLock(lock_name(ROBOT, settings), "the robot") as lock,
     ):
         threading.Thread(target=serve_stops, args=(lock.socket, driver), daemon=True).start()

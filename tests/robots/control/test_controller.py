@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.model import Direction, Op, Outcome, Pose, Primitive
-from agentrob.robots.control.controller import RATE_HZ, REST, Gait, Motion, Velocity, rotate, wrap
-from agentrob.robots.control.step_runner import gait_for, judge
+from agentrob.robots.control.controller import RATE_HZ, REST, Gait, MotionController, Velocity, rotate, wrap
+from agentrob.robots.control.step_runner import classify_outcome, gait_for
 
 GAIT = Gait()
 
@@ -21,7 +21,7 @@ class Plant:
     def __init__(self, lag_s: float = 0.15, yaw_rad: float = 0.0) -> None:
         self.lag_s, self.pose, self.velocity, self.commands = lag_s, Pose(0.0, 0.0, yaw_rad), REST, list[Velocity]()
 
-    def run(self, motion: Motion, limit_s: float = 200.0) -> float:
+    def run(self, motion: MotionController, limit_s: float = 200.0) -> float:
         """Seconds until the motion ended."""
         dt, t = 0.01, 0.0
         per_command = round(1 / RATE_HZ / dt)
@@ -50,7 +50,7 @@ def test_a_move_arrives_within_limits(forward_m: float, left_m: float, yaw_rad: 
     if math.hypot(forward_m, left_m) < 0.05:
         return
     plant, gait = Plant(yaw_rad=yaw_rad), GAIT.at_most(speed_mps, math.radians(45))
-    motion = Motion(gait, forward_m=forward_m, left_m=left_m)
+    motion = MotionController(gait, forward_m=forward_m, left_m=left_m)
     plant.run(motion)
     assert motion.ended == "arrived"
     x, y = rotate(forward_m, left_m, yaw_rad)
@@ -65,7 +65,7 @@ def test_a_move_arrives_within_limits(forward_m: float, left_m: float, yaw_rad: 
 @given(degrees=st.floats(5, 720), left=st.booleans(), yaw_rad=st.floats(-math.pi, math.pi))
 def test_a_turn_arrives_also_beyond_a_full_one(degrees: float, left: bool, yaw_rad: float) -> None:
     plant, turn_rad = Plant(yaw_rad=yaw_rad), math.radians(degrees if left else -degrees)
-    motion = Motion(GAIT, turn_rad=turn_rad)
+    motion = MotionController(GAIT, turn_rad=turn_rad)
     seconds = plant.run(motion)
     assert motion.ended == "arrived"
     assert abs(wrap(plant.pose.yaw_rad - yaw_rad - turn_rad)) < math.radians(3.5)
@@ -74,19 +74,19 @@ def test_a_turn_arrives_also_beyond_a_full_one(degrees: float, left: bool, yaw_r
 
 
 def test_a_metre_and_a_quarter_turn_take_less_than_six_seconds() -> None:
-    assert Plant().run(Motion(GAIT, forward_m=1.0)) < 6
-    assert Plant().run(Motion(GAIT, turn_rad=math.pi / 2)) < 6
+    assert Plant().run(MotionController(GAIT, forward_m=1.0)) < 6
+    assert Plant().run(MotionController(GAIT, turn_rad=math.pi / 2)) < 6
 
 
 def test_a_body_that_does_not_move_is_stalled_soon() -> None:
-    motion = Motion(GAIT, forward_m=1.0)
+    motion = MotionController(GAIT, forward_m=1.0)
     seconds = Plant(lag_s=1e9).run(motion)
     assert motion.ended == "stalled"
     assert seconds <= GAIT.start_s + 0.2
 
 
 def test_a_body_that_is_pushed_on_and_on_times_out() -> None:
-    motion, t = Motion(GAIT, forward_m=0.5), 0.0
+    motion, t = MotionController(GAIT, forward_m=0.5), 0.0
     while motion.step(t, Pose(-0.02 * t if t < 1 else 3 * math.sin(t), 0.0, 0.0)) is not None:
         t += 0.05
         assert t < 60
@@ -115,7 +115,7 @@ STRAIGHT = {"sideways_m": 0.0, "heading_deg": 0.0}
     ],
 )
 def test_the_outcome_is_decided_by_what_was_measured(distance_m: float, outcome: Outcome) -> None:
-    found, _, message = judge(MOVE, {"distance_m": distance_m, **STRAIGHT}, "arrived", stopped=False)
+    found, _, message = classify_outcome(MOVE, {"distance_m": distance_m, **STRAIGHT}, "arrived", stopped=False)
     assert found is outcome
     assert "Asked 2 m" in message
     assert f"{distance_m:.2f} m" in message
@@ -123,7 +123,7 @@ def test_the_outcome_is_decided_by_what_was_measured(distance_m: float, outcome:
 
 @pytest.mark.parametrize("off", [{"sideways_m": 0.2}, {"sideways_m": -0.2}, {"heading_deg": 12.0}])
 def test_a_way_that_went_askew_is_not_done(off: dict[str, float]) -> None:
-    outcome, word, _ = judge(MOVE, {"distance_m": 2.0, **STRAIGHT, **off}, "arrived", stopped=False)
+    outcome, word, _ = classify_outcome(MOVE, {"distance_m": 2.0, **STRAIGHT, **off}, "arrived", stopped=False)
     assert (outcome, word) == (Outcome.INACCURATE, "inaccurate")
 
 
@@ -131,7 +131,8 @@ def test_a_way_that_went_askew_is_not_done(off: dict[str, float]) -> None:
 def test_a_turn_that_left_its_place_by_more_than_5_cm_is_not_done_however_far_it_turned(degrees: float) -> None:
     turn = Primitive(Op.TURN, Direction.LEFT, degrees=degrees)
     outcomes = [
-        judge(turn, {"degrees": degrees, "drift_m": drift_m}, "arrived", stopped=False)[0] for drift_m in (0.049, 0.051)
+        classify_outcome(turn, {"degrees": degrees, "drift_m": drift_m}, "arrived", stopped=False)[0]
+        for drift_m in (0.049, 0.051)
     ]
     assert outcomes == [Outcome.DONE, Outcome.INACCURATE]
 
@@ -139,11 +140,11 @@ def test_a_turn_that_left_its_place_by_more_than_5_cm_is_not_done_however_far_it
 @given(asked=st.floats(1, 360), got=st.floats(-400, 400))
 def test_a_turn_is_done_only_within_four_degrees_and_a_little(asked: float, got: float) -> None:
     primitive = Primitive(Op.TURN, Direction.LEFT, degrees=asked)
-    outcome, _, _ = judge(primitive, {"degrees": got, "drift_m": 0.01}, "arrived", stopped=False)
+    outcome, _, _ = classify_outcome(primitive, {"degrees": got, "drift_m": 0.01}, "arrived", stopped=False)
     assert (outcome is Outcome.DONE) == (abs(got - asked) <= 4.0 + 0.005 * asked)
 
 
 def test_no_zero_that_was_measured_has_a_sign() -> None:
     still = {"distance_m": -0.001, "degrees": -0.01, "drift_m": 0.0, **STRAIGHT}
     for primitive in (MOVE, Primitive(Op.TURN, Direction.LEFT, degrees=90)):
-        assert "measured 0.0" in judge(primitive, still, "stop", stopped=True)[2]
+        assert "measured 0.0" in classify_outcome(primitive, still, "stop", stopped=True)[2]

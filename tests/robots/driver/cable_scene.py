@@ -26,7 +26,7 @@ until = partial(until_limited, limit_s=60.0)
 WORLD = """
 read go
 ip link set lo up; ip addr add 10.99.0.2/24 dev robot; ip link set robot up
-exec "$0" -m agentrob.sim.server --domain go2=0 --interface robot --ledger "$1"
+exec "$0" -m agentrob.sim.server --domain go2=0 --interface robot --event-log "$1"
 """
 
 

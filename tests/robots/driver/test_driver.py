@@ -23,7 +23,7 @@ from agentrob.config.load import RobotConfig
 from agentrob.errors import ConfigError, LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.model import EMERGENCY_STOP, ActionResult, Direction, Op, Outcome, Plan, Pose, Primitive
 from agentrob.process import host_lock
-from agentrob.robots.driver.api import Service
+from agentrob.robots.driver.api import DriverServer
 from agentrob.robots.driver.client import DriverClient, run_plan
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.driver.process import listening, make_robot
@@ -142,7 +142,7 @@ async def test_law_11_a_step_whose_caller_is_gone_ends_without_waiting_for_the_l
     settings = RobotConfig(model="fake", simulated=True, home_on_start=True, options={"room": [-99, 99, -9, 9]})
     driver = Driver("left", Guard(FakeRobot(settings), settings, Halt(tmp_path / "left.halt")))
     driver.leases.ttl_s = 3600.0
-    with listening(tmp_path / "left.sock") as listener, Service(driver, listener):
+    with listening(tmp_path / "left.sock") as listener, DriverServer(driver, listener):
         try:
             async with DriverClient("left", tmp_path / "left.sock") as robot:
                 caller = DriverClient("left", tmp_path / "left.sock")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from agentrob.errors import LeaseLost
 from agentrob.process.host_lock import namespaced
-from agentrob.robots.codec import name_of
+from agentrob.robots.codec import display_name
 from agentrob.robots.driver.lease import Leases
 from agentrob.robots.driver.stop import stop_driver
 from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
@@ -43,11 +43,11 @@ def test_a_lease_that_lapsed_was_ended_by_nobody() -> None:
 
 @given(st.text(max_size=300))
 def test_law_15_whatever_somebody_calls_themselves_it_is_one_short_line(text: str) -> None:
-    name = name_of(text)
+    name = display_name(text)
     assert len(name) <= 100
     assert name == " ".join(name.split())
     assert not any(unicodedata.category(c)[0] == "C" for c in name)
-    assert name_of(name) == name
+    assert display_name(name) == name
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_law_15_whatever_somebody_calls_themselves_it_is_one_short_line(text: st
     ],
 )
 def test_a_name_loses_what_cannot_be_seen(text: str, name: str) -> None:
-    assert name_of(text) == name
+    assert display_name(text) == name
 
 
 async def test_law_13_who_stopped_from_a_shell_reaches_the_holder_of_the_lease(drivers: Drivers) -> None:

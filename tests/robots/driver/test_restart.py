@@ -16,10 +16,10 @@ from agentrob.model import Op, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.control.controller import Velocity
 from agentrob.robots.fake import FakeRobot
-from agentrob.robots.safety.crash_marker import COUNTS_S, Left, Mark
+from agentrob.robots.safety.crash_marker import COUNTS_S, CrashMarker, InterruptedStep
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
-from agentrob.robots.safety.takeover import DECAY_S, Hands
+from agentrob.robots.safety.takeover import DECAY_S, TakeoverDetector
 from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
 from tests.robots.guard_scene import Pusher, until
 
@@ -29,9 +29,9 @@ SLOW = SETTINGS.model_copy(update={"options": {"faults": {"stop_s": 0.8}}})
 Restart = Callable[[FakeRobot], Guard]
 
 
-def left_behind(path: Path, op: Op = Op.MOVE, mode: str = "walking") -> Mark:
+def left_behind(path: Path, op: Op = Op.MOVE, mode: str = "walking") -> CrashMarker:
     """What a process that was killed within a step leaves on disk."""
-    mark = Mark(path)
+    mark = CrashMarker(path)
     mark.begin(op, mode)
     return mark
 
@@ -42,7 +42,7 @@ def restart(tmp_path: Path) -> Iterator[Restart]:
     made: list[Guard] = []
 
     def restart(robot: FakeRobot) -> Guard:
-        made.append(Guard(robot, SETTINGS, Halt(tmp_path / "fake.halt"), Mark(tmp_path / "fake.step")))
+        made.append(Guard(robot, SETTINGS, Halt(tmp_path / "fake.halt"), CrashMarker(tmp_path / "fake.step")))
         return made[-1]
 
     yield restart
@@ -124,26 +124,26 @@ def test_law_12_a_mode_that_the_step_does_not_lead_to_is_a_halt_also_after_a_dea
     ],
 )
 def test_law_12_only_what_the_step_leads_to_is_taken_for_ours(op: Op, before: str, after: str, foreign: bool) -> None:
-    hands = Hands()
-    hands.inherit(0.0, op, before)
-    found = hands.see(0.1, RobotState(age_s=0.0, mode=after), walking=False, gesturing=False)
+    detector = TakeoverDetector()
+    detector.inherit(0.0, op, before)
+    found = detector.update(0.1, RobotState(age_s=0.0, mode=after), walking=False, gesturing=False)
     assert (found is not None) is foreign
 
 
 # ------------------------------------------------------------------ the mark
 def test_a_mark_is_there_while_a_step_runs_and_no_longer(tmp_path: Path) -> None:
-    robot, mark = FakeRobot(SETTINGS), Mark(tmp_path / "drivers" / "fake.step")
+    robot, mark = FakeRobot(SETTINGS), CrashMarker(tmp_path / "drivers" / "fake.step")
     guard = Guard(robot, SETTINGS, Halt(tmp_path / "fake.halt"), mark)
     until(lambda: guard.state().homed)
-    seen: list[Left | None] = []
+    seen: list[InterruptedStep | None] = []
     try:
-        assert guard.step(NEAR, lambda _: seen.append(Mark(mark.path).left())).ok
+        assert guard.step(NEAR, lambda _: seen.append(CrashMarker(mark.path).interrupted_step())).ok
     finally:
         guard.close()
-    assert seen[0] == Left(Op.MOVE, "idle")
+    assert seen[0] == InterruptedStep(Op.MOVE, "idle")
     assert seen[-1] is not None
     assert seen[-1].mode in ("walking", "idle")
-    assert Left(Op.MOVE, "walking") in seen  # it is renewed
+    assert InterruptedStep(Op.MOVE, "walking") in seen  # it is renewed
     assert mark.path is not None
     assert not mark.path.exists()
 
@@ -164,20 +164,20 @@ def test_law_12_a_mark_that_is_old_or_makes_no_sense_does_not_count(tmp_path: Pa
     path = tmp_path / "fake.step"
     left_behind(path)
     record = json.loads(path.read_text())
-    assert Mark(path).left() is not None
+    assert CrashMarker(path).interrupted_step() is not None
     if changed is None:
         path.write_text("")
     else:
         if isinstance(seconds := changed.get("alive_s"), float):
             changed = {"alive_s": time.monotonic() + seconds}
         path.write_text(json.dumps(record | changed))
-    assert Mark(path).left() is None
+    assert CrashMarker(path).interrupted_step() is None
 
 
 def test_a_disk_that_refuses_the_mark_does_not_hold_up_a_step(tmp_path: Path) -> None:
     (tmp_path / "a file").write_text("not a folder")
     robot = FakeRobot(SETTINGS)
-    guard = Guard(robot, SETTINGS, Halt(tmp_path / "fake.halt"), Mark(tmp_path / "a file" / "fake.step"))
+    guard = Guard(robot, SETTINGS, Halt(tmp_path / "fake.halt"), CrashMarker(tmp_path / "a file" / "fake.step"))
     until(lambda: guard.state().homed)
     try:
         assert guard.step(NEAR, go_on).ok
@@ -196,7 +196,7 @@ async def test_law_12_a_driver_that_follows_a_killed_one_moves_its_robot_without
             process.kill()
             await asyncio.gather(step, return_exceptions=True)
         process.communicate()
-        left = Mark(mark).left()
+        left = CrashMarker(mark).interrupted_step()
         assert left is not None
         assert left.op is Op.MOVE
         _, successor = drivers.start(name)

@@ -13,7 +13,7 @@ from PIL import Image
 
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Op, Outcome, Primitive
-from agentrob.robots.control.picture_check import blank
+from agentrob.robots.control.picture_check import picture_problem
 from agentrob.robots.protocol import Watch
 from tests.robots.guard_scene import Make, fake_of, move, turn, until
 
@@ -145,20 +145,20 @@ def noise(level: int, most: int) -> Image.Image:
     ],
 )
 def test_a_picture_that_shows_nothing_is_not_called_one(picture: Image.Image, said: str) -> None:
-    assert said in (blank(jpeg(picture)) or "")
+    assert said in (picture_problem(jpeg(picture)) or "")
 
 
 def test_a_picture_that_shows_something_however_dark_is_one() -> None:
     dark = noise(10, 4)
     dark.paste(40, (100, 80, 160, 140))
-    assert blank(jpeg(dark)) is None
+    assert picture_problem(jpeg(dark)) is None
 
 
 @pytest.mark.parametrize("spoil", [lambda b: b[:200], lambda b: b"\xff\xd8" + b"nonsense" * 99, lambda _: b""])
 def test_what_is_no_picture_is_said_so(spoil: Any) -> None:
     whole = jpeg(Image.linear_gradient("L"))
-    assert blank(whole) is None
-    assert "cannot be read" in (blank(spoil(whole)) or "")
+    assert picture_problem(whole) is None
+    assert "cannot be read" in (picture_problem(spoil(whole)) or "")
 
 
 def test_law_18_a_blank_picture_is_a_failure_that_is_shown_all_the_same(

@@ -18,7 +18,7 @@ from agentrob.robots.contract import go_on
 from agentrob.robots.control.controller import known, wrap
 from agentrob.robots.protocol import Watch
 from agentrob.robots.safety.fence import Fence
-from agentrob.robots.safety.ranges import Ranges, sides
+from agentrob.robots.safety.ranges import RangeMonitor, sides
 from tests.robots.guard_scene import B, L, Make, R, fake_of, move, turn, until
 
 steps = st.one_of(
@@ -132,12 +132,12 @@ def test_whatever_is_asked_the_robot_keeps_off_the_walls(make: Make) -> None:
 
 
 def test_law_8_old_states_are_no_readings_so_what_a_dead_robot_said_last_proves_nothing() -> None:
-    ranges = Ranges()
+    ranges = RangeMonitor()
     for n in range(20):
-        ranges.see(n * 0.05, RobotState(age_s=0.0, ranges_m=(2.0 + n / 1000, 2.0, 2.0, 2.0)))
+        ranges.update(n * 0.05, RobotState(age_s=0.0, ranges_m=(2.0 + n / 1000, 2.0, 2.0, 2.0)))
     assert ranges.known()[0] is not None
     for n in range(20, 60):  # the robot is gone; its last words are looked at again and again
-        ranges.see(n * 0.05, RobotState(age_s=n * 0.05 - 0.95, ranges_m=(2.019, 2.0, 2.0, 2.0)))
+        ranges.update(n * 0.05, RobotState(age_s=n * 0.05 - 0.95, ranges_m=(2.019, 2.0, 2.0, 2.0)))
     assert not ranges.enough
     assert not ranges.settled
     assert ranges.known() == (None,) * 4

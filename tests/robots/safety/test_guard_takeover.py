@@ -8,8 +8,8 @@ import pytest
 
 from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
-from agentrob.robots.control.odometry import Odometry
-from agentrob.robots.safety.takeover import Hands
+from agentrob.robots.control.odometry import OdometryMonitor
+from agentrob.robots.safety.takeover import TakeoverDetector
 from tests.robots.guard_scene import Make, Pusher, fake_of, homes, move, turn, until
 
 
@@ -28,12 +28,12 @@ def test_law_9_a_jump_at_rest_voids_home_and_only_a_simulation_homes_itself_agai
 
 @pytest.mark.parametrize(("silent_s", "void"), [(5, False), (9, False), (11, True), (15, True), (19, True), (60, True)])
 def test_law_9_a_silence_in_which_a_robot_may_restart_voids_home(silent_s: float, void: bool) -> None:
-    odometry, here = Odometry(), Pose(0.0, 0.0, 0.0)
+    odometry, here = OdometryMonitor(), Pose(0.0, 0.0, 0.0)
     told = list[str]()
     for i in range(20 * (int(silent_s) + 2)):  # looked at 20 times a second, all the while
         now_s = i / 20
         age_s = now_s % silent_s  # the first state at 0, the next after the silence, at the very same place
-        if why := odometry.see(now_s, RobotState(age_s=age_s, pose=here)):
+        if why := odometry.update(now_s, RobotState(age_s=age_s, pose=here)):
             told.append(why)
     assert bool(told) is void
     assert not void or "restarted" in told[0]
@@ -42,8 +42,9 @@ def test_law_9_a_silence_in_which_a_robot_may_restart_voids_home(silent_s: float
 def test_law_12_a_mode_that_we_did_not_command_is_a_halt(make: Make) -> None:
     guard = make()
     assert guard.step(move(0.3), go_on).ok
-    guard._hands._ours_until_s = 0.0  # our own step is long ago
-    until(lambda: guard._hands._mode == "idle")
+    until(lambda: guard._takeover._mode == "idle")
+    with guard._looking:  # the observer must not be in the middle of a state from before
+        guard._takeover._ours_until_s = 0.0  # our own step is long ago
     fake_of(guard).faults.mode = "locked"
     until(lambda: guard.state().halted)
     fake_of(guard).faults.mode = ""
@@ -90,9 +91,9 @@ def test_law_12_a_robot_that_was_damped_before_we_came_is_not_moved(make: Make, 
 
 
 def test_a_mode_that_is_there_when_the_first_state_comes_is_nobodys_change() -> None:
-    hands = Hands()
+    detector = TakeoverDetector()
     for now_s, state in enumerate([RobotState(age_s=math.inf), RobotState(age_s=0.0, mode="locked")]):
-        assert hands.see(now_s, state, walking=False, gesturing=False) is None
+        assert detector.update(now_s, state, walking=False, gesturing=False) is None
 
 
 def test_law_12_a_robot_that_somebody_else_walks_is_halted(make: Make) -> None:

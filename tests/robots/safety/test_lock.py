@@ -20,7 +20,7 @@ def test_law_17_who_locked_it_why_and_when_outlives_the_process(tmp_path: Path) 
     path = tmp_path / "data" / "rex.halt"
     first = Halt(path)
     first.set("bob", EMERGENCY_STOP)
-    assert first.keep()
+    assert first.save()
     lock = Halt(path).lock
     assert lock is not None
     assert (lock.by, lock.why) == ("bob", "an emergency stop")
@@ -73,12 +73,12 @@ def test_law_17_a_halt_that_comes_while_one_is_released_stays(tmp_path: Path, mo
     """The second one comes between taking the file away and forgetting it: an emergency stop is never lost."""
     halt = Halt(tmp_path / "rex.halt")
     halt.set("bob", EMERGENCY_STOP)
-    halt.keep()
+    halt.save()
     keeping: list[threading.Thread] = []
 
     def again() -> None:
         halt.set("eve", EMERGENCY_STOP)
-        keeping.append(threading.Thread(target=halt.keep))
+        keeping.append(threading.Thread(target=halt.save))
         keeping[0].start()
 
     monkeypatch.setattr(halt, "_sync_folder", again)

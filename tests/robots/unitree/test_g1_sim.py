@@ -20,7 +20,7 @@ import pytest
 from agentrob.config.load import FenceConfig, RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import RobotContract, apart_m, fresh, go_on
-from agentrob.robots.control.controller import STOPPED_WINDOW_S, Rest, Velocity
+from agentrob.robots.control.controller import STOPPED_WINDOW_S, RestDetector, Velocity
 from agentrob.robots.protocol import Robot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
@@ -157,7 +157,7 @@ def fsm(g1: G1, state: int) -> Any:
 
 
 def test_a_driver_that_falls_silent_leaves_it_walking_no_longer_than_half_a_second(g1: G1) -> None:
-    start, rest = fresh(g1), Rest(STOPPED_WINDOW_S)
+    start, rest = fresh(g1), RestDetector(STOPPED_WINDOW_S)
 
     def walks() -> bool:
         g1.command(Velocity(0.2))
@@ -165,7 +165,7 @@ def test_a_driver_that_falls_silent_leaves_it_walking_no_longer_than_half_a_seco
 
     def rests() -> bool:
         pose = g1.state().pose
-        return pose is not None and rest.see(time.monotonic(), pose)
+        return pose is not None and rest.update(time.monotonic(), pose)
 
     until(walks)
     silent = g1.state()

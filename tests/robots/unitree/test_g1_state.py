@@ -14,7 +14,7 @@ from agentrob.config.load import LimitsConfig, RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import Op, RobotState
 from agentrob.robots.unitree.g1 import G1, mode_of, read
-from agentrob.robots.unitree.g1_fsm import FsmWatch, parse
+from agentrob.robots.unitree.g1_fsm import FsmMonitor, parse
 
 SIMULATED, REAL = RobotConfig(model="g1", simulated=True), RobotConfig(model="g1")
 
@@ -130,7 +130,7 @@ class Service:
 
 def test_a_robot_that_is_not_there_is_not_asked_for_its_state() -> None:
     service, there = Service(), threading.Event()
-    watch = FsmWatch(service, there.is_set)
+    watch = FsmMonitor(service, there.is_set)
     try:
         assert not service.asked.wait(0.5)
         assert watch.id is None

@@ -12,7 +12,7 @@ from agentrob.sim.bodies import flip
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.bodies.sensors import Odometry
-from agentrob.sim.event_log import Ledger
+from agentrob.sim.event_log import EventLog
 from agentrob.sim.services import go2_sport
 from agentrob.sim.world.scene import OPEN_FLOOR, Start
 from agentrob.sim.world.world import World
@@ -57,7 +57,7 @@ def test_near_a_thing_it_is_refused_and_does_nothing(room_bench: Any, away_m: tu
 def test_near_another_robot_it_is_refused() -> None:
     go2, g1 = Go2(start=Start(0, 0, 0)), G1(start=Start(0, 0.8, math.pi))
     world = World([go2, g1], OPEN_FLOOR)
-    service, codes = go2_sport.Sport(go2, lambda: world.time_s, Ledger()), list[int]()
+    service, codes = go2_sport.Sport(go2, lambda: world.time_s, EventLog()), list[int]()
     service.call(go2_sport.BACK_FLIP, {}, codes.append)
     assert codes == [go2_sport.UNSUITABLE]
     g1.start = Start(0, 1.6, math.pi)

@@ -16,7 +16,7 @@ from agentrob.sim.bodies.g1 import G1, VELOCITY_BOUND
 from agentrob.sim.bodies.g1_gestures import GESTURES, RELEASE
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.bodies.sensors import Ranges, wrap
-from agentrob.sim.event_log import Ledger
+from agentrob.sim.event_log import EventLog
 from agentrob.sim.rendering.view import front_view
 from agentrob.sim.services import g1_sport
 from agentrob.sim.services.g1_sport import G1Sport
@@ -94,7 +94,7 @@ class G1Bench:
 def open_floor() -> G1Bench:
     body = G1()
     world = World([body], OPEN_FLOOR)
-    return G1Bench(world, body, G1Sport(body, lambda: world.time_s, Ledger()))
+    return G1Bench(world, body, G1Sport(body, lambda: world.time_s, EventLog()))
 
 
 @pytest.fixture

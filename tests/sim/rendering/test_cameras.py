@@ -91,7 +91,7 @@ def test_a_picture_that_cannot_be_drawn_is_said_and_later_ones_are_drawn(room_be
     looking = Cameras(room_bench.world.model, views, poses.pop)
     try:
         assert looking.jpeg("overview", timeout_s=30) is None
-        assert "broadcast" in looking.trouble
+        assert "broadcast" in looking.last_error
         assert looking.jpeg("overview") is not None
     finally:
         looking.close()

@@ -76,7 +76,7 @@ def test_the_topics_come_as_on_the_real_robot(sdk):
 
 
 def test_the_ledger_tells_what_the_robot_did(served, sdk):
-    events = [json.loads(line) for line in served.ledger.read_text().splitlines()]
+    events = [json.loads(line) for line in served.event_log.read_text().splitlines()]
     names = [e["event"] for e in events]
     begin, end = names.index("move_begin"), names.index("move_end")
     walked = events[end]["pose"]["x_m"] - events[begin]["pose"]["x_m"]
@@ -129,7 +129,7 @@ def test_a_second_world_on_the_domain_is_one_clear_line(served):
     [
         (["--interface", "lo9"], "no network interface 'lo9'"),
         (["--domain", "999"], "valid: 0 to 230"),
-        (["--domain", "171", "--ledger", "/no/such/folder/x"], "cannot write the ledger"),
+        (["--domain", "171", "--event-log", "/no/such/folder/x"], "cannot write the event log"),
     ],
 )
 def test_wrong_settings_are_one_clear_line(options, expected):

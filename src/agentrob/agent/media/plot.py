@@ -19,7 +19,6 @@ _ASKED, _MEASURED, _START, _END = "#8b98a9", "#4db6f5", "#7bd88f", "#ffb454"
 _WIDTH_IN, _HEIGHT_IN, _DPI = 4.0, 3.0, 200
 _AXES = (0.15, 0.16, 0.81, 0.72)
 _WIDE = _AXES[2] * _WIDTH_IN / (_AXES[3] * _HEIGHT_IN)
-_SIDEWAYS = {Direction.FORWARD: (1, 0), Direction.BACKWARD: (-1, 0), Direction.LEFT: (0, 1), Direction.RIGHT: (0, -1)}
 
 
 def path_plot(results: Sequence[ActionResult]) -> bytes | None:
@@ -118,7 +117,7 @@ def asked_path(results: Sequence[ActionResult]) -> Iterator[Pose]:
         if step.op is Op.TURN and step.degrees:
             yaw += math.radians(step.degrees) * (1 if step.direction is Direction.LEFT else -1)
         elif step.op is Op.MOVE and step.distance_m:
-            ahead, left = _SIDEWAYS[step.direction or Direction.FORWARD]
+            ahead, left = (step.direction or Direction.FORWARD).unit_vector
             x += step.distance_m * (ahead * math.cos(yaw) - left * math.sin(yaw))
             y += step.distance_m * (ahead * math.sin(yaw) + left * math.cos(yaw))
         yield Pose(x, y, yaw)

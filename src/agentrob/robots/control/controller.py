@@ -2,7 +2,7 @@
 
 The same object runs behind a robot's SDK, in the fake robot and in simulated time (`benchmarks/accuracy.py`):
 
-    motion = Motion(gait, forward_m=1.0)
+    motion = MotionController(gait, forward_m=1.0)
     while (velocity := motion.step(now_s, pose)) is not None:
         send(velocity)                      # 20 times a second
     motion.ended                            # arrived, inaccurate, stalled or timeout
@@ -107,7 +107,7 @@ def _clip(value: float, bound: float) -> float:
     return max(-bound, min(bound, value))
 
 
-class Rest:
+class RestDetector:
     """Says when a body has come to rest, from odometry: it kept its place for `window_s`."""
 
     def __init__(self, window_s: float = REST_WINDOW_S) -> None:
@@ -115,7 +115,7 @@ class Rest:
         self._seen: deque[tuple[float, Pose]] = deque()
         self.reached = False
 
-    def see(self, now_s: float, pose: Pose) -> bool:
+    def update(self, now_s: float, pose: Pose) -> bool:
         self._seen.append((now_s, pose))
         while self._seen[0][0] < now_s - self._window_s:
             self._seen.popleft()
@@ -174,7 +174,7 @@ class _Stride(NamedTuple):
     error: _Error
 
 
-class Motion:
+class MotionController:
     """One move (`forward_m`, `left_m`, heading held) or turn (`turn_rad`, position held)."""
 
     def __init__(self, gait: Gait, forward_m: float = 0.0, left_m: float = 0.0, turn_rad: float = 0.0) -> None:
@@ -189,7 +189,7 @@ class Motion:
         self._drift = (0.0, 0.0, 0.0)  # low-passed velocity: m/s, m/s, rad/s in the odometry frame
         self._deadline_s = math.inf
         self._best, self._best_s, self._patience_s = math.inf, 0.0, gait.start_s
-        self._settling, self._settle_s, self._rest, self._rounds = False, 0.0, Rest(), 0
+        self._settling, self._settle_s, self._rest, self._rounds = False, 0.0, RestDetector(), 0
         self._window: deque[_Sample] = deque()
         self._expected = _Error(0.0, 0.0, 0.0)  # what was thought to be left when it was told to rest
         self._shift = (0.0, 0.0, 0.0)
@@ -274,7 +274,7 @@ class Motion:
         return _Error(forward_m, left_m, turn)
 
     def _begin_settling(self, now_s: float, expected: _Error) -> Velocity:
-        self._settling, self._settle_s, self._rest, self._expected = True, now_s, Rest(), expected
+        self._settling, self._settle_s, self._rest, self._expected = True, now_s, RestDetector(), expected
         self._window.clear()
         return REST
 
@@ -282,7 +282,7 @@ class Motion:
         self._window.append(here)
         while self._window[0].t_s < now_s - REST_WINDOW_S:
             self._window.popleft()
-        resting = self._rest.see(now_s, Pose(here.x_m, here.y_m, here.turned_rad))
+        resting = self._rest.update(now_s, Pose(here.x_m, here.y_m, here.turned_rad))
         waited_s = now_s - self._settle_s
         if waited_s < self.gait.settle_s or not (resting or waited_s > self.gait.settle_limit_s):
             return REST

@@ -18,8 +18,8 @@ LOOK_S = 1.0
 STILL_S = 0.3
 
 
-class Odometry:
-    """`see` each state; `still` says whether the robot has kept its place for a moment."""
+class OdometryMonitor:
+    """`update` with each state; `still` says whether the robot has kept its place for a moment."""
 
     def __init__(self, time_scale: float = 1.0) -> None:
         """`time_scale`: how much faster than life a fake robot goes; where its steps take no time, 1."""
@@ -28,7 +28,7 @@ class Odometry:
         self._came_s: float | None = None  # when the newest state came
         self._anchor: tuple[float, Pose] | None = None
 
-    def see(self, now_s: float, state: RobotState) -> str | None:
+    def update(self, now_s: float, state: RobotState) -> str | None:
         """A sentence when the odometry cannot be trusted to go on from where it was."""
         if state.pose is None or state.age_s > REBOOT_GAP_S:
             return None

@@ -13,7 +13,7 @@ from agentrob.model import ActionResult, Outcome
 SMALL, LEAST_CONTRAST = (32, 24), 8
 
 
-def blank(jpeg: bytes) -> str | None:
+def picture_problem(jpeg: bytes) -> str | None:
     """A sentence when there is nothing to be seen on it, None when there is."""
     from PIL import Image
 
@@ -30,8 +30,8 @@ def blank(jpeg: bytes) -> str | None:
     return f"The picture is all {what}: the camera is covered, in the dark or broken."
 
 
-def looked(result: ActionResult) -> ActionResult:
+def fail_blank_picture(result: ActionResult) -> ActionResult:
     """A result with a picture; `failed` when there is nothing to be seen on it. The picture is kept."""
-    if not (result.ok and result.image and (sentence := blank(result.image))):
+    if not (result.ok and result.image and (sentence := picture_problem(result.image))):
         return result
     return replace(result, outcome=Outcome.FAILED, reason="bad_image", message=sentence, ended_s=time.monotonic())

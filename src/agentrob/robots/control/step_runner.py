@@ -15,14 +15,14 @@ from agentrob.robots.control.controller import (
     REST_WINDOW_S,
     STOPPED_WINDOW_S,
     Gait,
-    Motion,
-    Rest,
+    MotionController,
+    RestDetector,
     Velocity,
     known,
     rotate,
     wrap,
 )
-from agentrob.robots.control.odometry import Odometry
+from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.protocol import BODY_RADIUS_M, Watch
 
 #: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %). What shall
@@ -39,13 +39,6 @@ LOST, JUMPED = "odometry_lost", "odometry_jump"
 _UNMEASURED = {LOST: "its odometry was lost", JUMPED: "its odometry jumped"}
 #: A path has at most this many points; longer ones are thinned.
 PATH_POINTS = 1000
-
-_AXES = {
-    Direction.FORWARD: (1.0, 0.0),
-    Direction.BACKWARD: (-1.0, 0.0),
-    Direction.LEFT: (0.0, 1.0),
-    Direction.RIGHT: (0.0, -1.0),
-}
 
 
 class Body(Protocol):
@@ -64,9 +57,9 @@ class Body(Protocol):
     def wait_until(self, time_s: float) -> None: ...
 
 
-def axis(direction: Direction | None) -> tuple[float, float]:
-    """The unit vector of a direction in the body's frame."""
-    return _AXES[direction or Direction.FORWARD]
+def unit_vector(primitive: Primitive) -> tuple[float, float]:
+    """(forward, left) of a move in the body's frame; forward where it names no direction."""
+    return (primitive.direction or Direction.FORWARD).unit_vector
 
 
 def gait_for(primitive: Primitive, gait: Gait) -> Gait:
@@ -78,14 +71,14 @@ def gait_for(primitive: Primitive, gait: Gait) -> Gait:
     return gait.at_most(primitive.speed_mps, gait.turn_rps)
 
 
-def motion_for(primitive: Primitive, gait: Gait) -> Motion:
+def controller_for(primitive: Primitive, gait: Gait) -> MotionController:
     gait = gait_for(primitive, gait)
     if primitive.op is Op.TURN:
         sign = -1.0 if primitive.direction is Direction.RIGHT else 1.0
-        return Motion(gait, turn_rad=sign * math.radians(primitive.degrees or 0.0))
-    x, y = axis(primitive.direction)
+        return MotionController(gait, turn_rad=sign * math.radians(primitive.degrees or 0.0))
+    x, y = unit_vector(primitive)
     distance_m = primitive.distance_m or 0.0
-    return Motion(gait, forward_m=x * distance_m, left_m=y * distance_m)
+    return MotionController(gait, forward_m=x * distance_m, left_m=y * distance_m)
 
 
 @dataclass
@@ -95,16 +88,16 @@ class _Track:
     points: list[tuple[float, Pose, float]] = field(default_factory=list)  # (seconds, pose, radians turned)
     sent: list[tuple[float, Velocity]] = field(default_factory=list)
     unmeasured: str = ""
-    _odometry: Odometry = field(default_factory=Odometry)
+    _odometry: OdometryMonitor = field(default_factory=OdometryMonitor)
 
-    def see(self, t_s: float, state: RobotState) -> None:
+    def update(self, t_s: float, state: RobotState) -> None:
         """Go on with a state, unless the odometry does not."""
         pose = known(state.pose)
         if self.unmeasured:
             return
         if pose is None or not state.age_s < SILENT_S:
             self.unmeasured = LOST
-        elif self._odometry.see(t_s, replace(state, pose=pose)):
+        elif self._odometry.update(t_s, replace(state, pose=pose)):
             self.unmeasured = JUMPED
         else:
             self._add(t_s, pose)
@@ -119,7 +112,7 @@ class _Track:
         if primitive.op is Op.TURN:
             return math.degrees(-turned if primitive.direction is Direction.RIGHT else turned)
         forward, left = rotate(last.x_m - start.x_m, last.y_m - start.y_m, -start.yaw_rad)
-        ax, ay = axis(primitive.direction)
+        ax, ay = unit_vector(primitive)
         return forward * ax + left * ay
 
     def end(self) -> tuple[float, float, float]:
@@ -136,7 +129,7 @@ class _Track:
         if primitive.op is Op.TURN:
             sign = -1.0 if primitive.direction is Direction.RIGHT else 1.0
             return _rounded(degrees=sign * math.degrees(turned), drift_m=math.hypot(forward, left))
-        ax, ay = axis(primitive.direction)
+        ax, ay = unit_vector(primitive)
         return _rounded(
             distance_m=forward * ax + left * ay,
             sideways_m=left * ax - forward * ay,
@@ -160,10 +153,10 @@ def _rounded(**values: float) -> dict[str, float]:
     return {k: round(v, 4) + 0.0 for k, v in values.items()}
 
 
-def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionResult:
+def run_step(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionResult:
     """Do one `move` or `turn`. The body is at rest, or has been told to be, when this returns."""
     started_s = time.monotonic()
-    motion, track, reason = motion_for(primitive, gait), _Track(), ""
+    motion, track, reason = controller_for(primitive, gait), _Track(), ""
     try:
         reason = _drive(body, motion, track, watch)
     finally:
@@ -174,7 +167,7 @@ def walk(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionRe
     if not track.points:
         return not_begun(primitive, reason, started_s)
     measured = track.measured(primitive)
-    outcome, word, message = judge(primitive, measured, reason or motion.ended, stopped=bool(reason))
+    outcome, word, message = classify_outcome(primitive, measured, reason or motion.ended, stopped=bool(reason))
     ended_s = time.monotonic()
     path, sent = track.path(), track.commanded()
     result = ActionResult(primitive, outcome, measured, word, message, started_s, ended_s, path, commanded=sent)
@@ -203,14 +196,14 @@ def not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResu
     return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
 
 
-def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
+def _drive(body: Body, motion: MotionController, track: _Track, watch: Watch) -> str:
     """Until the motion has ended (returns "") or the watch gave a reason."""
     start_s, n = body.now_s(), 0
     while True:
         state = body.state()
         reason, now_s = watch(state), body.now_s()
         if track.points or not reason:
-            track.see(now_s, state)
+            track.update(now_s, state)
         if reason:
             return reason
         if (pose := known(state.pose)) is None or track.unmeasured:
@@ -226,15 +219,15 @@ def _drive(body: Body, motion: Motion, track: _Track, watch: Watch) -> str:
 
 def _come_to_rest(body: Body, track: _Track) -> None:
     """Record how the body coasts; not the watch's matter any more, since it is stopping already."""
-    rest, end_s = Rest(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
+    rest, end_s = RestDetector(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
     while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)
         state, now_s = body.state(), body.now_s()
-        track.see(now_s, state)
+        track.update(now_s, state)
         if (pose := known(state.pose)) is None:
             return
         if state.age_s < FRESH_S:  # one that is told again and again keeps its place by itself
-            rest.see(now_s, pose)
+            rest.update(now_s, pose)
 
 
 _ENDINGS = {
@@ -245,7 +238,9 @@ _ENDINGS = {
 }
 
 
-def judge(primitive: Primitive, measured: Mapping[str, float], how: str, *, stopped: bool) -> tuple[Outcome, str, str]:
+def classify_outcome(
+    primitive: Primitive, measured: Mapping[str, float], how: str, *, stopped: bool
+) -> tuple[Outcome, str, str]:
     """Outcome, reason and message from what was asked and measured alone (law 18), whatever the loop believes."""
     turn = primitive.op is Op.TURN
     asked = (primitive.degrees if turn else primitive.distance_m) or 0.0

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 from agentrob.config.load import RobotConfig
 from agentrob.errors import RobotUnreachable
 from agentrob.model import Op, RobotState
-from agentrob.robots.control.picture_check import blank
+from agentrob.robots.control.picture_check import picture_problem
 from agentrob.robots.diagnostics import findings, network
 from agentrob.robots.diagnostics.findings import Finding, Status
-from agentrob.robots.safety.ranges import Ranges
+from agentrob.robots.safety.ranges import RangeMonitor
 from agentrob.robots.unitree import g1, g1_fsm, go2, sdk
 from agentrob.robots.unitree import robot as unitree_robot
 
@@ -81,7 +81,7 @@ def examine(settings: RobotConfig) -> list[Finding]:
     return [*found, *_services(settings), *_body(settings), *findings.of_settings(settings)]
 
 
-def _nobody(settings: RobotConfig, heard: network.Heard) -> Finding:
+def _nobody(settings: RobotConfig, heard: network.DomainContents) -> Finding:
     """No such robot on this domain: perhaps it is on another one."""
     where = f"domain {settings.domain} of {settings.interface}"
     if heard.kind:
@@ -193,7 +193,7 @@ def _camera(settings: RobotConfig, client: Any, service: Finding) -> Finding:
     if code:
         return Finding("camera", Status.WARNING, f"no picture: {sdk.explain(code)}", "Restart the robot.")
     image = bytes(data or ())
-    if sentence := blank(image):
+    if sentence := picture_problem(image):
         return Finding("camera", Status.WARNING, sentence, "Look at the lens, and for light.")
     return Finding("camera", Status.OK, f"a picture of {len(image) / 1024:.0f} KiB in {took_ms:.0f} ms")
 
@@ -203,7 +203,7 @@ def _body(settings: RobotConfig) -> list[Finding]:
     """State, mode, position, ranges, battery."""
     from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 
-    battery = sdk.Polled("rt/lowstate", LowState_, every_s=1.0) if settings.model == "go2" else None
+    battery = sdk.PolledTopic("rt/lowstate", LowState_, every_s=1.0) if settings.model == "go2" else None
     times, states = _listened(STATE_TOPICS[settings.model], SportModeState_, settings.model)
     percent = None if battery is None or battery.newest is None else float(battery.newest.bms_state.soc)
     if battery is not None:
@@ -216,9 +216,9 @@ def _body(settings: RobotConfig) -> list[Finding]:
     body = findings.of_state(states[-1])
     if settings.model == "g1":  # its mode is the state of its motion service, which was asked already
         body = [f for f in body if f.check != "mode"]
-    ranges = Ranges()
+    ranges = RangeMonitor()
     for at_s, state in list(zip(times, states, strict=True))[:: 1 + len(times) // 50]:  # as seldom as a guard looks
-        ranges.see(at_s, state)
+        ranges.update(at_s, state)
     return [rate, *body, findings.of_ranges(ranges.known(), settings), charge]
 
 

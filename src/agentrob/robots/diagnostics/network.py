@@ -24,7 +24,7 @@ _STATE_TOPICS = {"rt/sportmodestate": "go2", "rt/odommodestate": "g1"}
 _HUMANOID = "unitree_hg"
 
 
-class Heard(NamedTuple):
+class DomainContents(NamedTuple):
     """What is published on a domain. `kind` is go2, g1, or empty for no robot.
 
     `commanders`: how many programs, besides this process, can tell its motion service something.
@@ -87,29 +87,29 @@ def _carrier(name: str) -> str:
 
 
 # ------------------------------------------------------------------ who is there
-def listen(domain: int, seconds: float, kind: str = "") -> Heard:
+def listen(domain: int, seconds: float, kind: str = "") -> DomainContents:
     """What is heard on a domain that this process has joined already; returns once a robot of `kind` is."""
     from cyclonedds.domain import DomainParticipant
 
-    return _hear([_Ear(domain, DomainParticipant(domain))], seconds, kind)[0]
+    return _hear([_DomainReader(domain, DomainParticipant(domain))], seconds, kind)[0]
 
 
-def search(interface: str, leave_out: int, seconds: float = 1.5) -> list[Heard]:
+def search(interface: str, leave_out: int, seconds: float = 1.5) -> list[DomainContents]:
     """Robots on other domains of this interface, also those of simulated worlds on this machine."""
     from agentrob.process import dds  # noqa: I001  first: it patches DDS
     from cyclonedds.core import DDSException
     from cyclonedds.domain import Domain, DomainParticipant
 
     worlds = [int(name.rpartition("/")[2]) for name in host_lock.held(f"world/{interface}/")]
-    ears = []
+    readers = []
     for domain in sorted({*DOMAINS, *worlds} - {leave_out}):
         with contextlib.suppress(DDSException):
             joined = Domain(domain, dds.config(interface))
-            ears.append(_Ear(domain, DomainParticipant(domain), joined))
-    return [heard for heard in _hear(ears, seconds, "") if heard.kind]
+            readers.append(_DomainReader(domain, DomainParticipant(domain), joined))
+    return [heard for heard in _hear(readers, seconds, "") if heard.kind]
 
 
-class _Ear:
+class _DomainReader:
     """Reads the names of what others publish, without reading any of it."""
 
     def __init__(self, domain: int, participant: Any, kept: Any = None) -> None:
@@ -118,20 +118,20 @@ class _Ear:
         self.domain, self._kept = domain, (participant, kept)
         self._reader = BuiltinDataReader(participant, BuiltinTopicDcpsPublication)
 
-    def heard(self, own: Collection[Any]) -> Heard:
+    def heard(self, own: Collection[Any]) -> DomainContents:
         there = [p for p in self._reader.read(1000) if getattr(p, "topic_name", "")]
         names = frozenset(p.topic_name for p in there)
         kinds = {_STATE_TOPICS[p.topic_name] for p in there if p.topic_name in _STATE_TOPICS}
         humanoid = any(p.type_name.startswith(_HUMANOID) for p in there)
         kind = "g1" if humanoid or kinds == {"g1"} else "go2" if kinds else ""
         speakers = {p.participant_key for p in there if p.topic_name == "rt/api/sport/request"}
-        return Heard(self.domain, kind, names, len(speakers - set(own)))
+        return DomainContents(self.domain, kind, names, len(speakers - set(own)))
 
 
-def _hear(ears: list[_Ear], seconds: float, kind: str) -> list[Heard]:
+def _hear(readers: list[_DomainReader], seconds: float, kind: str) -> list[DomainContents]:
     end_s, own = time.monotonic() + seconds, _own_participants()
     while True:
-        found = [ear.heard(own) for ear in ears]
+        found = [reader.heard(own) for reader in readers]
         if time.monotonic() >= end_s or (kind and any(heard.kind == kind for heard in found)):
             return found
         time.sleep(0.1)

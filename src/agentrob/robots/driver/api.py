@@ -1,4 +1,4 @@
-"""The driver's HTTP face on its Unix socket: the table of docs/seams.md, word for word."""
+"""The driver's HTTP handlers on its Unix socket: the table of docs/seams.md, word for word."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError
-from agentrob.robots.codec import decode_primitive, encode, name_of
+from agentrob.robots.codec import decode_primitive, display_name, encode
 from agentrob.robots.driver.driver import Driver
 
 T = TypeVar("T")
@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 Answer = Callable[[Request], Awaitable[Response]]
 
 
-async def in_thread(work: Callable[[], T]) -> T:
+async def run_in_thread(work: Callable[[], T]) -> T:
     """Run blocking work on a thread of its own: no pool, so that a stop never waits for a free worker."""
     loop = asyncio.get_running_loop()
     future: asyncio.Future[T] = loop.create_future()
@@ -65,7 +65,7 @@ async def _body(request: Request) -> dict[str, Any]:
 
 def _text(data: dict[str, Any], key: str) -> str:
     value = data.get(key)
-    if not isinstance(value, str) or not (text := name_of(value)):
+    if not isinstance(value, str) or not (text := display_name(value)):
         raise RobotError(f"{key!r} must be a text that is not empty")
     return text
 
@@ -82,10 +82,10 @@ def _since(data: dict[str, Any]) -> float | None:
 
 async def _who(request: Request) -> str:
     """Who stops. A stop counts also when it does not say properly whose it is."""
-    return (await _stopping(request))[0]
+    return (await _stop_request(request))[0]
 
 
-async def _stopping(request: Request) -> tuple[str, bool]:
+async def _stop_request(request: Request) -> tuple[str, bool]:
     """Who stops, and whether only what runs now; in doubt all."""
     try:
         data = await _body(request)
@@ -96,24 +96,24 @@ async def _stopping(request: Request) -> tuple[str, bool]:
 
 def app(driver: Driver) -> Starlette:
     """The routes of one driver."""
-    face = _Face(driver)
+    handlers = _Handlers(driver)
     routes = (
-        ("/capabilities", "GET", face.capabilities),
-        ("/state", "GET", face.state),
-        ("/look", "GET", face.look),
-        ("/lease", "POST", face.take),
-        ("/lease/{lease}", "PUT", face.renew),
-        ("/lease/{lease}", "DELETE", face.give_back),
-        ("/step", "POST", face.step),
-        ("/stop", "POST", face.stop),
-        ("/halt", "POST", face.halt),
-        ("/release", "POST", face.release),
-        ("/home", "POST", face.home),
+        ("/capabilities", "GET", handlers.capabilities),
+        ("/state", "GET", handlers.state),
+        ("/look", "GET", handlers.look),
+        ("/lease", "POST", handlers.take),
+        ("/lease/{lease}", "PUT", handlers.renew),
+        ("/lease/{lease}", "DELETE", handlers.give_back),
+        ("/step", "POST", handlers.step),
+        ("/stop", "POST", handlers.stop),
+        ("/halt", "POST", handlers.halt),
+        ("/release", "POST", handlers.release),
+        ("/home", "POST", handlers.home),
     )
     return Starlette(routes=[Route(path, _translated(answer), methods=[method]) for path, method, answer in routes])
 
 
-class _Face:
+class _Handlers:
     """One method per route."""
 
     def __init__(self, driver: Driver) -> None:
@@ -128,13 +128,13 @@ class _Face:
         return JSONResponse({**encode(self.driver.state()), "lease": lease, "busy": self.driver.busy})
 
     async def look(self, _: Request) -> Response:
-        return Response(await in_thread(self.driver.look), media_type="image/jpeg")
+        return Response(await run_in_thread(self.driver.look), media_type="image/jpeg")
 
     # ------------------------------------------------------------------ who may move it
     async def take(self, request: Request) -> JSONResponse:
         data = await _body(request)
         holder, since_s = _text(data, "holder"), _since(data)
-        lease = await in_thread(lambda: self.driver.take(holder, since_s))
+        lease = await run_in_thread(lambda: self.driver.take(holder, since_s))
         return JSONResponse({"lease": lease, "ttl_s": self.driver.leases.ttl_s})
 
     async def renew(self, request: Request) -> JSONResponse:
@@ -152,7 +152,7 @@ class _Face:
         deadline_s = data.get("deadline_s")
         if not isinstance(deadline_s, int | float) or not math.isfinite(deadline_s):
             raise RobotError("'deadline_s' must be a number of seconds")
-        stepping = asyncio.ensure_future(in_thread(lambda: self.driver.step(lease, primitive, deadline_s)))
+        stepping = asyncio.ensure_future(run_in_thread(lambda: self.driver.step(lease, primitive, deadline_s)))
         gone = asyncio.ensure_future(request.receive())  # after the body only the end of the connection can come
         try:
             await asyncio.wait({stepping, gone}, return_when=asyncio.FIRST_COMPLETED)
@@ -164,24 +164,24 @@ class _Face:
 
     async def stop(self, request: Request) -> JSONResponse:
         asked_s = time.monotonic()
-        by, running_only = await _stopping(request)
+        by, running_only = await _stop_request(request)
         stop = partial(self.driver.stop, by, asked_s, running_only=running_only)
-        return JSONResponse(encode(await in_thread(stop)))
+        return JSONResponse(encode(await run_in_thread(stop)))
 
     async def halt(self, request: Request) -> JSONResponse:
         by = await _who(request)
-        return JSONResponse(encode(await in_thread(lambda: self.driver.halt(by))))
+        return JSONResponse(encode(await run_in_thread(lambda: self.driver.halt(by))))
 
     # ------------------------------------------------------------------ the owner's
     async def release(self, request: Request) -> JSONResponse:
         data = await _body(request)
         by, since_s = _text(data, "by"), _since(data)
-        lock = await in_thread(lambda: self.driver.release(by, math.inf if since_s is None else since_s))
+        lock = await run_in_thread(lambda: self.driver.release(by, math.inf if since_s is None else since_s))
         return JSONResponse({"released": None if lock is None else encode(lock)})
 
     async def home(self, request: Request) -> JSONResponse:
         by = _text(await _body(request), "by")
-        return JSONResponse({"home": encode(await in_thread(lambda: self.driver.home(by)))})
+        return JSONResponse({"home": encode(await run_in_thread(lambda: self.driver.home(by)))})
 
 
 def _translated(answer: Answer) -> Answer:
@@ -200,7 +200,7 @@ def _translated(answer: Answer) -> Answer:
     return translated
 
 
-class Service:
+class DriverServer:
     """Serves a driver on a listening socket, in a thread, while the context is open."""
 
     def __init__(self, driver: Driver, listener: socket.socket) -> None:
@@ -210,7 +210,7 @@ class Service:
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._server.run, args=([listener],), name="service", daemon=True)
 
-    def __enter__(self) -> Service:
+    def __enter__(self) -> DriverServer:
         self._thread.start()
         return self
 

@@ -15,7 +15,7 @@ from agentrob.config.load import runtime_dir
 from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.model import ActionResult, Capabilities, Lock, Outcome, Plan, Pose, Primitive, RobotState, StopResult
 from agentrob.robots import codec
-from agentrob.robots.codec import name_of
+from agentrob.robots.codec import display_name
 
 RENEW_S = 0.2
 #: Beyond a step's own deadline: coming to rest, measuring, answering.
@@ -165,7 +165,7 @@ class DriverClient:
         except (ValueError, KeyError, TypeError):
             problem, code, detail = {}, "", f"the driver answered {answer.status_code}"
         if code == "lease_lost":
-            raise LeaseLost(detail, str(problem.get("why", "lease_lapsed")), name_of(str(problem.get("by", ""))))
+            raise LeaseLost(detail, str(problem.get("why", "lease_lapsed")), display_name(str(problem.get("by", ""))))
         raise (RobotBusy if code == "busy" else RobotError)(detail)
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from agentrob.errors import RobotBusy, RobotError
 from agentrob.model import ActionResult, Lock, Pose, Primitive, RobotState, StopResult
-from agentrob.robots.codec import name_of
+from agentrob.robots.codec import display_name
 from agentrob.robots.driver.lease import Leases
 from agentrob.robots.safety.guard import Guard
 
@@ -97,7 +97,7 @@ class Driver:
 
     def halt(self, by: str) -> StopResult:
         ended_s = self.leases.end("halt", by)
-        return replace(self.guard.halt(name_of(by)), ended_s=ended_s)
+        return replace(self.guard.halt(display_name(by)), ended_s=ended_s)
 
     def release(self, by: str, since_s: float = math.inf) -> Lock | None:
         """Let a locked robot move again. Nothing moves by this: what was accepted before the release is over (law 14).
@@ -114,7 +114,7 @@ class Driver:
         """Where the robot stands now is its home. Raises `RobotError`, also while anything moves."""
         if self.busy:
             raise RobotError("cannot set home while a step runs")
-        return self.guard.home(name_of(by))
+        return self.guard.home(display_name(by))
 
     def close(self) -> None:
         """Stop the robot, waiting for its rest only a moment, and let it go."""

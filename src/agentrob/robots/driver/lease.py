@@ -9,7 +9,7 @@ import time
 from typing import NamedTuple
 
 from agentrob.errors import LeaseLost, RobotBusy
-from agentrob.robots.codec import name_of
+from agentrob.robots.codec import display_name
 
 TTL_S = 1.0
 
@@ -74,7 +74,7 @@ class Leases:
     def end(self, why: str, by: str = "", *, running_only: bool = False) -> float:
         """Take the lease away from whoever has it (a stop does), and from what was accepted before now; not from that
         with `running_only`. Returns when that was, in monotonic seconds."""
-        end = End(why, name_of(by))
+        end = End(why, display_name(by))
         with self._lock:
             ended_s = time.monotonic()
             if not running_only:

@@ -22,10 +22,10 @@ from agentrob.config.load import RobotConfig, default_data_dir, runtime_dir
 from agentrob.errors import RobotBusy, RobotError
 from agentrob.plugins import find
 from agentrob.process.host_lock import HostLock, namespaced
-from agentrob.robots.codec import encode, name_of
+from agentrob.robots.codec import display_name, encode
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.protocol import Robot
-from agentrob.robots.safety.crash_marker import Mark
+from agentrob.robots.safety.crash_marker import CrashMarker
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 
@@ -59,7 +59,7 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
     Prints one line of JSON on standard output when it serves. Raises `RobotBusy` when another driver holds this robot
     or this socket, `ConfigError` for a robot model that is not installed. Call it from the main thread only.
     """
-    from agentrob.robots.driver.api import Service
+    from agentrob.robots.driver.api import DriverServer
 
     path = socket_path or runtime_dir() / f"{name}.sock"
     ended = threading.Event()
@@ -68,12 +68,12 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
     lock = lock_name(name, settings)
     with HostLock(lock, f"the robot {name!r}") as held, listening(path) as listener, _only_own_lines() as out:
         folder = (data or default_data_dir()) / "drivers"
-        halt, mark = Halt(folder / f"{name}.halt"), Mark(folder / f"{name}.step")
+        halt, mark = Halt(folder / f"{name}.halt"), CrashMarker(folder / f"{name}.step")
         driver = Driver(name, Guard(make_robot(settings), settings, halt, mark))
         try:
             threading.Thread(target=serve_stops, args=(held.socket, driver), name="stop-channel", daemon=True).start()
             driver.guard.settle()
-            with Service(driver, listener):
+            with DriverServer(driver, listener):
                 ready = {"ready": "driver", "robot": name, "socket": str(path), "lock": lock, "pid": os.getpid()}
                 print(json.dumps(ready), file=out, flush=True)
                 ended.wait()
@@ -146,7 +146,7 @@ def _serve_stop(connection: socket.socket, driver: Driver) -> None:
     with connection, contextlib.suppress(OSError):
         connection.settimeout(LINE_S)
         word, _, who = connection.makefile("r", encoding="utf-8", errors="replace").readline(200).strip().partition(" ")
-        who = name_of(who) or "somebody local"
+        who = display_name(who) or "somebody local"
         if word in ("stop", "halt"):
             answer = encode(driver.stop(who) if word == "stop" else driver.halt(who))
         else:

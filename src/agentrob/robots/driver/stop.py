@@ -9,7 +9,7 @@ from agentrob.config.load import RobotConfig
 from agentrob.errors import RobotError, RobotUnreachable
 from agentrob.model import StopResult
 from agentrob.process import host_lock
-from agentrob.robots.codec import decode_stop, name_of
+from agentrob.robots.codec import decode_stop, display_name
 from agentrob.robots.driver.process import lock_name
 
 #: A robot may take 3 s to come to rest before its driver answers.
@@ -34,7 +34,7 @@ def stop_driver(lock: str, by: str) -> StopResult:
 def _tell(lock: str, word: str, by: str) -> StopResult:
     try:
         with host_lock.connect(lock, ANSWER_S) as s:
-            s.sendall(f"{word} {name_of(by)}\n".encode())
+            s.sendall(f"{word} {display_name(by)}\n".encode())
             line = s.makefile("r", encoding="utf-8").readline()
     except OSError as e:
         raise RobotUnreachable(f"no driver answers at {lock} ({type(e).__name__}): use the robot's own stop") from None

@@ -26,15 +26,15 @@ COUNTS_S = 10.0
 _LENGTH = 400  # one line of always the same length: a single write, so no killed process leaves half of it
 
 
-class Left(NamedTuple):
+class InterruptedStep(NamedTuple):
     """What a predecessor was doing when it died, and the mode that the robot was in when it was last seen."""
 
     op: Op
     mode: str
 
 
-class Mark:
-    """`begin`, `beat` and `end` are called by the thread of the step; none of them ever raises.
+class CrashMarker:
+    """`begin`, `refresh` and `end` are called by the thread of the step; none of them ever raises.
 
     Without a path, or on a disk that refuses, there is no mark: then the motion that is found counts as foreign.
     """
@@ -57,7 +57,7 @@ class Mark:
         self._op = str(op)
         self._write(mode)
 
-    def beat(self, mode: str) -> None:
+    def refresh(self, mode: str) -> None:
         """While the step runs; call it as often as you like."""
         if self._file is not None and time.monotonic() >= self._beat_s + BEAT_S:
             self._write(mode)
@@ -78,7 +78,7 @@ class Mark:
         except OSError as e:  # it soon counts no more
             log.warning("the mark %s cannot be removed (%s)", self.path, e.strerror)
 
-    def left(self) -> Left | None:
+    def interrupted_step(self) -> InterruptedStep | None:
         """What a predecessor left that died within a step a moment ago, None when there is nothing that counts."""
         if self.path is None:
             return None
@@ -86,7 +86,7 @@ class Mark:
             record = json.loads(self.path.read_text(encoding="utf-8"))
             age_s = time.monotonic() - float(record["alive_s"])
             counts = record["boot"] == _boot() and 0 <= age_s <= COUNTS_S
-            return Left(Op(record["op"]), str(record["mode"])) if counts else None
+            return InterruptedStep(Op(record["op"]), str(record["mode"])) if counts else None
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError) as e:

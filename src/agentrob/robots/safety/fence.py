@@ -7,7 +7,7 @@ import math
 from agentrob.config.load import FenceConfig
 from agentrob.model import Op, Pose, Primitive
 from agentrob.robots.control.controller import rotate
-from agentrob.robots.control.step_runner import axis
+from agentrob.robots.control.step_runner import unit_vector
 
 #: A path must end this far inside: more than a step's tolerance, so that an accurate step never crosses the fence.
 MARGIN_M = 0.10
@@ -54,5 +54,5 @@ class Fence:
 
 def ahead(pose: Pose, primitive: Primitive, distance_m: float) -> tuple[float, float]:
     """The odometry point that lies `distance_m` from a pose in the direction of a move."""
-    dx, dy = rotate(*axis(primitive.direction), pose.yaw_rad)
+    dx, dy = rotate(*unit_vector(primitive), pose.yaw_rad)
     return pose.x_m + dx * distance_m, pose.y_m + dy * distance_m

@@ -61,16 +61,16 @@ from agentrob.model import (
     StopResult,
 )
 from agentrob.robots.control.controller import known
-from agentrob.robots.control.odometry import Odometry
-from agentrob.robots.control.picture_check import looked
+from agentrob.robots.control.odometry import OdometryMonitor
+from agentrob.robots.control.picture_check import fail_blank_picture
 from agentrob.robots.control.step_runner import JUMPED, LOST, unmeasured
-from agentrob.robots.protocol import Robot, Sighted, Watch
-from agentrob.robots.safety.crash_marker import Mark
+from agentrob.robots.protocol import HasCamera, Robot, Watch
+from agentrob.robots.safety.crash_marker import CrashMarker
 from agentrob.robots.safety.fence import Fence, ahead
 from agentrob.robots.safety.limits import beyond_limits
 from agentrob.robots.safety.lock import Halt
-from agentrob.robots.safety.ranges import STOPPING_S, Ranges
-from agentrob.robots.safety.takeover import DAMPING, WALKS, Hands
+from agentrob.robots.safety.ranges import STOPPING_S, RangeMonitor
+from agentrob.robots.safety.takeover import DAMPING, WALKS, TakeoverDetector
 
 log = logging.getLogger(__name__)
 
@@ -94,12 +94,12 @@ class Guard:
     `mark` is written while a step runs. When it was left by a guard that died within one, call `settle` first.
     """
 
-    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt, mark: Mark | None = None) -> None:
+    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt, mark: CrashMarker | None = None) -> None:
         self.capabilities: Capabilities = robot.capabilities
         self._robot, self._settings, self._halt = robot, settings, halt
-        self._mark = mark or Mark(None)
-        self._ranges, self._hands = Ranges(), Hands()
-        self._odometry = Odometry(getattr(robot, "time_scale", 1.0))
+        self._crash_marker = mark or CrashMarker(None)
+        self._ranges, self._takeover = RangeMonitor(), TakeoverDetector()
+        self._odometry = OdometryMonitor(getattr(robot, "time_scale", 1.0))
         self._fence: Fence | None = None
         self._homes_itself = settings.simulated and settings.home_on_start
         if settings.home_on_start and not settings.simulated:
@@ -112,16 +112,18 @@ class Guard:
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
         self._closed = threading.Event()
-        self._left = self._mark.left()
+        self._left = self._crash_marker.interrupted_step()
         if self._left is not None:
-            self._hands.inherit(time.monotonic(), *self._left)
+            self._takeover.inherit(time.monotonic(), *self._left)
         self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
         self._observer.start()
 
     # ------------------------------------------------------------ the robot
     def state(self) -> RobotState:
         lock = self._halt.lock
-        return replace(sound(self._robot.state()), homed=self._fence is not None, halted=lock is not None, lock=lock)
+        return replace(
+            sanitized(self._robot.state()), homed=self._fence is not None, halted=lock is not None, lock=lock
+        )
 
     def step(self, primitive: Primitive, watch: Watch, deadline_s: float | None = None) -> ActionResult:
         """As any robot's; `deadline_s` is how long it may take, at most the limit of a command."""
@@ -139,12 +141,12 @@ class Guard:
     def stop(self) -> StopResult:
         """Never waits for anything of the guard."""
         self._stops += 1
-        self._hands.ours(time.monotonic())
+        self._takeover.own_motion(time.monotonic())
         return self._robot.stop()
 
     def look(self) -> bytes:
         """A picture of the robot's own camera, also while it moves; touches nothing of a step. Raises `RobotError`."""
-        if not isinstance(self._robot, Sighted) or Op.GET_FRONT_IMAGE not in self.capabilities.ops:
+        if not isinstance(self._robot, HasCamera) or Op.GET_FRONT_IMAGE not in self.capabilities.ops:
             raise RobotError("this robot has no camera that can be looked through while it moves")
         return self._robot.look()
 
@@ -153,7 +155,7 @@ class Guard:
         if self._left is not None:
             stopped = self._robot.stop()  # not `stop`: what the robot's mode does meanwhile is not taken for ours
             log.warning("the driver before this one died during %s; stopped the robot: %s", self._left.op, stopped)
-        self._mark.clear()
+        self._crash_marker.clear()
 
     def close(self) -> None:
         self._closed.set()
@@ -162,7 +164,7 @@ class Guard:
     # ------------------------------------------------------------ home and halt
     def home(self, by: str) -> Pose:
         """The robot's place and heading now are its home: the fence lies around it. Raises `RobotError`."""
-        state = sound(self._robot.state())
+        state = sanitized(self._robot.state())
         if state.pose is None or not state.age_s < STATE_AGE_S:
             why = _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
             raise RobotError(f"cannot set home: {why}")
@@ -178,7 +180,7 @@ class Guard:
         """Stop, and refuse all motion until `release`, also after a restart."""
         log.warning("%s", self._halt.set(by, why))
         kept: list[bool] = []
-        writer = threading.Thread(target=lambda: kept.append(self._halt.keep()), daemon=True)
+        writer = threading.Thread(target=lambda: kept.append(self._halt.save()), daemon=True)
         writer.start()  # the disk must not delay the stop
         result = self.stop()
         writer.join(2.0)
@@ -205,7 +207,7 @@ class Guard:
         if refusal := self._malformed(primitive):
             return _refused(primitive, *refusal)
         if not primitive.moves:
-            return looked(self._robot.step(primitive, watch))
+            return fail_blank_picture(self._robot.step(primitive, watch))
         until_s = time.monotonic() + deadline_s
         self._prepare(primitive)
         if refusal := self._unfit(primitive) or self._misplaced(primitive):
@@ -216,12 +218,12 @@ class Guard:
             return _refused(primitive, *refusal)
         self._sentence, self._broken, self._blind = "", "", self._ranges.unknown(careful)
         self._running = primitive
-        self._mark.begin(primitive.op, self._robot.state().mode)
+        self._crash_marker.begin(primitive.op, self._robot.state().mode)
         try:
             result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
         finally:
-            self._mark.end()
-        self._hands.ours(time.monotonic())
+            self._crash_marker.end()
+        self._takeover.own_motion(time.monotonic())
         result = self._seen_throughout(result)
         note = _BLIND if self._blind and result.reason != "ranges_unknown" else ""
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
@@ -229,13 +231,13 @@ class Guard:
 
     def _seen_throughout(self, result: ActionResult) -> ActionResult:
         """Law 18: of a way that was not seen throughout, no number is told, whatever the robot makes of it."""
-        if not self._broken and not sound(self._robot.state()).age_s < STATE_AGE_S:
+        if not self._broken and not sanitized(self._robot.state()).age_s < STATE_AGE_S:
             self._broken = LOST
         return unmeasured(result, self._broken) if self._broken and result.measured else result
 
     def _after(self, result: ActionResult) -> ActionResult:
         """What the robot says of itself now belongs to the result: lying it has done nothing well."""
-        state = sound(self._robot.state())
+        state = sanitized(self._robot.state())
         if result.ok and state.upright is False:
             message = f"{result.message} But now the robot lies: it fell, or did not get up."
             return replace(result, outcome=Outcome.FAILED, reason="fallen", message=message.strip())
@@ -249,8 +251,8 @@ class Guard:
         return beyond_limits(primitive, self.capabilities)
 
     def _unfit(self, primitive: Primitive) -> Refusal | None:
-        self._see()
-        state = sound(self._robot.state())
+        self._take_in()
+        state = sanitized(self._robot.state())
         if (why := self._halt.why) is not None:
             return "halted", f"{why.rstrip('.')}. No motion until the owner releases it."
         if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
@@ -272,7 +274,7 @@ class Guard:
                 "not_homed",
                 f"The robot has no home, so its fence is unknown; its owner must set home first.{ignored}",
             )
-        pose = sound(self._robot.state()).pose
+        pose = sanitized(self._robot.state()).pose
         sentence = self._fence.refusal(pose, primitive) if pose else "The robot gives no position."
         return ("fence", sentence) if sentence else None
 
@@ -310,7 +312,7 @@ class Guard:
     def _prepare(self, primitive: Primitive) -> None:
         """Wait a moment for what is not known yet: the driver, or the robot, has just started."""
         end_s = time.monotonic() + PREPARE_S
-        while time.monotonic() < end_s and sound(self._robot.state()).age_s < PREPARE_S:
+        while time.monotonic() < end_s and sanitized(self._robot.state()).age_s < PREPARE_S:
             seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
             if seen and (self._fence is not None or not self._homes_itself):
                 return
@@ -318,13 +320,13 @@ class Guard:
 
     # ------------------------------------------------------------ during a step
     def _look(self, primitive: Primitive, state: RobotState, until_s: float) -> str | None:
-        word, self._sentence = self._danger(primitive, state, until_s) or (None, self._sentence)
+        word, self._sentence = self._violation(primitive, state, until_s) or (None, self._sentence)
         return word
 
-    def _danger(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
-        state = sound(state)
-        self._mark.beat(state.mode)
-        self._see(state)
+    def _violation(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
+        state = sanitized(state)
+        self._crash_marker.refresh(state.mode)
+        self._take_in(state)
         if self._halt.why is not None:
             return "halted", self._halt.why
         if state.age_s >= STATE_AGE_S or state.pose is None:
@@ -352,23 +354,25 @@ class Guard:
     def _observe(self) -> None:
         while not self._closed.wait(1 / OBSERVE_HZ):
             try:
-                self._see()
+                self._take_in()
             except Exception:  # the observer must outlive whatever one look does
                 log.exception("the guard could not look at the robot")
 
-    def _see(self, state: RobotState | None = None) -> None:
+    def _take_in(self, state: RobotState | None = None) -> None:
         """Take in a state (the newest when none is given), in order: one look at a time."""
         with self._looking:
-            state, now_s = state or sound(self._robot.state()), time.monotonic()
-            self._ranges.see(now_s, state)  # an old state too: what was seen before it must not stay
-            why = self._odometry.see(now_s, state)
+            state, now_s = state or sanitized(self._robot.state()), time.monotonic()
+            self._ranges.update(now_s, state)  # an old state too: what was seen before it must not stay
+            why = self._odometry.update(now_s, state)
             self._broken = JUMPED if why else self._broken
             if why and self._fence is not None:
                 self._fence, self._lost_home = None, f"Home is void: {why}."
                 log.warning("%s", self._lost_home)
             running = self._running
             walking = running is not None and running.op in WALKS
-            foreign = self._hands.see(now_s, state, walking=walking, gesturing=running is not None and not walking)
+            foreign = self._takeover.update(
+                now_s, state, walking=walking, gesturing=running is not None and not walking
+            )
         if foreign and self._halt.why is None:
             self._halt.set("the guard", foreign + ".")  # at once; the thread below stops and writes it down
             threading.Thread(target=self.halt, args=("the guard", foreign + "."), daemon=True).start()
@@ -377,7 +381,7 @@ class Guard:
             self.home("the simulation")
 
 
-def sound(state: RobotState) -> RobotState:
+def sanitized(state: RobotState) -> RobotState:
     """The state without numbers that are none (NaN, infinite), whatever robot gave them: those are unknown."""
     velocity_mps, age_s = state.velocity_mps, state.age_s
     if velocity_mps is not None and not all(map(math.isfinite, velocity_mps)):

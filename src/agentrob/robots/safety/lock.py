@@ -39,13 +39,13 @@ class Halt:
         return None if (lock := self._lock) is None else sentence(lock)
 
     def set(self, by: str, why: str) -> str:
-        """Halt in memory at once. The caller stops the robot, then calls `keep`."""
+        """Halt in memory at once. The caller stops the robot, then calls `save`."""
         with self._facts:
             self._lock = Lock(by, why, datetime.now(UTC))
             self._set_s = time.monotonic()
             return sentence(self._lock)
 
-    def keep(self) -> bool:
+    def save(self) -> bool:
         """Write the halt down. False when the disk refused: then it holds only as long as this process lives."""
         with self._disk:
             if (lock := self._lock) is None:

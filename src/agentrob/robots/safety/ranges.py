@@ -35,13 +35,13 @@ def needed_m(side: int, speed_mps: float) -> float:
     return HULL_M[side] + MARGIN_M + speed_mps * STOPPING_S
 
 
-class Ranges:
+class RangeMonitor:
     """Remembers a second of readings. One thread may ask while another tells: what is seen is replaced, not changed."""
 
     def __init__(self) -> None:
         self._seen: tuple[tuple[float, tuple[float | None, ...]], ...] = ()
 
-    def see(self, now_s: float, state: RobotState) -> None:
+    def update(self, now_s: float, state: RobotState) -> None:
         """Remember the readings of a state; an old one only repeats what was seen before, and does not count."""
         kept = tuple(s for s in self._seen[-MOST_SAMPLES:] if s[0] >= now_s - WINDOW_S)
         self._seen = (*kept, (now_s, state.ranges_m)) if state.age_s < FRESH_S else kept

@@ -22,7 +22,7 @@ GESTURE_S = 10.0
 GESTURE_MODES = {Op.SIT: frozenset({"gesture", "sitting"}), Op.STAND: frozenset({"gesture", "locked"})}
 
 
-class Hands:
+class TakeoverDetector:
     """Notices an operator's remote, another program or a hardware stop (law 12)."""
 
     def __init__(self) -> None:
@@ -30,7 +30,7 @@ class Hands:
         self._decays_until_s = self._gesture_until_s = -math.inf
         self._gesture_modes: frozenset[str] = frozenset()
 
-    def ours(self, now_s: float) -> None:
+    def own_motion(self, now_s: float) -> None:
         """We move the robot, now."""
         self._ours_until_s = now_s + OURS_S
 
@@ -44,13 +44,13 @@ class Hands:
             self._gesture_until_s = now_s + GESTURE_S
             self._gesture_modes = GESTURE_MODES.get(op, frozenset({"gesture"}))
 
-    def see(self, now_s: float, state: RobotState, *, walking: bool, gesturing: bool) -> str | None:
+    def update(self, now_s: float, state: RobotState, *, walking: bool, gesturing: bool) -> str | None:
         """A sentence when somebody else changed what the robot does."""
         if not math.isfinite(state.age_s):
             return None  # no state ever came
         before, self._mode = self._mode, state.mode
         if walking or gesturing:
-            self.ours(now_s)
+            self.own_motion(now_s)
         ours = now_s < self._ours_until_s
         changed = bool(before) and state.mode != before and state.mode in FOREIGN_MODES
         damped = bool(before) and state.mode != before and state.mode == DAMPING  # never ours, whatever we do meanwhile

@@ -23,7 +23,7 @@ from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Limits, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.control.controller import Gait, Velocity
 from agentrob.robots.control.gesture import Gesture
-from agentrob.robots.control.step_runner import not_begun, walk
+from agentrob.robots.control.step_runner import not_begun, run_step
 from agentrob.robots.protocol import BODY_RADIUS_M, Watch, limits_of
 from agentrob.robots.safety.guard import BLIND_MPS
 from agentrob.robots.unitree import g1_fsm, sdk
@@ -32,7 +32,7 @@ from agentrob.robots.unitree.robot import (
     WRITE_TIMEOUT_S,
     UnitreeRobot,
     failed,
-    moves,
+    is_moving,
     poses,
     read,
     refused,
@@ -112,7 +112,7 @@ class G1(UnitreeRobot):
         )
         made = sdk.clients(*makers)
         asker, self._sport, self._moves, self._stopper, self._arm, self._releaser, self._video = made
-        self._fsm = g1_fsm.FsmWatch(asker, lambda: self._age_s() < g1_fsm.OLD_S)
+        self._fsm = g1_fsm.FsmMonitor(asker, lambda: self._age_s() < g1_fsm.OLD_S)
         self._let_go = threading.Event()
 
     # ------------------------------------------------------------ the robot
@@ -171,7 +171,7 @@ class G1(UnitreeRobot):
         if unfit := self._stand_ready(primitive):
             return unfit
         if primitive.op in (Op.MOVE, Op.TURN):
-            return walk(self, primitive, self._ready_gait, watch)
+            return run_step(self, primitive, self._ready_gait, watch)
         return self._do_gesture(primitive, watch)
 
     def _stand_ready(self, primitive: Primitive) -> ActionResult | None:
@@ -232,4 +232,4 @@ def mode_of(state: RobotState, fsm: int | None, *, gesturing: bool) -> str:
         return "unknown" if fsm is None else g1_fsm.MODES.get(fsm, "unknown")
     if gesturing:
         return "gesture"
-    return "walking" if moves(state) else "idle"
+    return "walking" if is_moving(state) else "idle"

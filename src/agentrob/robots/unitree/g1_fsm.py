@@ -24,7 +24,7 @@ EVERY_S = 0.2
 OLD_S = 1.0
 
 
-class FsmWatch:
+class FsmMonitor:
     """Asks in a thread of its own; `id` is the newest answer, None when there is none or it is old."""
 
     def __init__(self, client: Any, there: Callable[[], bool]) -> None:

@@ -16,7 +16,7 @@ from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.control.controller import Gait, Velocity
 from agentrob.robots.control.gesture import Gesture
-from agentrob.robots.control.step_runner import not_begun, walk
+from agentrob.robots.control.step_runner import not_begun, run_step
 from agentrob.robots.protocol import Watch, limits_of
 from agentrob.robots.unitree import robot as unitree_robot
 from agentrob.robots.unitree import sdk
@@ -73,7 +73,7 @@ class Go2(UnitreeRobot):
         from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 
         self._state = sdk.Topic("rt/sportmodestate", SportModeState_)
-        self._low = sdk.Polled("rt/lowstate", LowState_, every_s=2.0)
+        self._low = sdk.PolledTopic("rt/lowstate", LowState_, every_s=2.0)
         makers: tuple[tuple[Callable[[], Any], float], ...] = (
             (SportClient, GESTURE_TIMEOUT_S),
             (SportClient, WRITE_TIMEOUT_S),
@@ -142,7 +142,7 @@ class Go2(UnitreeRobot):
             if code := self._actions.BalanceStand():
                 return failed(primitive, code, "It could not stand ready to walk", started_s)
             gait = replace(gait, start_s=START_AFTER_STANDING_S)
-        return walk(self, primitive, gait, watch)
+        return run_step(self, primitive, gait, watch)
 
     def _do_gesture(self, primitive: Primitive, watch: Watch) -> ActionResult:
         """The robot's own motion: it runs to its end; a reason of the watch stops what follows, and is told."""

@@ -9,9 +9,9 @@ from typing import Any
 
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
-from agentrob.robots.control.controller import RATE_HZ, STOPPED_WINDOW_S, Rest, known, wrap
+from agentrob.robots.control.controller import RATE_HZ, STOPPED_WINDOW_S, RestDetector, known, wrap
 from agentrob.robots.control.gesture import Gesture
-from agentrob.robots.control.odometry import Odometry
+from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.control.step_runner import REST_LIMIT_S
 from agentrob.robots.protocol import Watch
 from agentrob.robots.unitree import sdk
@@ -28,9 +28,9 @@ MOVING_MPS, MOVING_RPS = 0.12, 0.25
 #: Whoever walks or turns comes on by more than this in half a second, whatever a stride or a sway shows at one moment.
 #: In simulation bodies at rest stay below 0.01 m/s and 0.02 rad/s, and a walk at 0.2 m/s or a turn at 0.5 rad/s above
 #: 0.17 m/s or 0.41 rad/s, while the speed of single moments of such a turn falls to 0.04 rad/s.
-COMES_ON_S, COMES_ON_MPS, COMES_ON_RPS = 0.5, 0.06, 0.1
+ADVANCE_S, ADVANCE_MPS, ADVANCE_RPS = 0.5, 0.06, 0.1
 #: Neither does one that stands come on so far within a stop.
-CAME_ON_M, CAME_ON_RAD = 0.05, 0.06
+STOP_ADVANCE_M, STOP_ADVANCE_RAD = 0.05, 0.06
 #: A state that is older confirms nothing.
 CONFIRMING_S = 0.5
 
@@ -89,15 +89,15 @@ class UnitreeRobot:
         before, recent, walking = self.state(), self._recent(), self._walking
         sent = self._send_stop()
         latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
-        rest, gesturing, odometry, jumped = Rest(STOPPED_WINDOW_S), self._gesturing, Odometry(), False
-        odometry.see(asked_s, before)
+        rest, gesturing, odometry, jumped = RestDetector(STOPPED_WINDOW_S), self._gesturing, OdometryMonitor(), False
+        odometry.update(asked_s, before)
         if gesturing:
             self._end_gesture()
         while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
             state = self.state()
-            jumped |= odometry.see(now_s, state) is not None
+            jumped |= odometry.update(now_s, state) is not None
             fresh = state.pose is not None and state.age_s < CONFIRMING_S
-            if fresh and state.pose and rest.see(now_s, state.pose) and not self._gesturing:
+            if fresh and state.pose and rest.update(now_s, state.pose) and not self._gesturing:
                 break
             time.sleep(1 / RATE_HZ)
             if now_s < asked_s + 0.5:
@@ -105,16 +105,16 @@ class UnitreeRobot:
         start = None if jumped else before.pose  # from before a jump nothing is measured
         moved_m, turned_rad = rest.distance_m(start), rest.turned_rad(start)
         # in a stride there are moments at which it hardly moves: then it is seen by its coming on
-        came_on = (moved_m or 0.0) > CAME_ON_M or abs(turned_rad or 0.0) > CAME_ON_RAD
-        coming = comes_on(recent)
+        came_on = (moved_m or 0.0) > STOP_ADVANCE_M or abs(turned_rad or 0.0) > STOP_ADVANCE_RAD
+        coming = is_advancing(recent)
         # the speed of one moment counts where we walk it, or where it alone is known: a body that stands sways too
-        was_moving = gesturing or came_on or coming is True or ((walking or coming is None) and moves(before))
+        was_moving = gesturing or came_on or coming is True or ((walking or coming is None) and is_moving(before))
         doubt = self._doubt(rest)
         if doubt and not sent:
             doubt += " The stop could not be written to the robot's network."
         return StopResult(latency_ms, not doubt, was_moving, None if doubt else moved_m, doubt)
 
-    def _doubt(self, rest: Rest) -> str:
+    def _doubt(self, rest: RestDetector) -> str:
         """Why the robot cannot be said to have come to rest; empty when it can."""
         if (age_s := self.state().age_s) >= CONFIRMING_S:
             age = "no state ever came" if math.isinf(age_s) else f"its state is {age_s:.1f} s old"
@@ -124,7 +124,7 @@ class UnitreeRobot:
         return f"The robot keeps its place, but {self._unfinished}." if self._gesturing else ""
 
     def look(self) -> bytes:
-        """See `agentrob.robots.protocol.Sighted`; on the camera's own client, so no step waits for it."""
+        """See `agentrob.robots.protocol.HasCamera`; on the camera's own client, so no step waits for it."""
         result = self._image(Primitive(Op.GET_FRONT_IMAGE))
         if result.image is None:
             raise RobotError(result.message or "the camera gave no picture")
@@ -174,22 +174,22 @@ def read(message: Any) -> RobotState:
     )
 
 
-def comes_on(recent: tuple[tuple[float, Pose], ...]) -> bool | None:
+def is_advancing(recent: tuple[tuple[float, Pose], ...]) -> bool | None:
     """Whether a body walks or turns, by where it was lately; None when too little was seen to tell."""
     if not recent:
         return None
-    (end_s, end), odometry = recent[-1], Odometry()
+    (end_s, end), odometry = recent[-1], OdometryMonitor()
     kept: list[tuple[float, Pose]] = []
     for at_s, pose in recent:
-        if odometry.see(at_s, RobotState(age_s=0.0, pose=pose)) is not None:
+        if odometry.update(at_s, RobotState(age_s=0.0, pose=pose)) is not None:
             kept.clear()  # it jumped: what was before tells nothing
-        if at_s >= end_s - COMES_ON_S:
+        if at_s >= end_s - ADVANCE_S:
             kept.append((at_s, pose))
     start_s, start = kept[0]
-    if (seconds := end_s - start_s) < 0.6 * COMES_ON_S:
+    if (seconds := end_s - start_s) < 0.6 * ADVANCE_S:
         return None
     metres, radians = math.hypot(end.x_m - start.x_m, end.y_m - start.y_m), abs(wrap(end.yaw_rad - start.yaw_rad))
-    return metres > COMES_ON_MPS * seconds or radians > COMES_ON_RPS * seconds
+    return metres > ADVANCE_MPS * seconds or radians > ADVANCE_RPS * seconds
 
 
 def poses(topic: sdk.Topic) -> tuple[tuple[float, Pose], ...]:
@@ -198,7 +198,7 @@ def poses(topic: sdk.Topic) -> tuple[tuple[float, Pose], ...]:
     return tuple((at_s, pose) for at_s, pose in seen if pose is not None)
 
 
-def moves(state: RobotState) -> bool:
+def is_moving(state: RobotState) -> bool:
     """Whether its own state shows it walking or turning (its sensors are never quite still)."""
     speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
     return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS

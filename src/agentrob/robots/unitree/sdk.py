@@ -127,7 +127,7 @@ class Topic:
         self._subscriber.Close()
 
 
-class Polled:
+class PolledTopic:
     """A topic sent much more often than we need: one message is read every `every_s`, the others are not decoded."""
 
     def __init__(self, name: str, kind: Any, every_s: float) -> None:

@@ -32,12 +32,6 @@ UNKNOWN = "way.something"
 #: What is "right in front" stands so far away, in metres.
 CLOSE_M = 0.5
 _SAMPLE_M = 0.05
-_UNIT = {
-    Direction.FORWARD: (1.0, 0.0),
-    Direction.BACKWARD: (-1.0, 0.0),
-    Direction.LEFT: (0.0, 1.0),
-    Direction.RIGHT: (0.0, -1.0),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +173,7 @@ def _reached(hazard: Hazard, plan: Plan) -> bool:
         if hazard.rule == "way.somebody":
             return True
         return any(math.hypot(x, y) > most_m for x, y in _path(plan)) or any(s.op is Op.BACKFLIP for s in plan.steps)
-    ux, uy = _UNIT[hazard.direction]
+    ux, uy = hazard.direction.unit_vector
     near_m = 0.2 if hazard.distance_m is None else max(hazard.distance_m - REACH_M, 0.0)
     for x, y in _path(plan):
         along_m, beside_m = x * ux + y * uy, abs(x * uy - y * ux)
@@ -195,7 +189,7 @@ def _path(plan: Plan) -> Iterator[tuple[float, float]]:
         if step.op is Op.TURN and step.degrees:
             heading += math.radians(step.degrees) * (1 if step.direction is Direction.LEFT else -1)
         elif step.op is Op.MOVE and step.distance_m and step.direction and math.isfinite(step.distance_m):
-            ux, uy = _UNIT[step.direction]
+            ux, uy = step.direction.unit_vector
             dx, dy = ux * math.cos(heading) - uy * math.sin(heading), ux * math.sin(heading) + uy * math.cos(heading)
             samples = min(math.ceil(step.distance_m / _SAMPLE_M), 4_000)
             for at in range(1, samples + 1):

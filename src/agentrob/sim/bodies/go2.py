@@ -44,7 +44,7 @@ BUILD = Build(
 Player = Callable[[float], tuple[Array, float] | None]
 
 
-class Leader(Protocol):
+class Animation(Protocol):
     """Leads the whole body without physics: see `agentrob.sim.bodies.flip.Flight`."""
 
     def __call__(self, t: float) -> tuple[float, float, Array] | None: ...
@@ -87,7 +87,7 @@ class Go2(Legged):
     def begin(self) -> None:
         self._wanted = np.zeros(3)
         self._player: Player | None = None
-        self._leader: Leader | None = None
+        self._animation: Animation | None = None
         self._playing_s = 0.0
         self._last = Drive(STAND_RAD.copy())
         self._held: Drive | None = None
@@ -96,7 +96,7 @@ class Go2(Legged):
 
     def walk(self, velocity: Array) -> None:
         """Go at (vx, vy, yaw rate), clipped to `VELOCITY_BOUND`; zeros mean stand. Ends poses and limpness."""
-        if self._player or self._leader or self._held or self._limp:
+        if self._player or self._animation or self._held or self._limp:
             self._leave()
             self._start_walking()
         self._wanted = np.clip(velocity, -VELOCITY_BOUND, VELOCITY_BOUND)
@@ -106,11 +106,11 @@ class Go2(Legged):
         self._leave()
         self._player, self._playing_s = player, 0.0
 
-    def animate(self, leader: Leader) -> None:
+    def animate(self, animation: Animation) -> None:
         """Leave physics and be led from here; afterwards the last pose is held until something else is told."""
         self._leave()
         root = np.array(self.data.qpos[self.root_q : self.root_q + 7])
-        self._leader, self._playing_s, self._led_from = leader, 0.0, (root, self.yaw_rad)
+        self._animation, self._playing_s, self._led_from = animation, 0.0, (root, self.yaw_rad)
 
     def go_limp(self) -> None:
         """Joints only damp."""
@@ -120,16 +120,16 @@ class Go2(Legged):
     def _leave(self) -> None:
         """End what was told before."""
         self._wanted = np.zeros(3)
-        self._player, self._leader, self._held, self._limp, self.led = None, None, None, False, None
+        self._player, self._animation, self._held, self._limp, self.led = None, None, None, False, None
 
     @property
     def playing(self) -> bool:
-        return self._player is not None or self._leader is not None
+        return self._player is not None or self._animation is not None
 
     @property
     def airborne(self) -> bool:
         """Led through the air, where nothing can be broken off."""
-        return self._leader is not None and self._leader.airborne(self._playing_s)
+        return self._animation is not None and self._animation.airborne(self._playing_s)
 
     @property
     def standing(self) -> bool:
@@ -150,7 +150,7 @@ class Go2(Legged):
     def drive(self) -> Drive:
         if self._limp:
             self._last = Drive(self.joints_rad, 0.0, LIMP_DAMPING)
-        elif self._leader is not None:
+        elif self._animation is not None:
             self._last = self._follow_leader()
         elif self._player is not None:
             self._last = self._pose()
@@ -171,11 +171,11 @@ class Go2(Legged):
         return Drive(target, stiffness, float(np.sqrt(stiffness)))
 
     def _follow_leader(self) -> Drive:
-        assert self._leader is not None
-        pose = self._leader(self._playing_s)
+        assert self._animation is not None
+        pose = self._animation(self._playing_s)
         self._playing_s += PERIOD_S
         if pose is None:
-            self._leader, self.led, self._held = None, None, self._last
+            self._animation, self.led, self._held = None, None, self._last
             return self._last
         rise_m, pitch_rad, joints = pose
         (x, y, z, *_), yaw_rad = self._led_from

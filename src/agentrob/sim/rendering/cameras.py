@@ -128,7 +128,7 @@ class Cameras:
         self.backend = ""
         self.drawn = 0
         self.seconds = 0.0
-        self.trouble = ""
+        self.last_error = ""
         self.ready = threading.Event()
         self._thread = threading.Thread(target=self._run, name="cameras", daemon=True)
         self._thread.start()
@@ -191,7 +191,7 @@ class Cameras:
             buffer = io.BytesIO()
             Image.fromarray(picture).save(buffer, "JPEG", quality=JPEG_QUALITY)
         except Exception as e:  # the world must go on without pictures
-            self.trouble = f"{type(e).__name__}: {e}"
+            self.last_error = f"{type(e).__name__}: {e}"
             return None
         self._newest[view] = (now, buffer.getvalue())
         self.drawn += 1

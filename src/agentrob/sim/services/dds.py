@@ -63,7 +63,7 @@ class Node:
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class ServiceCall:
     """One decoded request. `answer(code, data, binary)` may be called once, from any thread."""
 
     api_id: int
@@ -74,7 +74,7 @@ class Call:
 class Service:
     """Requests on `rt/api/<name>/request`, handed to `handle` in a DDS thread; `handle` must return at once."""
 
-    def __init__(self, node: Node, name: str, version: str, handle: Callable[[Call], None]) -> None:
+    def __init__(self, node: Node, name: str, version: str, handle: Callable[[ServiceCall], None]) -> None:
         self._version = version
         self._handle = handle
         self._out = node.writer(f"rt/api/{name}/response", Response_, RESPONSES)
@@ -98,7 +98,7 @@ class Service:
             answer(BAD_PARAMETER)
             return
         # The SDK sends [] where there is nothing to say.
-        call = Call(identity.api_id, parameter if isinstance(parameter, dict) else {}, answer)
+        call = ServiceCall(identity.api_id, parameter if isinstance(parameter, dict) else {}, answer)
         try:
             self._handle(call)
         except Exception:  # a bad request must never end the DDS thread

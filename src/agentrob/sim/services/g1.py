@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from agentrob.sim.services.dds import Call  # patches DDS: before IDL types
-from agentrob.sim.services.unitree import RobotServices, Station
+from agentrob.sim.services.dds import ServiceCall  # patches DDS: before IDL types
+from agentrob.sim.services.unitree import RobotContext, RobotServices
 
 # isort: split
 from unitree_sdk2py.idl.default import unitree_hg_msg_dds__LowState_
@@ -25,10 +25,10 @@ MOTOR_C = 32  # all of them: the G1's warmth is not simulated
 class G1Services(RobotServices):
     """Serves one G1, which has no ranges that could fail."""
 
-    def __init__(self, body: G1, station: Station) -> None:
-        self._body, self._sport = body, G1Sport(body, lambda: station.world.time_s, station.ledger)
+    def __init__(self, body: G1, context: RobotContext) -> None:
+        self._body, self._sport = body, G1Sport(body, lambda: context.world.time_s, context.event_log)
         super().__init__(
-            body, self._sport, station,
+            body, self._sport, context,
             state_topic="rt/odommodestate", low=unitree_hg_msg_dds__LowState_(), low_type=LowState_,
         )  # fmt: skip
         self._services = (
@@ -37,9 +37,9 @@ class G1Services(RobotServices):
             self._serve("videohub", "1.0.0.1", self._on_video),
         )
 
-    def _on_arm(self, call: Call) -> None:
-        if not self._trouble.swallows():
-            self._station.later(lambda: self._sport.call_arm(call.api_id, call.parameter, call.answer))
+    def _on_arm(self, call: ServiceCall) -> None:
+        if not self._fault_state.swallows():
+            self._context.call_soon(lambda: self._sport.call_arm(call.api_id, call.parameter, call.answer))
 
     def _fill_low(self, low: Any) -> None:
         body, felt = self._body, self._state.imu_state

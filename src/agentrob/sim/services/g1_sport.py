@@ -22,7 +22,7 @@ import numpy as np
 
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.g1_gestures import GESTURES, RELEASE, ArmGesture
-from agentrob.sim.event_log import Ledger
+from agentrob.sim.event_log import EventLog
 from agentrob.sim.services.go2_sport import (
     BAD_PARAMETER,
     BROKEN_OFF,
@@ -67,10 +67,10 @@ class _Action:
 
 
 class G1Sport:
-    """Both services' state. `now_s` is the world's time; `ledger` writes down what really happened."""
+    """Both services' state. `now_s` is the world's time; `event_log` writes down what really happened."""
 
-    def __init__(self, body: G1, now_s: Callable[[], float], ledger: Ledger) -> None:
-        self._body, self._now_s, self._ledger = body, now_s, ledger
+    def __init__(self, body: G1, now_s: Callable[[], float], event_log: EventLog) -> None:
+        self._body, self._now_s, self._event_log = body, now_s, event_log
         self.fsm = Fsm.WALK
         self.action: _Action | None = None
         self._held_until_s: float | None = None
@@ -261,7 +261,7 @@ class G1Sport:
         body = self._body
         x, y = body.xy_m
         pose = {"x_m": round(float(x), 4), "y_m": round(float(y), 4), "yaw_deg": round(math.degrees(body.yaw_rad), 2)}
-        self._ledger.write(self._now_s(), body.name, event, pose, facts)
+        self._event_log.write(self._now_s(), body.name, event, pose, facts)
 
 
 def _number(parameter: Mapping[str, Any]) -> int:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from agentrob.sim.services.dds import NOT_IMPLEMENTED, OK, Call  # patches DDS: before IDL types
-from agentrob.sim.services.unitree import LOW_EVERY, RobotServices, Station
+from agentrob.sim.services.dds import NOT_IMPLEMENTED, OK, ServiceCall  # patches DDS: before IDL types
+from agentrob.sim.services.unitree import LOW_EVERY, RobotContext, RobotServices
 
 # isort: split
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__LowState_
@@ -30,13 +30,13 @@ MODE_NAME = {"form": "0", "name": "mcf"}  # what a Go2 with the present motion s
 class Go2Services(RobotServices):
     """Serves one Go2: beside what all have, ranges, a battery, feet and warmth."""
 
-    def __init__(self, body: Go2, station: Station) -> None:
-        self._body, self._sport = body, Sport(body, lambda: station.world.time_s, station.ledger)
+    def __init__(self, body: Go2, context: RobotContext) -> None:
+        self._body, self._sport = body, Sport(body, lambda: context.world.time_s, context.event_log)
         super().__init__(
-            body, self._sport, station,
+            body, self._sport, context,
             state_topic="rt/sportmodestate", low=unitree_go_msg_dds__LowState_(), low_type=LowState_,
         )  # fmt: skip
-        self._ranges = sensors.Ranges(body, station.rng, station.noisy)
+        self._ranges = sensors.Ranges(body, context.rng, context.noisy)
         self._battery = sensors.Battery()
         self._warmth = np.full(len(body.build.joints), AMBIENT_C)
         self._stuck: list[float] | None = None  # what the ranges say for ever
@@ -47,7 +47,7 @@ class Go2Services(RobotServices):
             self._serve("motion_switcher", "1.0.0.1", self._on_mode),
         )
 
-    def _on_mode(self, call: Call) -> None:
+    def _on_mode(self, call: ServiceCall) -> None:
         if call.api_id == CHECK_MODE:
             call.answer(OK, json.dumps(MODE_NAME))
         else:
@@ -69,14 +69,14 @@ class Go2Services(RobotServices):
         state.error_code, state.mode = self._sport.codes
         state.progress = self._sport.progress
         state.gait_type = 1 if self._sport.codes == WALKING else 0
-        state.stamp.sec, state.stamp.nanosec = _stamp(max(0.0, self._station.world.time_s + self._clock_s))
+        state.stamp.sec, state.stamp.nanosec = _stamp(max(0.0, self._context.world.time_s + self._clock_s))
         state.range_obstacle = self._read_ranges()
         if self._ticks % LOW_EVERY == 0:
             state.foot_force = sensors.foot_forces_n(self._body, FEET)
 
     def _read_ranges(self) -> list[float]:
         ranges: list[float] = self._ranges.read().tolist()
-        match self._trouble.now.ranges:
+        match self._fault_state.now.ranges:
             case "missing":
                 return [math.nan] * 4
             case "zero":
@@ -95,7 +95,7 @@ class Go2Services(RobotServices):
             motor.mode, motor.q, motor.dq, motor.tau_est, motor.temperature = 1, q, dq, tau, round(warmth)
         low.imu_state = self._state.imu_state
         low.foot_force = self._state.foot_force
-        told = self._trouble.now.battery_percent
+        told = self._fault_state.now.battery_percent
         low.bms_state.soc = math.ceil(self._battery.percent if told is None else told)
         low.bms_state.current = -round(1000 * self._battery.power_w / self._battery.volts)
         low.power_v, low.power_a = self._battery.volts, self._battery.power_w / self._battery.volts

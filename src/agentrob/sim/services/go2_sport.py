@@ -23,7 +23,7 @@ from agentrob.sim.bodies import flip, go2_gestures
 from agentrob.sim.bodies.flip import Flight
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.bodies.go2_gestures import Motion
-from agentrob.sim.event_log import Ledger
+from agentrob.sim.event_log import EventLog
 from agentrob.sim.world.legged import Array
 
 OK, NOT_IMPLEMENTED, BAD_PARAMETER = 0, 3203, 3204
@@ -103,12 +103,12 @@ OFFERS: Mapping[int, Offer] = {
 
 
 class Sport:
-    """The service's state. `now_s` is the world's time; `ledger` writes down what really happened."""
+    """The service's state. `now_s` is the world's time; `event_log` writes down what really happened."""
 
-    def __init__(self, body: Go2, now_s: Callable[[], float], ledger: Ledger) -> None:
+    def __init__(self, body: Go2, now_s: Callable[[], float], event_log: EventLog) -> None:
         self._body = body
         self._now_s = now_s
-        self._ledger = ledger
+        self._event_log = event_log
         self.posture = Posture.BALANCE
         self.action: Action | None = None
         self._held_until_s: float | None = None
@@ -290,4 +290,4 @@ class Sport:
         body = self._body
         x, y = body.xy_m
         pose = {"x_m": round(float(x), 4), "y_m": round(float(y), 4), "yaw_deg": round(math.degrees(body.yaw_rad), 2)}
-        self._ledger.write(self._now_s(), body.name, event, pose, facts)
+        self._event_log.write(self._now_s(), body.name, event, pose, facts)

@@ -14,9 +14,9 @@ from agentrob.sim.services.dds import (  # patches DDS: before IDL types
     INTERNAL,
     NOT_IMPLEMENTED,
     OK,
-    Call,
     Node,
     Service,
+    ServiceCall,
 )
 
 # isort: split
@@ -25,8 +25,8 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 from unitree_sdk2py.utils.crc import CRC
 
 from agentrob.sim.bodies import sensors
-from agentrob.sim.event_log import Ledger
-from agentrob.sim.faults import Faults, Trouble, black_picture
+from agentrob.sim.event_log import EventLog
+from agentrob.sim.faults import Faults, FaultState, black_picture
 from agentrob.sim.rendering.cameras import Cameras
 from agentrob.sim.world.legged import PERIOD_S, Legged
 from agentrob.sim.world.world import World
@@ -36,19 +36,19 @@ GET_IMAGE_SAMPLE = 1001
 
 
 @dataclass(frozen=True, slots=True)
-class Station:
-    """What the world's process lends to the services of one robot. `later(work)` runs work in the world's thread."""
+class RobotContext:
+    """What the services of one robot use of the simulator. `call_soon(work)` runs work in the world's thread."""
 
     node: Node
     world: World
     cameras: Cameras
-    ledger: Ledger
-    later: Callable[[Callable[[], None]], None]
+    event_log: EventLog
+    call_soon: Callable[[Callable[[], None]], None]
     rng: np.random.Generator
     noisy: bool
 
 
-class Motions(Protocol):
+class MotionService(Protocol):
     """The motion service of a body (`Sport`, `G1Sport`)."""
 
     def call(self, api_id: int, parameter: Mapping[str, Any], answer: Callable[..., None]) -> None: ...
@@ -65,21 +65,21 @@ class RobotServices:
     """
 
     def __init__(
-        self, body: Legged, sport: Motions, station: Station, *, state_topic: str, low: Any, low_type: Any
+        self, body: Legged, sport: MotionService, context: RobotContext, *, state_topic: str, low: Any, low_type: Any
     ) -> None:
-        self._station = station
-        self._motions = sport
+        self._context = context
+        self._motion_service = sport
         self._legged = body
-        self._odometry = sensors.Odometry(body, station.rng, station.noisy)
-        self._inertia = sensors.Inertia(body, station.rng, station.noisy)
-        self._velocity_noise = sensors.VELOCITY_NOISE_MPS if station.noisy else 0.0
-        self._trouble = Trouble(body)
+        self._odometry = sensors.Odometry(body, context.rng, context.noisy)
+        self._inertia = sensors.Inertia(body, context.rng, context.noisy)
+        self._velocity_noise = sensors.VELOCITY_NOISE_MPS if context.noisy else 0.0
+        self._fault_state = FaultState(body)
         self._ticks = 0
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = low
         self._checksum = CRC()  # without it Unitree's own C++ library takes the message for broken
-        self._state_out = station.node.writer(state_topic, SportModeState_)
-        self._low_out = station.node.writer("rt/lowstate", low_type)
+        self._state_out = context.node.writer(state_topic, SportModeState_)
+        self._low_out = context.node.writer("rt/lowstate", low_type)
 
     # ------------------------------------------------------------------ of each kind
     def _sense(self) -> None:
@@ -93,18 +93,18 @@ class RobotServices:
         raise NotImplementedError
 
     # ------------------------------------------------------------------ services (DDS threads)
-    def _serve(self, name: str, version: str, on_call: Callable[[Call], None]) -> Service:
-        return Service(self._station.node, name, version, on_call)
+    def _serve(self, name: str, version: str, on_call: Callable[[ServiceCall], None]) -> Service:
+        return Service(self._context.node, name, version, on_call)
 
-    def _on_sport(self, call: Call) -> None:
-        if not self._trouble.swallows():
-            self._station.later(lambda: self._motions.call(call.api_id, call.parameter, call.answer))
+    def _on_sport(self, call: ServiceCall) -> None:
+        if not self._fault_state.swallows():
+            self._context.call_soon(lambda: self._motion_service.call(call.api_id, call.parameter, call.answer))
 
-    def _on_video(self, call: Call) -> None:
+    def _on_video(self, call: ServiceCall) -> None:
         if call.api_id != GET_IMAGE_SAMPLE:
             call.answer(NOT_IMPLEMENTED)
             return
-        if _spoil_picture(call, self._trouble.now):
+        if _spoil_picture(call, self._fault_state.now):
             return
 
         def deliver(jpeg: bytes | None) -> None:
@@ -113,23 +113,23 @@ class RobotServices:
             else:
                 call.answer(INTERNAL)
 
-        self._station.cameras.request(f"{self._legged.name}/front", deliver)
+        self._context.cameras.request(f"{self._legged.name}/front", deliver)
 
     # ------------------------------------------------------------------ topics (world's thread)
     def before_tick(self) -> None:
         """Once per tick, before the physics: holds, gestures."""
-        self._trouble.tick(PERIOD_S)
-        self._motions.tick()
+        self._fault_state.tick(PERIOD_S)
+        self._motion_service.tick()
 
     def reset(self) -> None:
         """The world was put back: odometry starts again at zero, as after a restart of the robot."""
-        self._motions.reset()
+        self._motion_service.reset()
         self._odometry.reset()
         self.fail(Faults(self._legged.name))
 
     def fail(self, faults: Faults) -> None:
         """Sense wrongly from now on, until told otherwise."""
-        self._trouble.make(faults)
+        self._fault_state.make(faults)
         self._odometry.jump(*faults.jump_m)
 
     def after_tick(self) -> None:
@@ -137,21 +137,21 @@ class RobotServices:
         self._odometry.update()
         self._sense()
         self._fill_state()
-        if not self._trouble.mute:
+        if not self._fault_state.mute:
             self._state_out.write(self._state)
         if self._ticks % LOW_EVERY == 0:
             low = self._low
             self._fill_low(low)
             low.tick = self._ticks * round(PERIOD_S * 1000)
             low.crc = self._checksum.Crc(low)
-            if not self._trouble.now.unplugged:
+            if not self._fault_state.now.unplugged:
                 self._low_out.write(low)
         self._ticks += 1
 
     def _fill_state(self) -> None:
         state, body = self._state, self._legged
-        x, y, yaw = (math.nan,) * 3 if self._trouble.now.lost else self._odometry.read()
-        velocity = body.heading_velocity() + self._station.rng.normal(0, 1, 3) * self._velocity_noise
+        x, y, yaw = (math.nan,) * 3 if self._fault_state.now.lost else self._odometry.read()
+        velocity = body.heading_velocity() + self._context.rng.normal(0, 1, 3) * self._velocity_noise
         state.position = [x, y, body.z_m]
         state.body_height = body.z_m
         state.velocity = [float(velocity[0]), float(velocity[1]), 0.0]
@@ -167,7 +167,7 @@ class RobotServices:
         self._fill_more(state)
 
 
-def _spoil_picture(call: Call, faults: Faults) -> bool:
+def _spoil_picture(call: ServiceCall, faults: Faults) -> bool:
     """Answer for a camera that is dead, black or cut off; False when it is well."""
     if faults.unplugged or faults.camera == "good":
         return faults.unplugged

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agentrob.sim.world.scene import Camera, Placed, Rgba, Room, Scene, Triple, rgba
+from agentrob.sim.world.scene import Camera, PlacedBody, Rgba, Room, Scene, Triple, rgba
 
 ROOM_GROUP = 0  # what range sensors and cameras see
 NEAR_WALL_GROUP = 1  # what is between the overview camera and the room: there, but not drawn for it
@@ -56,7 +56,7 @@ def furnish(spec: Any, scene: Scene) -> None:
     _box(spec)
 
 
-def _walls(room: Room) -> tuple[Placed, ...]:
+def _walls(room: Room) -> tuple[PlacedBody, ...]:
     """Four walls with skirtings, and a ceiling; none when they have no height."""
     x, y, h, t = room.size_m[0] / 2, room.size_m[1] / 2, room.height_m / 2, WALL_M
     if not h:
@@ -69,15 +69,15 @@ def _walls(room: Room) -> tuple[Placed, ...]:
     )
     walls = []
     for side, (wx, wy), (hx, hy), far in sides:
-        walls.append(Placed(f"wall_{side}", "box", (wx, wy, h), 0.0, (hx, hy, h), room.walls, True, far))
+        walls.append(PlacedBody(f"wall_{side}", "box", (wx, wy, h), 0.0, (hx, hy, h), room.walls, True, far))
         inside = (wx - math.copysign(0.02, wx) if wx else 0.0, wy - math.copysign(0.02, wy) if wy else 0.0)
-        skirting = Placed(f"skirting/{side}", "box", (*inside, 0.05), 0.0, (hx, hy, 0.05), WHITE, False, far)
+        skirting = PlacedBody(f"skirting/{side}", "box", (*inside, 0.05), 0.0, (hx, hy, 0.05), WHITE, False, far)
         walls.append(skirting)
-    ceiling = Placed("room/ceiling", "box", (0.0, 0.0, 2 * h + t), 0.0, (x, y, t), WHITE, False, False)
+    ceiling = PlacedBody("room/ceiling", "box", (0.0, 0.0, 2 * h + t), 0.0, (x, y, t), WHITE, False, False)
     return (*walls, ceiling)
 
 
-def _shade(spec: Any, body: Placed) -> None:
+def _shade(spec: Any, body: PlacedBody) -> None:
     """A dark, see-through disc on the floor under what stands on it: real shadows cost three times as much."""
     import mujoco
 

@@ -77,7 +77,7 @@ class Start(NamedTuple):
     yaw_rad: float
 
 
-class Placed(NamedTuple):
+class PlacedBody(NamedTuple):
     """One simple body in the room: `size_m` are half edges (box), radius and half height (column) or radius (ball)."""
 
     name: str
@@ -112,7 +112,7 @@ class Part(_Table):
             raise ValueError(f"{what} (found {', '.join(sorted(given)) or 'none'})")
         return self
 
-    def placed(self, name: str, at_m: Triple = (0.0, 0.0, 0.0), yaw_rad: float = 0.0) -> Placed:
+    def placed(self, name: str, at_m: Triple = (0.0, 0.0, 0.0), yaw_rad: float = 0.0) -> PlacedBody:
         """Where it is in the room, when it is a part of a thing at `at_m`."""
         assert self.shape is not None
         x, y, low = (*self.at_m, 0.0)[:3]
@@ -124,7 +124,7 @@ class Part(_Table):
             half = (self.radius_m or 0.0, self.height_m / 2)
         middle = (at_m[0] + c * x - s * y, at_m[1] + s * x + c * y, at_m[2] + low + half[-1])
         turned = yaw_rad + math.radians(self.turned_deg)
-        return Placed(name, self.shape, middle, turned, half, self.colour, self.solid, self.in_overview)
+        return PlacedBody(name, self.shape, middle, turned, half, self.colour, self.solid, self.in_overview)
 
 
 class Thing(Part):
@@ -142,7 +142,7 @@ class Thing(Part):
             raise ValueError(f"each part of {self.name!r} needs a shape: {', '.join(get_args(Shape))}")
         return self
 
-    def bodies(self) -> tuple[Placed, ...]:
+    def bodies(self) -> tuple[PlacedBody, ...]:
         word = self.name.replace(" ", "_")
         if self.shape is not None:
             return (self.placed(word),)
@@ -238,7 +238,7 @@ class Scene(_Table):
             raise ValueError(problem)
         return self
 
-    def bodies(self) -> tuple[Placed, ...]:
+    def bodies(self) -> tuple[PlacedBody, ...]:
         """Everything that stands in it, without walls and floor."""
         return tuple(body for thing in self.thing for body in thing.bodies())
 
@@ -285,7 +285,7 @@ def _problems(scene: Scene) -> Iterator[str]:
                 yield f"start.{robot} and start.{other} are nearer than {APART_M:g} m"
 
 
-def _misplaced(scene: Scene, robot: str, place: StartPlace, bodies: list[Placed]) -> Iterator[str]:
+def _misplaced(scene: Scene, robot: str, place: StartPlace, bodies: list[PlacedBody]) -> Iterator[str]:
     where = f"start.{robot}"
     at = np.array([place.at_m])
     if (inside_m := _inside_m(scene, at)) < START_CLEAR_M:
@@ -308,7 +308,7 @@ def _misplaced(scene: Scene, robot: str, place: StartPlace, bodies: list[Placed]
             yield f"{where}.free: {body.name} is {distance_m:.2f} m from it; {FREE_CLEAR_M:g} m are needed"
 
 
-def _underside_m(body: Placed) -> float:
+def _underside_m(body: PlacedBody) -> float:
     return body.at_m[2] - body.size_m[-1]
 
 
@@ -330,7 +330,7 @@ def _grid(place: StartPlace) -> Points:
     return np.stack([start.x_m + c * xs - s * ys, start.y_m + s * xs + c * ys], axis=1)
 
 
-def distances_m(body: Placed, points: Points) -> NDArray[np.float64]:
+def distances_m(body: PlacedBody, points: Points) -> NDArray[np.float64]:
     """(n,) from each point to the body's outline seen from above; 0 within."""
     away = points - np.array(body.at_m[:2])
     if body.shape != "box":
