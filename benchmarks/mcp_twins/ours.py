@@ -7,20 +7,17 @@ import sys
 
 
 def main() -> None:
-    from agentrob.mcp.sdk import sdk_imports
+    from agentrob.process.startup import importing
 
-    with sdk_imports("--http" in sys.argv):
+    with importing():
         from agentrob.forums.memory.forum import MemoryForum
         from agentrob.mcp.forum import tools
         from agentrob.mcp.forum.identity import Accounts, Identity, Rights
-        from agentrob.mcp.forum.stdio import run
+        from agentrob.mcp.forum.run import serve_accounts
+        from agentrob.model import Role
         from agentrob.process.logs import log_to_stderr
 
-        if "--http" in sys.argv:
-            import agentrob.mcp.forum.http  # noqa: F401
-        log_to_stderr()
-        from agentrob.model import Role
-
+    log_to_stderr()
     world = MemoryForum.world()
     forum = world.sign_in("admin", role=Role.ADMIN)
 
@@ -39,7 +36,7 @@ def main() -> None:
 
         serve(McpConfig(listen="127.0.0.1:0"), {"admin": (identity, "token-of-the-benchmark", "")})
     else:
-        run(lambda: Accounts(identity, lambda token: MemoryForum(world, token), {}))
+        serve_accounts(lambda: Accounts(identity, lambda token: MemoryForum(world, token), {}))
 
 
 if __name__ == "__main__":

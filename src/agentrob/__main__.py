@@ -1,11 +1,11 @@
-"""`python -m agentrob` and the command `agentrob`: the same words, started quickly."""
+"""`python -m agentrob` and the command `agentrob`."""
 
-from agentrob.process.quick import quick_imports
+from agentrob.process.startup import importing
 
 
 def main() -> None:
     """The entry point of the command."""
-    with quick_imports():
+    with importing():
         from agentrob.cli import main as cli
 
     cli.main()

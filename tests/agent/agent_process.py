@@ -15,14 +15,12 @@ from tests.board.running_board import RunningBoard
 _AGENT = """
 import asyncio, sys
 from pathlib import Path
-from agentrob.process.quick import quick_imports
-with quick_imports():
-    from agentrob.agent.agent import RobotAgent
-    from agentrob.process.logs import log_to_stderr
-    from agentrob.config.load import ForumConfig, RobotConfig
-    from agentrob.forums.agentrob.forum import BoardForum
-    from agentrob.minds.rules import RulesMind
-    from agentrob.robots.driver.client import DriverClient
+from agentrob.agent.agent import RobotAgent
+from agentrob.process.logs import log_to_stderr
+from agentrob.config.load import ForumConfig, RobotConfig
+from agentrob.forums.agentrob.forum import BoardForum
+from agentrob.minds.rules import RulesMind
+from agentrob.robots.driver.client import DriverClient
 name, settings, socket, data, url, token = sys.argv[1:]
 log_to_stderr()
 async def main():

@@ -45,10 +45,8 @@ def robot_settings(**more: Any) -> RobotConfig:
 _DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.process.quick import quick_imports
-with quick_imports():
-    from agentrob.config.load import RobotConfig
-    from agentrob.robots.driver.process import run_driver
+from agentrob.config.load import RobotConfig
+from agentrob.robots.driver.process import run_driver
 name, settings, socket, data = sys.argv[1:]
 run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
 """

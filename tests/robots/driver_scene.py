@@ -22,11 +22,9 @@ NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.process.quick import quick_imports
-with quick_imports():
-    from agentrob.config.load import RobotConfig
-    from agentrob.errors import RobotError
-    from agentrob.robots.driver.process import run_driver
+from agentrob.config.load import RobotConfig
+from agentrob.errors import RobotError
+from agentrob.robots.driver.process import run_driver
 name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])
 settings = {"model": "fake", "simulated": True, "home_on_start": True, **settings}
 try:

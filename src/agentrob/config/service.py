@@ -26,13 +26,13 @@ token_env = "QUADRUPED_TOKEN"
 
 from __future__ import annotations
 
-import ipaddress
 from typing import Annotated, Literal, Self
 from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator, model_validator
 
 from agentrob.config.section import Name, Section
+from agentrob.process.listen import is_loopback, parse_listen
 
 Scope = Literal["look", "preview", "command", "stop"]
 _Variable = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
@@ -98,7 +98,7 @@ class ServiceConfig(Section):
     @property
     def address(self) -> tuple[str, int]:
         """Host and port."""
-        return _address(self.listen)
+        return parse_listen(self.listen)
 
     @model_validator(mode="after")
     def _is_on_this_machine(self) -> Self:
@@ -139,7 +139,7 @@ class McpRobotConfig(Section):
     @property
     def address(self) -> tuple[str, int]:
         """Host and port."""
-        return _address(self.listen)
+        return parse_listen(self.listen)
 
     @model_validator(mode="after")
     def _is_on_this_machine(self) -> Self:
@@ -147,24 +147,7 @@ class McpRobotConfig(Section):
         return self
 
 
-def _address(listen: str) -> tuple[str, int]:
-    parts = urlsplit(f"//{listen}")
-    return parts.hostname or "", parts.port or 0
-
-
 def _check_listen(listen: str, allow_remote: bool) -> None:
-    try:
-        host, _ = _address(listen)
-    except ValueError:
-        host = ""
-    if not host or ":" not in listen:
-        raise ValueError('listen must be host:port, for example "127.0.0.1:8089"')
-    if not allow_remote and not _is_loopback(host):
+    host, _ = parse_listen(listen)
+    if not allow_remote and not is_loopback(host):
         raise ValueError("listen is reachable from other machines; set allow_remote = true if that is meant")
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"

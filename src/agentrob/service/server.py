@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import signal
 import socket
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 import structlog
-import uvicorn
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
@@ -20,6 +18,8 @@ from agentrob.config.service import ServiceConfig
 from agentrob.errors import ConfigError
 from agentrob.forums.protocol import Forum
 from agentrob.model import Report
+from agentrob.process.http_server import HttpServer
+from agentrob.process.listen import base_url, open_listener
 from agentrob.process.webhooks import Outbox, Receiver, read_secret
 from agentrob.service import api, auth
 from agentrob.service.admission import Gate
@@ -87,46 +87,27 @@ def assemble(config: ServiceConfig, name: str, make_agent: MakeAgent, open_forum
     return Parts(desks[0], who, figures, outbox, hooks_in, (config.address[0], *config.hosts))
 
 
-class _Server(uvicorn.Server):
-    """uvicorn that leaves signals to whoever runs it, and says when it has begun."""
-
-    def __init__(self, config: uvicorn.Config) -> None:
-        super().__init__(config)
-        self.begun = asyncio.Event()
-
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
-        self.begun.set()
-
-    @contextlib.contextmanager
-    def capture_signals(self) -> Iterator[None]:
-        yield
-
-
 def listen(config: ServiceConfig) -> socket.socket:
-    """Take the address; port 0 is any free one."""
-    host, port = config.address
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    """Open the socket of the address; port 0 takes a free one. Raises `ConfigError`."""
     try:
-        return socket.create_server((host, port), family=family, backlog=128)
+        return open_listener(*config.address)
     except OSError as e:
         raise ConfigError(f"the service cannot listen on {config.listen}: {e.strerror}; set service.listen") from None
 
 
 @asynccontextmanager
 async def serving(parts: Parts, listener: socket.socket) -> AsyncIterator[asyncio.Task[None]]:
-    """Serve until the block ends; gives the task that serves."""
-    config = uvicorn.Config(
-        create_app(parts), lifespan="off", log_config=None, access_log=False, server_header=False,
-        proxy_headers=False, timeout_keep_alive=30, timeout_graceful_shutdown=2, limit_concurrency=None,
-    )  # fmt: skip
-    server = _Server(config)
+    """Serve until the block ends; yields the task that serves."""
+    started = asyncio.Event()
+    server = HttpServer(
+        create_app(parts), on_ready=started.set, handle_signals=False, lifespan="off", timeout_graceful_shutdown=2
+    )
     helpers = [asyncio.create_task(parts.callers.keep_fresh()), asyncio.create_task(parts.outbox.run())]
     running = asyncio.create_task(server.serve(sockets=[listener]))
     try:
-        begun = asyncio.create_task(server.begun.wait())
-        await asyncio.wait((begun, running), return_when=asyncio.FIRST_COMPLETED)
-        begun.cancel()
+        starting = asyncio.create_task(started.wait())
+        await asyncio.wait((starting, running), return_when=asyncio.FIRST_COMPLETED)
+        starting.cancel()
         yield running
     finally:
         server.should_exit = True
@@ -140,8 +121,7 @@ async def serve(parts: Parts, listener: socket.socket, ready: Callable[[str], No
     """Serve agent and HTTP until SIGTERM, Ctrl-C or the end of one of them. HTTP is there first: a stop waits for no
     forum. `ready` is told the address when a command would be heard."""
     agent = parts.desk.agent
-    host, port = listener.getsockname()[:2]
-    url = f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+    url = base_url(*listener.getsockname()[:2])
     ended = asyncio.Event()
     for sign in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(sign, ended.set)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from agentrob.config.load import Config
 from agentrob.process.child import say_ready
 from agentrob.process.logs import log_to_stderr
+from agentrob.process.startup import importing
 from agentrob.wiring import app
 
 if TYPE_CHECKING:
@@ -35,30 +36,27 @@ def serve_agent(config: Config, name: str) -> None:
 
 
 def serve_mcp_forum(config: Config, http: bool, write: bool = False) -> None:
-    """The forum as tools for MCP clients: one over stdio, or the configured users over HTTP."""
-    from agentrob.mcp.sdk import sdk_imports
+    """Serve the forum as MCP tools: to one client over stdio, or to the configured users over HTTP."""
+    with importing():
+        from agentrob.mcp.forum import run
 
-    with sdk_imports(http):
-        from agentrob.mcp.forum import run as wiring
-
-        log_to_stderr()
-        wiring.prepare(http)
+        if http:
+            import agentrob.mcp.forum.http  # noqa: F401
+    log_to_stderr()
 
     def open_forum(token: str) -> Forum:
         return app.make_forum(config, token)
 
     if http:
-        wiring.run_http(config, open_forum)
+        run.run_http(config, open_forum)
     else:
-        wiring.run_stdio(config, open_forum, app.secret(config), write or config.mcp.write)
+        run.run_stdio(config, open_forum, app.secret(config), write or config.mcp.write)
 
 
 def serve_mcp_robot(config: Config, http: bool) -> None:
-    """The robots as tools for one MCP client over stdio, or over HTTP, through their HTTP services."""
-    from agentrob.mcp.sdk import sdk_imports
-
+    """Serve the robots as MCP tools, through their HTTP services: to one client over stdio, or over HTTP."""
     log_to_stderr()
-    with sdk_imports(http):
+    with importing():
         if http:
             from agentrob.mcp.robots import http as server
         else:

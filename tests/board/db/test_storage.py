@@ -228,11 +228,9 @@ def test_a_taken_port_is_one_clear_error(board: RunningBoard, settings: BoardSet
 SERVE = """
 import sys
 from pathlib import Path
-from agentrob.process.quick import quick_imports
-with quick_imports():
-    from agentrob.board import server
-    from agentrob.board.settings import BoardSettings
-    from agentrob.config.board import BoardConfig
+from agentrob.board import server
+from agentrob.board.settings import BoardSettings
+from agentrob.config.board import BoardConfig
 settings = BoardSettings.from_config(BoardConfig(listen="127.0.0.1:0"), Path(sys.argv[1]))
 server.serve(settings, lambda s: print("ready", s.base_url, flush=True))
 """

@@ -6,28 +6,30 @@ are refused, so that no web page reaches a server on loopback.
 
 from __future__ import annotations
 
-import signal
-import socket
+import asyncio
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-import uvicorn
 from mcp.server.auth.settings import AuthSettings
 from mcp.server.transport_security import TransportSecuritySettings
 from mcp_types.version import HANDSHAKE_PROTOCOL_VERSIONS
 from pydantic import AnyHttpUrl
+from uvloop import new_event_loop
 
 from agentrob.config.mcp import McpConfig
 from agentrob.errors import McpError
 from agentrob.mcp.auth import SCOPE, Bearers
 from agentrob.mcp.forum.identity import Identity
 from agentrob.mcp.forum.server import Context, ForumServer
+from agentrob.mcp.forum.subscriptions import SESSION_HEADER
 from agentrob.process.child import say_ready
+from agentrob.process.http_server import HttpServer
+from agentrob.process.listen import base_url, host_in_url, open_listener, parse_listen
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
-    from starlette.types import ASGIApp, Receive, Scope, Send
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 #: A picture of 8 MiB as base64 in JSON.
 MAX_BODY = 12 * 1024 * 1024
@@ -39,8 +41,8 @@ def make_app(
     config: McpConfig, users: Mapping[str, tuple[Identity, str, str]], port: int
 ) -> tuple[ASGIApp, ForumServer]:
     """The ASGI app and its server. `port` is the real one, where any free one was asked for."""
-    host = _host_port(config.listen)[0]
-    url = config.public_url or f"http://{_bracketed(host)}:{port}{PATH}"
+    host = _address(config)[0]
+    url = config.public_url or base_url(host, port) + PATH
     bearers = Bearers(users, url, config.issuer, config.jwks_url)
 
     def identify(ctx: Context) -> Identity:
@@ -65,7 +67,8 @@ def make_app(
             token_verifier=bearers,
         )
 
-    return trimmed(_by_era(answering(json_response=True), answering(json_response=False))), server
+    app = _by_era(answering(json_response=True), answering(json_response=False))
+    return trimmed(_telling_ended_sessions(app, server)), server
 
 
 def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
@@ -78,11 +81,31 @@ def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
             async with exchanges.router.lifespan_context(exchanges):
                 await sessions(scope, receive, send)
             return
-        told = [value.decode("latin-1") for name, value in scope["headers"] if name == _VERSION]
+        told = _values(scope, _VERSION)
         newer = told and told[0] not in HANDSHAKE_PROTOCOL_VERSIONS
         await (exchanges if newer else sessions)(scope, receive, send)
 
     return chosen
+
+
+def _telling_ended_sessions(app: ASGIApp, server: ForumServer) -> ASGIApp:
+    """Tell the server which sessions their clients end, since the SDK does not."""
+
+    async def passed_on(scope: Scope, receive: Receive, send: Send) -> None:
+        async def watched(message: Message) -> None:
+            if message["type"] == "http.response.start" and message["status"] < 300:
+                for session_id in _values(scope, SESSION_HEADER.encode()):
+                    server.end_session(session_id)
+            await send(message)
+
+        ends = scope["type"] == "http" and scope["method"] == "DELETE"
+        await app(scope, receive, watched if ends else send)
+
+    return passed_on
+
+
+def _values(scope: Scope, header: bytes) -> list[str]:
+    return [value.decode("latin-1") for name, value in scope["headers"] if name == header]
 
 
 def trimmed(app: ASGIApp) -> ASGIApp:
@@ -99,61 +122,35 @@ def trimmed(app: ASGIApp) -> ASGIApp:
 def _security(url: str, host: str, port: int) -> TransportSecuritySettings:
     """Requests must be meant for this server, and pages only of its own address may send them."""
     public = urlsplit(url)
-    hosts = {f"{_bracketed(h)}:{port}" for h in (host, "127.0.0.1", "localhost", "::1")} | {public.netloc}
+    hosts = {f"{host_in_url(h)}:{port}" for h in (host, "127.0.0.1", "localhost", "::1")} | {public.netloc}
     origins = {f"http://{h}" for h in hosts} | {f"{public.scheme}://{public.netloc}"}
     return TransportSecuritySettings(allowed_hosts=sorted(hosts), allowed_origins=sorted(origins))
 
 
 def serve(config: McpConfig, users: Mapping[str, tuple[Identity, str, str]]) -> None:
     """Serve until SIGTERM or Ctrl-C; prints the ready line with the address."""
-    host, wanted = _host_port(config.listen)
+    host, wanted = _address(config)
     try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        listener = socket.create_server((host, wanted), family=family, backlog=512)
+        listener = open_listener(host, wanted)
     except OSError as e:
         raise McpError(f"the MCP server cannot listen on {config.listen}: {e.strerror}; set mcp.listen") from None
     port = listener.getsockname()[1]
     app, server = make_app(config, users, port)
-    settings = uvicorn.Config(
-        app, log_config=None, access_log=False, server_header=False, timeout_graceful_shutdown=1, lifespan="on"
-    )
-    with listener:
-        _Http(settings, f"http://{_bracketed(host)}:{port}{PATH}", server, users).run(sockets=[listener])
+
+    async def run() -> None:
+        http = HttpServer(app, on_ready=lambda: say_ready(url=base_url(host, port) + PATH), on_shutdown=server.close)
+        try:
+            await http.serve(sockets=[listener])
+        finally:
+            for identity, _, _ in users.values():
+                await identity.close()
+
+    with listener, asyncio.Runner(loop_factory=new_event_loop) as runner:
+        runner.run(run())
 
 
-class _Http(uvicorn.Server):
-    """uvicorn that says when it is ready, and ends its watches and forums in order."""
-
-    def __init__(self, config: uvicorn.Config, url: str, server: ForumServer, users: Mapping[str, Any]) -> None:
-        super().__init__(config)
-        self._url, self._forum_server, self._users = url, server, users
-
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
-        say_ready(url=self._url)
-
-    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        await self._forum_server.close()
-        await super().shutdown(sockets)
-        for identity, _, _ in self._users.values():
-            await identity.close()
-
-    def handle_exit(self, sig: int, frame: Any) -> None:
-        """The first signal ends in order; it is not sent to us again afterwards."""
-        super().handle_exit(sig, frame)
-        self._captured_signals.clear()
-        signal.signal(sig, signal.SIG_DFL)
-
-
-def _host_port(listen: str) -> tuple[str, int]:
-    parts = urlsplit(f"//{listen}")
+def _address(config: McpConfig) -> tuple[str, int]:
     try:
-        if parts.hostname and parts.port is not None:
-            return parts.hostname, parts.port
-    except ValueError:
-        pass
-    raise McpError(f"mcp.listen must be host:port, for example 127.0.0.1:8090; found {listen!r}")
-
-
-def _bracketed(host: str) -> str:
-    return f"[{host}]" if ":" in host else host
+        return parse_listen(config.listen)
+    except ValueError as e:
+        raise McpError(f"mcp.listen: {e}") from None

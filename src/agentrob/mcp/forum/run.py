@@ -1,33 +1,64 @@
-"""Runs the MCP servers as a configuration says: whose tokens they hold, and what they allow."""
+"""Runs the forum's MCP server over stdio or HTTP, as the configuration says."""
 
 from __future__ import annotations
 
-import importlib
+import asyncio
+import contextlib
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+
+import structlog
 
 from agentrob.config.load import Config
 from agentrob.config.mcp import McpUserConfig
-from agentrob.errors import ConfigError
+from agentrob.errors import ConfigError, ForumDenied, ForumError
 from agentrob.mcp.forum.identity import Accounts, Identity, OpenForum, Rights
+from agentrob.mcp.forum.server import ForumServer
+from agentrob.mcp.stdio import serve_stdio
 
-
-def prepare(http: bool) -> None:
-    """Import what a server needs."""
-    importlib.import_module(f"agentrob.mcp.forum.{'http' if http else 'stdio'}")
+_log = structlog.get_logger()
 
 
 def run_stdio(config: Config, open_forum: OpenForum, token: str, write: bool) -> None:
-    """Serve one client until it closes its end. `token` signs in the account of `[forum]`."""
-    from agentrob.mcp.forum.stdio import run
-
+    """Serve one client until it closes standard input. `token` signs in the account of `[forum]`."""
     rights = Rights(write, frozenset(config.mcp.toolsets))
     tokens = {name: found for name, user in config.mcp.users.items() if (found := _secret(user.forum_token_env))}
 
     def make() -> Accounts:
         return Accounts(Identity("(the account of [forum])", open_forum(token), rights), open_forum, tokens)
 
-    run(make)
+    serve_accounts(make)
+
+
+def serve_accounts(make: Callable[[], Accounts]) -> None:
+    """Serve the accounts of one client over stdio; `make` is called in the event loop."""
+    from uvloop import new_event_loop
+
+    async def main() -> None:
+        await _serve(make())
+
+    with asyncio.Runner(loop_factory=new_event_loop) as runner:
+        runner.run(main())
+
+
+async def _serve(accounts: Accounts) -> None:
+    server = ForumServer(lambda _: accounts.current, accounts)
+    checking = asyncio.create_task(_check(accounts.current))
+    try:
+        await serve_stdio(server.engine, server.options())
+    finally:
+        checking.cancel()
+        await server.close()
+        await accounts.close()
+
+
+async def _check(identity: Identity) -> None:
+    """Log that the forum refuses the token. A forum that cannot be reached yet is asked again by the first tool."""
+    with contextlib.suppress(ForumError):
+        try:
+            await identity.me()
+        except ForumDenied as e:
+            _log.error("the forum refuses the token, so every tool will", error=str(e))
 
 
 def run_http(config: Config, open_forum: OpenForum) -> None:

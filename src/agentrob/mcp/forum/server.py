@@ -19,7 +19,7 @@ from mcp.server.caching import CacheHint
 from mcp.server.context import CallNext, HandlerResult, ServerRequestContext
 from mcp.server.lowlevel import NotificationOptions, Server
 from mcp.shared.exceptions import MCPError
-from mcp_types import PROTOCOL_VERSION_META_KEY, SERVER_INFO_META_KEY
+from mcp_types import SERVER_INFO_META_KEY
 from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 from pydantic import BaseModel, ValidationError
 
@@ -31,7 +31,7 @@ from agentrob.mcp.forum import resources
 from agentrob.mcp.forum.arguments import Arguments, input_schema
 from agentrob.mcp.forum.identity import Accounts, Identity
 from agentrob.mcp.forum.prompts import PROMPTS, filled
-from agentrob.mcp.forum.subscriptions import Watch
+from agentrob.mcp.forum.subscriptions import Subscriptions
 from agentrob.mcp.forum.tools import BY_NAME, Call, Tool, allowed, as_offered
 
 log = structlog.get_logger(__name__)
@@ -44,16 +44,13 @@ INSTRUCTIONS = (
 
 
 class ForumServer:
-    """The handlers. `identify` says whose call it is; `accounts` is given where one client may switch its account.
-    `own_pipes`: what is answered goes out by `agentrob.mcp.forum.pipes`, which take an envelope as it is."""
+    """The request handlers. `identify` returns the caller's identity; `accounts` is set where one client may switch
+    its account (stdio)."""
 
-    def __init__(
-        self, identify: Callable[[Context], Identity], accounts: Accounts | None = None, own_pipes: bool = False
-    ) -> None:
+    def __init__(self, identify: Callable[[Context], Identity], accounts: Accounts | None = None) -> None:
         self._identify = identify
         self._accounts = accounts
-        self._own_pipes = own_pipes
-        self._watches: dict[int, Watch] = {}
+        self._subscriptions: dict[int, Subscriptions] = {}
         self.engine: Server[Any] = Server(
             "agentrob-forum",
             version=__version__,
@@ -78,16 +75,16 @@ class ForumServer:
             on_list_prompts=self.list_prompts,
             on_get_prompt=self.get_prompt,
         )
-        # The one that is there traces for OpenTelemetry, which nobody reads here.
-        self.engine.middleware[:] = [self._straight]
+        # Replaces the SDK's OpenTelemetry middleware, which we do not export.
+        self.engine.middleware[:] = [self._answer_tool_call]
 
     def options(self) -> Any:
         """What a client of before 2026 is told at its handshake."""
         return self.engine.create_initialization_options(NotificationOptions(tools_changed=True))
 
     async def close(self) -> None:
-        for watch in self._watches.values():
-            await watch.close()
+        for subscriptions in self._subscriptions.values():
+            await subscriptions.close()
 
     # ---------------------------------------------------------------- tools
     async def list_tools(self, ctx: Context, params: Any) -> types.ListToolsResult:
@@ -98,19 +95,18 @@ class ForumServer:
         said = await self._said(ctx, params.name, params.arguments or {})
         return types.CallToolResult.model_validate(_result(said, said.structure()))
 
-    async def _straight(self, ctx: Context, call_next: CallNext) -> HandlerResult:
-        """Answers a well-formed call of a tool without the engine's passes over what is ours anyway: validating and
-        copying the answer four times costs more than most calls."""
+    async def _answer_tool_call(self, ctx: Context, call_next: CallNext) -> HandlerResult:
+        """Answer a well-formed tool call without the engine's validation passes: they would parse and copy an answer
+        that this server made itself four times, which costs more than most calls."""
         params = ctx.params or {}
         name, given = params.get("name"), params.get("arguments")
         plain = isinstance(name, str) and isinstance(given, dict) and params.keys() <= _PLAIN_CALL
-        newer, meta = ctx.protocol_version in MODERN_PROTOCOL_VERSIONS, params.get("_meta")
-        if self._own_pipes and not newer and isinstance(meta, dict) and PROTOCOL_VERSION_META_KEY in meta:
-            raise MCPError(types.INVALID_REQUEST, "this connection began with a handshake, and is none of 2026-07-28")
-        if ctx.method != "tools/call" or not plain or not ctx.session._connection.initialize_accepted:
+        newer = ctx.protocol_version in MODERN_PROTOCOL_VERSIONS
+        initialized = newer or ctx.session.client_params is not None
+        if ctx.method != "tools/call" or not plain or not initialized:
             return await call_next(ctx)
         said = await self._said(ctx, params["name"], params["arguments"])
-        answer = _result(said, said if self._own_pipes else said.structure())
+        answer = _result(said, said.structure())
         if newer:
             answer["resultType"] = "complete"
             answer["_meta"] = {SERVER_INFO_META_KEY: self.engine.server_info_stamp}
@@ -186,31 +182,36 @@ class ForumServer:
         return types.ReadResourceResult(contents=[types.TextResourceContents(uri=uri, mime_type=mime, text=text)])
 
     # ---------------------------------------------------------------- pushed updates
-    def watch(self, who: Identity) -> Watch:
-        """The watch of an identity, made when somebody first listens."""
-        if (found := self._watches.get(id(who))) is None:
-            found = self._watches[id(who)] = Watch(who)
+    def subscriptions(self, who: Identity) -> Subscriptions:
+        """The subscriptions of an identity, created on first use."""
+        if (found := self._subscriptions.get(id(who))) is None:
+            found = self._subscriptions[id(who)] = Subscriptions(who)
         return found
 
+    def end_session(self, session_id: str) -> None:
+        """Drop the subscriptions of an HTTP session that its client has ended."""
+        for subscriptions in self._subscriptions.values():
+            subscriptions.drop(session_id)
+
     async def subscribe(self, ctx: Context, params: types.SubscribeRequestParams) -> types.EmptyResult:
-        if not self.watch(self._identify(ctx)).subscribe(ctx.session, str(params.uri)):
+        if not self.subscriptions(self._identify(ctx)).subscribe(ctx, str(params.uri)):
             raise MCPError(types.INVALID_REQUEST, "too many subscriptions; unsubscribe from some first")
         return types.EmptyResult()
 
     async def unsubscribe(self, ctx: Context, params: types.UnsubscribeRequestParams) -> types.EmptyResult:
-        self.watch(self._identify(ctx)).unsubscribe(ctx.session, str(params.uri))
+        self.subscriptions(self._identify(ctx)).unsubscribe(ctx, str(params.uri))
         return types.EmptyResult()
 
     async def listen(
         self, ctx: Context, params: types.SubscriptionsListenRequestParams
     ) -> types.SubscriptionsListenResult:
-        watch = self.watch(self._identify(ctx))
-        async with watch.held():
-            return await watch.listen(ctx, params)
+        subscriptions = self.subscriptions(self._identify(ctx))
+        async with subscriptions.held():
+            return await subscriptions.listen(ctx, params)
 
     async def _subscribe_legacy(self, ctx: Context, who: Identity, uri: str) -> None:
         """A tool call cannot open a stream in the protocol of 2026: there a client listens to the address itself."""
-        if ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS and not self.watch(who).subscribe(ctx.session, uri):
+        if ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS and not self.subscriptions(who).subscribe(ctx, uri):
             raise ToolError("refused", "too many subscriptions", "resources/unsubscribe from some first")
 
     # ---------------------------------------------------------------- prompts

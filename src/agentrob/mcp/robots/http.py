@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import hmac
 import os
-import signal
-import socket
 from typing import TYPE_CHECKING
 
-import uvicorn
 from mcp.server.auth.provider import AccessToken
 from mcp.server.auth.settings import AuthSettings
 from mcp.server.transport_security import TransportSecuritySettings
@@ -22,6 +18,8 @@ from agentrob.mcp.forum.http import PATH, trimmed
 from agentrob.mcp.robots.server import RobotServer, configured
 from agentrob.mcp.robots.tools import allowed
 from agentrob.process.child import say_ready
+from agentrob.process.http_server import HttpServer
+from agentrob.process.listen import base_url, host_in_url, open_listener
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -44,7 +42,7 @@ class OneToken:
 
 def make_app(server: RobotServer, token: str, host: str, port: int) -> ASGIApp:
     """The ASGI app. Requests must be meant for this address, and pages only of its own may send them."""
-    hosts = sorted({f"{name}:{port}" for name in (_bracketed(host), "127.0.0.1", "localhost", "[::1]")})
+    hosts = sorted({f"{name}:{port}" for name in (host_in_url(host), "127.0.0.1", "localhost", "[::1]")})
     app = server.engine.streamable_http_app(
         streamable_http_path=PATH,
         max_request_body_size=256 * 1024,
@@ -52,7 +50,7 @@ def make_app(server: RobotServer, token: str, host: str, port: int) -> ASGIApp:
             allowed_hosts=hosts, allowed_origins=[f"http://{name}" for name in hosts]
         ),
         auth=AuthSettings(
-            issuer_url=AnyHttpUrl(f"http://{_bracketed(host)}:{port}{PATH}"),
+            issuer_url=AnyHttpUrl(base_url(host, port) + PATH),
             resource_server_url=None,
             required_scopes=[SCOPE],
         ),
@@ -68,8 +66,7 @@ def run(config: McpRobotConfig) -> None:
         raise ConfigError(f"mcp_robot.token_env must name a variable with a token of at least {SHORTEST} characters")
     host, wanted = config.address
     try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        listener = socket.create_server((host, wanted), family=family, backlog=128)
+        listener = open_listener(host, wanted)
     except OSError as e:
         raise ConfigError(f"cannot listen on {config.listen}: {e.strerror}; set mcp_robot.listen") from None
 
@@ -77,38 +74,11 @@ def run(config: McpRobotConfig) -> None:
         robots = configured(config)
         port = listener.getsockname()[1]
         app = make_app(RobotServer(robots, allowed(config)), token, host, port)
-        settings = uvicorn.Config(
-            app, log_config=None, access_log=False, server_header=False, timeout_graceful_shutdown=1, lifespan="on"
-        )
-        http = _Server(settings, f"http://{_bracketed(host)}:{port}{PATH}")
-        for sign in (signal.SIGTERM, signal.SIGINT):
-            asyncio.get_running_loop().add_signal_handler(sign, http.end)
+        url = base_url(host, port) + PATH
         try:
-            await http.serve(sockets=[listener])
+            await HttpServer(app, on_ready=lambda: say_ready(url=url)).serve(sockets=[listener])
         finally:
             await robots.close()
 
     with listener:
         asyncio.run(serve())
-
-
-class _Server(uvicorn.Server):
-    """uvicorn that says when it is ready, and leaves signals to whoever runs it."""
-
-    def __init__(self, config: uvicorn.Config, url: str) -> None:
-        super().__init__(config)
-        self._url = url
-
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
-        say_ready(url=self._url)
-
-    def end(self) -> None:
-        self.should_exit = True
-
-    def capture_signals(self) -> contextlib.AbstractContextManager[None]:  # type: ignore[override]
-        return contextlib.nullcontext()
-
-
-def _bracketed(host: str) -> str:
-    return f"[{host}]" if ":" in host else host

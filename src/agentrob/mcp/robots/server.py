@@ -25,9 +25,9 @@ from agentrob.errors import ConfigError
 from agentrob.forums.protocol import TRACE_ID
 from agentrob.mcp.envelope import SCHEMA, ToolError, failure, new_trace_id, success
 from agentrob.mcp.forum.arguments import Arguments, input_schema
-from agentrob.mcp.forum.pipes import stdio_pipes
 from agentrob.mcp.robots.service_client import Robots, Service
 from agentrob.mcp.robots.tools import BY_NAME, Answer, Tool, allowed
+from agentrob.mcp.stdio import serve_stdio
 
 _log = structlog.get_logger(__name__)
 Context = ServerRequestContext[Any, Any]
@@ -62,7 +62,7 @@ class RobotServer:
             on_list_resources=self.list_resources,
             on_list_resource_templates=self.list_templates,
         )
-        self.engine.middleware.clear()  # it traces for OpenTelemetry, which nobody reads here
+        self.engine.middleware.clear()  # the SDK's OpenTelemetry middleware, which we do not export
 
     def options(self) -> Any:
         """What a client of before 2026 is told at its handshake."""
@@ -174,14 +174,13 @@ def configured(config: McpRobotConfig) -> Robots:
 
 
 def run(config: McpRobotConfig) -> None:
-    """Serve one client over standard input and output until it closes its end."""
+    """Serve one client over standard input and output until it closes standard input."""
 
     async def serve() -> None:
         robots = configured(config)
         server = RobotServer(robots, allowed(config))
         try:
-            async with stdio_pipes() as (read, write):
-                await server.engine.run(read, write, server.options())
+            await serve_stdio(server.engine, server.options())
         finally:
             await robots.close()
 
