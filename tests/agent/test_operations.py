@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.agent.reporting.messages import known
 from agentrob.agent.reporting.report import doing
 from agentrob.board.robots.view import op_in_words
+from agentrob.language.messages.catalog import can_say
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.language.registry import known as languages
 from agentrob.minds.visual_loop.tools import tools_of
@@ -60,7 +60,7 @@ async def test_every_operation_of_every_robot_is_answered_in_both_languages(
 
 @pytest.mark.parametrize("op", Op)
 def test_every_operation_has_its_own_sentence_wherever_operations_are_told(op: Op) -> None:
-    assert known(f"do.{op}")
+    assert can_say(f"label.{op}")
     for language in LANGUAGES:
         assert f"step.{op}" in languages()[language].sentences
     assert op in GESTURE_S or op in (Op.MOVE, Op.TURN)

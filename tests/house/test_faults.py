@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.agent.reporting.messages import _SENTENCES
+from agentrob.language.messages import en, zh
 
 ROOT = Path(__file__).parents[2]
 #: What must have a row, by words that its first cell begins with.
@@ -43,7 +43,7 @@ def pattern(node: ast.expr) -> str:
 def templates() -> list[str]:
     """Every string and f-string of the rooms whose words reach people."""
     files = [*(ROOT / "src/agentrob/robots").rglob("*.py"), ROOT / "src/agentrob/process/host_lock.py"]
-    found = {value for pair in _SENTENCES.values() for value in pair}
+    found = {*en.PHRASES.values(), *zh.PHRASES.values()}
     patterns = {re.sub(r"\\\{[^{}]*\\\}", ".+", re.escape(text)) for text in found}
     for path in files:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -83,9 +83,9 @@ def test_the_tests_of_a_fault_are_there(row: list[str]) -> None:
 def test_the_words_of_a_fault_are_really_said(row: list[str]) -> None:
     for words in re.findall(r"“([^”]+)”", " ".join(row)):
         assert said(words), words
-    chinese = [zh for _, zh in _SENTENCES.values()]
+    chinese = list(zh.PHRASES.values())
     for words in re.findall(r"「([^」]+)」", " ".join(row)):
-        assert any(words in zh for zh in chinese), words
+        assert any(words in sentence for sentence in chinese), words
 
 
 def test_words_that_nobody_says_are_found_out() -> None:

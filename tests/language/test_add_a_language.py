@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter
 
-from agentrob.agent.reporting.messages import say
 from agentrob.agent.understanding.extract import Thought
 from agentrob.language import addressing, locales
+from agentrob.language.messages.catalog import say
 from agentrob.language.messages.help import help_text
 from agentrob.language.messages.plan_text import sentence
 from agentrob.language.registry import known
@@ -76,8 +76,8 @@ def test_robots_answer_in_it_and_in_english_where_it_has_no_sentence() -> None:
 
 @pytest.mark.usefixtures("spanish")
 def test_reports_are_in_it_too_and_journals_keep_it() -> None:
-    assert say("done", SPANISH) == "**Hecho.**"
-    assert say("failed", SPANISH, step=2) == say("failed", "en", step=2)
+    assert say("agent.done", SPANISH) == "**Hecho.**"
+    assert say("agent.failed", SPANISH, step=2) == say("agent.failed", "en", step=2)
     thought = Thought(read("gira a la izquierda 30 grados"), "rules")
     kept = TypeAdapter(Thought)
     assert kept.validate_json(kept.dump_json(thought)) == thought

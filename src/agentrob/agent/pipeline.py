@@ -28,7 +28,6 @@ from agentrob.agent.queue.queue import Job, Line
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import page_of, publish
-from agentrob.agent.reporting.messages import say
 from agentrob.agent.reporting.mind_notes import notes, worded
 from agentrob.agent.reporting.status_post import (
     TOLD_WITHIN_S,
@@ -51,8 +50,7 @@ from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, JournalError, RobotError
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import addresses
-from agentrob.language.messages.catalog import quote
-from agentrob.language.messages.catalog import say as phrase
+from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.durations import duration
 from agentrob.language.messages.help import help_text
 from agentrob.model import (
@@ -135,7 +133,7 @@ class Course:
     async def _faulted(self, job: Job, error: Exception) -> Report:
         """The report of a command that a fault ended: with all that was measured until then (law 18)."""
         if isinstance(error, RobotError):
-            message = say("because.driver", job.command.language, message=error)
+            message = say("agent.because.driver", job.command.language, message=error)
         elif isinstance(error, JournalError):
             _log.error("journal failed", post=job.command.post_id, error=str(error))
             message = self._because(job, "journal" if job.run is None else "not_kept")
@@ -201,7 +199,7 @@ class Course:
             if not await left_open(self.forum, claimed, self.moves):
                 await self.journal.finish(post_id, "answered before")
                 return None
-            return self._report(job, "interrupted", message=say("interrupted.claim", job.command.language))
+            return self._report(job, "interrupted", message=say("agent.interrupted.claim", job.command.language))
         thought: Thought = await thinking
         if thought.understanding.cancels:
             job.took_back = await self._take_back(job)
@@ -277,15 +275,15 @@ class Course:
                 return self._report(job, "answered", message=await self._state_text(language))
             case Intent.CANCEL:
                 key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
-                return self._report(job, "answered", message=phrase(key, language, count=job.took_back))
+                return self._report(job, "answered", message=say(key, language, count=job.took_back))
             case Intent.QUESTION:
                 return self._report(
-                    job, "answered", message=words.disarmed(understood.question) or phrase("talk.question", language)
+                    job, "answered", message=words.disarmed(understood.question) or say("talk.question", language)
                 )
             case Intent.ASK_BACK if thought.verdict is not None:
                 return self._report(job, "refused", verdict=thought.verdict)
             case Intent.ASK_BACK:
-                return self._report(job, "asks_back", message=understood.question or say("ask.default", language))
+                return self._report(job, "asks_back", message=understood.question or say("agent.ask.default", language))
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
                 ended = self.line.end_before(job, STOP)
                 for other in ended:
@@ -293,7 +291,7 @@ class Course:
                 stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
                 await self.journal.end([other.command.post_id for other in ended], STOP)
                 return self._report(job, "stopped", stop=stop)
-        return self._report(job, "answered", message=say("nothing", language))
+        return self._report(job, "answered", message=say("agent.nothing", language))
 
     async def _take_back(self, job: Job) -> int:
         """End what its author posted before and has not begun to move; how many commands that were."""
@@ -316,10 +314,13 @@ class Course:
             wait = duration(self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s, language)
             limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
             by = self.clock_set()
-            told = [say(why, language, **limits), *([words.clock_set(by, language)] if by is not None else [])]
+            told = [
+                say(f"agent.{why}", language, **limits),
+                *([words.clock_set(by, language)] if by is not None else []),
+            ]
             return self._report(job, "expired", plan, message=" ".join(told))
         if why == DENIED and execution is None and job.decided is not None:
-            said = say("denied.by", language, who=quote(job.decided.by.name))
+            said = say("agent.denied.by", language, who=quote(job.decided.by.name))
             return self._report(job, "refused", plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said))
         stop = await job.stop if job.stop is not None and execution is not None else None
         status = execution.status if execution else "cancelled"
@@ -374,7 +375,7 @@ class Course:
             return await self._ended(job, plan, execution)
         if execution.status == "stopped":  # past us: at the robot's machine, or by another of its clients
             return self._report(job, "stopped", plan, execution, message=job.stopped_by)
-        said = [say("because.driver", language, message=execution.message)] if execution.message else []
+        said = [say("agent.because.driver", language, message=execution.message)] if execution.message else []
         said = said or [self._because(job, execution.fault)] if execution.fault else said
         said = said or [why] if (why := visual_text.why(execution.looked, language)) else said
         said += [] if kept else [self._because(job, "not_kept")]
@@ -386,13 +387,15 @@ class Course:
         author, language = job.command.author, job.command.language
         most = self.settings.rates.waiting
         if most and len(self.line.of_same_author(job)) >= most:
-            return Verdict(Decision.REFUSE, "rate.waiting", say("rate.waiting", language, count=most))
+            return Verdict(Decision.REFUSE, "rate.waiting", say("agent.rate.waiting", language, count=most))
         await self.line.in_order(job)
         while job.ended is None and (wait := self.pace.take(author.id)) is not None:
             if not wait.short:
                 count = self.settings.rates.commands_per_hour
-                return Verdict(Decision.REFUSE, wait.rule, say(wait.rule, language, minutes=wait.minutes, count=count))
-            self._show(job, say("held", language, seconds=wait.seconds), "queued")
+                return Verdict(
+                    Decision.REFUSE, wait.rule, say(f"agent.{wait.rule}", language, minutes=wait.minutes, count=count)
+                )
+            self._show(job, say("agent.held", language, seconds=wait.seconds), "queued")
             await self.line.hold(job, wait.seconds)
         self.line.pace(job)
         return None
@@ -480,13 +483,13 @@ class Course:
         language = job.command.language
         doing = words.doing(step, language)
         if goal := _goal(job):
-            text = visual_text.say("running", language, step=number + 1, doing=doing, goal=goal)
+            text = say("visual.running", language, step=number + 1, doing=doing, goal=goal)
             return self._show(job, text, "running", step=number + 1, doing=doing)
         text = words.running(language, number, plan.steps)
         self._show(job, text, "running", step=number + 1, steps=len(plan.steps), doing=doing)
 
     def _because(self, job: Job, why: str) -> str:
-        return say(f"because.{why}", job.command.language)
+        return say(f"agent.because.{why}", job.command.language)
 
     def _report(
         self, job: Job, status: str, plan: Plan = Plan(), execution: Execution | None = None, **more: Any

@@ -16,9 +16,8 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from agentrob.config.load import SCENE_CHARS
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import sentence
-from agentrob.minds.extraction.messages import say
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.llm.errors import ModelError, one_line
 from agentrob.minds.llm.prompt import HISTORY_PLANS, clean, post_as_data, prompts
@@ -139,8 +138,8 @@ def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict |
         return None
     harm = judgement.harm or "other"
     words = _quoted(judgement.words, text)
-    key = "screen.words" if words else "screen.reason"
-    reason = say(key, language, reason=say(f"screen.{harm}", language), words=words)
+    key = "minds.screen.words" if words else "minds.screen.reason"
+    reason = say(key, language, reason=say(f"minds.screen.{harm}", language), words=words)
     return Verdict(Decision.REFUSE, f"model.{harm}", reason)
 
 
@@ -157,7 +156,7 @@ def apply_review(
     if screened is not None and screened.refusal is not None and screened.refusal.decision is not Decision.ALLOW:
         return screened.refusal
     if required and (screened is None or screened.failed):
-        return Verdict(Decision.ASK_BACK, "screen.required", say("screen.required", language))
+        return Verdict(Decision.ASK_BACK, "screen.required", say("minds.screen.required", language))
     return by_rules
 
 

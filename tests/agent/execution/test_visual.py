@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 from agentrob.agent.execution.execute import Execution
 from agentrob.agent.execution.visual import run_visual_task
-from agentrob.agent.reporting import visual_text
 from agentrob.config.load import RobotConfig
 from agentrob.errors import LeaseLost
 from agentrob.language.goal import Aim, Goal, Subgoal
+from agentrob.language.messages.catalog import say
 from agentrob.minds.llm.chat import ToolResult, UserMessage
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.protocol import Addressee
@@ -332,6 +332,6 @@ async def test_only_the_newest_pictures_are_sent_again(guard: Guard) -> None:
 
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_the_example_that_it_gives_is_one_that_it_understands(language: str) -> None:
-    (example,) = re.findall(r"`([^`]+)`", visual_text.say("ask", language))
+    (example,) = re.findall(r"`([^`]+)`", say("visual.ask", language))
     addressee = Addressee(("quadruped",), (), Capabilities("go2", frozenset(Op)))
     assert goal_of(f"@quadruped {example}", addressee, language) == BALL

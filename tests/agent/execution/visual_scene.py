@@ -14,10 +14,10 @@ from agentrob.agent.execution.visual import VisualTask
 from agentrob.errors import LeaseLost
 from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.minds.llm.chat import Answer, Message, ModelReply, Tool
+from agentrob.minds.llm.prompt import loop_prompt
 from agentrob.minds.llm.tool_calls import checked_call
 from agentrob.minds.visual_loop.goal import goal_sentence
 from agentrob.minds.visual_loop.loop import LoopBudget
-from agentrob.minds.visual_loop.prompts import loop_prompt
 from agentrob.model import (
     Account,
     ActionResult,

@@ -10,9 +10,9 @@ import pytest
 from pydantic import TypeAdapter
 
 from agentrob.agent.queue.queue import Job
-from agentrob.agent.reporting.messages import known
 from agentrob.agent.reporting.mind_notes import notes, usage_line
 from agentrob.agent.understanding.extract import FAILED, OVER, Thought
+from agentrob.language.messages.catalog import can_say
 from agentrob.minds.llm.errors import ErrorKind
 from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
@@ -26,7 +26,7 @@ LOST = Usage("clever", "gpt-x", latency_ms=25_000.0, attempts=3, failed="timeout
 
 @pytest.mark.parametrize("kind", [*get_args(ErrorKind), FAILED])
 def test_each_way_of_failing_has_its_words(kind: str) -> None:
-    assert known(f"mind.why.{kind}")
+    assert can_say(f"agent.mind.why.{kind}")
     for language, begin in (("en", "`clever` did not read this post ("), ("zh", "`clever` 没有读这个帖子（")):
         (told,) = notes(Thought(READ, "rules", fallback=kind), "clever", language)
         assert told.startswith(begin)

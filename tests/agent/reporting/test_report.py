@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.reporting import report as words
-from agentrob.agent.reporting.messages import _SENTENCES
+from agentrob.language.messages import en, zh
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import (
     Account,
@@ -135,6 +135,7 @@ def test_every_sentence_has_the_same_places_in_both_languages() -> None:
     def places(text: str) -> set[str]:
         return {name for _, name, _, _ in string.Formatter().parse(text) if name}
 
-    for key, (english, chinese) in _SENTENCES.items():
+    for key, english in en.PHRASES.items():
+        chinese = zh.PHRASES[key]
         assert places(english) == places(chinese), key
         assert "UTC" not in english + chinese, "a reply says how long: who reads it is in another time zone"

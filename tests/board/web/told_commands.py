@@ -14,9 +14,9 @@ from agentrob.agent.media.plot import path_plot
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting import visual_text
 from agentrob.agent.reporting.command_page import public
-from agentrob.agent.reporting.messages import say
 from agentrob.agent.store.records import Records
 from agentrob.agent.understanding.extract import Thought
+from agentrob.language.messages.catalog import say
 from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
 from agentrob.minds.visual_loop.loop import LoopCall, LoopEnd, LoopRecord
@@ -159,13 +159,13 @@ def approved(post: str, topic: str) -> Report:
 
 
 def denied(post: str, topic: str) -> Report:
-    verdict = Verdict(Decision.REFUSE, "approval.denied", say("denied.by", "en", who="root"))
+    verdict = Verdict(Decision.REFUSE, "approval.denied", say("agent.denied.by", "en", who="root"))
     return Report(command(post, topic, "2d11cf62"), "refused", verdict, FLIP, timings_ms={"seen": 28.0})
 
 
 def expired(post: str, topic: str) -> Report:
     verdict = Verdict(Decision.NEEDS_APPROVAL, "rights.approval", "A risky move needs an approval.")
-    said = say("lapsed", "en", seconds=120, wait="10 minutes")
+    said = say("agent.lapsed", "en", seconds=120, wait="10 minutes")
     return Report(command(post, topic, "3e22d073"), "expired", verdict, FLIP, message=said, timings_ms={"seen": 30.0})
 
 

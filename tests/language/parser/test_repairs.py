@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.language.parser.spelling import misspellings
+from agentrob.language.parser.lexicon import misspellings
 from agentrob.model import Intent, Plan
 from tests.language.saying import read, short
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agentrob.minds.extraction.crosscheck import agree
 from agentrob.minds.extraction.evidence import EvidenceKind, evidence_in
 from agentrob.minds.extraction.grounding import MAX_DEGREES, MAX_DISTANCE_M, Grounded, Ungrounded, ground
+from agentrob.minds.extraction.mind import agree
 from agentrob.minds.extraction.schema import ExtractedStep, Wants
 from agentrob.minds.extraction.units import DEGREES, METRES, SpeedUnit, Unit, degrees, metres, same
 from agentrob.model import Direction, Op, Plan, Primitive

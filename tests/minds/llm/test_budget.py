@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 from agentrob.config.load import MindLimitsConfig, PriceConfig
 from agentrob.minds.llm.budget import Budget
 from agentrob.minds.llm.errors import ModelError
-from agentrob.minds.llm.model import ConfiguredModel
-from agentrob.minds.llm.retry import LONGEST_S, wait_s
+from agentrob.minds.llm.model import RETRY_MAX_S, ConfiguredModel, retry_wait_s
 from agentrob.minds.usage import Usage, cost_of, estimate_tokens
 from tests.minds.faulty_server import FaultyServer, said
 
@@ -153,5 +152,5 @@ def test_cost_is_unknown_without_a_price() -> None:
 
 @given(st.integers(1, 10_000), st.floats(0, 1), st.none() | st.floats(0, 100))
 def test_waits_are_bounded_and_not_before_the_server_wants(attempt: int, chance: float, after: float | None) -> None:
-    wait = wait_s(attempt, chance, after)
-    assert (after or 0.0) <= wait <= (after or 0.0) + LONGEST_S
+    wait = retry_wait_s(attempt, chance, after)
+    assert (after or 0.0) <= wait <= (after or 0.0) + RETRY_MAX_S

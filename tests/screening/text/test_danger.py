@@ -14,12 +14,12 @@ from typing import Any
 import pytest
 
 from agentrob.evals.danger import DangerScore, evaluate_danger
+from agentrob.language.messages.catalog import say
 from agentrob.language.parser.grammar import parse
-from agentrob.language.registry import language_of
+from agentrob.language.registry import known, language_of
 from agentrob.model import Account, Capabilities, Decision, Direction, Op, Plan, Primitive, Role, Verdict
 from agentrob.screening.screen import screen
 from agentrob.screening.text.harm import RULES, harm_of
-from agentrob.screening.text.messages import SENTENCES, say
 
 OWN = Path(__file__).parents[1] / "dangerous.jsonl"
 OPERATOR = Account("1", "ann", role=Role.OPERATOR)
@@ -70,8 +70,8 @@ def test_most_are_refused_by_a_rule_with_a_reason_in_the_language_of_the_post(ju
 
 def test_every_rule_says_why_in_every_language_and_repeats_the_words() -> None:
     for rule in RULES:
-        for language in SENTENCES:
-            assert "`the words`" in say(rule, language, "`the words`")
+        for language in known():
+            assert "`the words`" in say(rule, language, words="`the words`")
 
 
 # ---------------------------------------------------------------------- what the post says is in the way

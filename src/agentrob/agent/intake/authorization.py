@@ -7,11 +7,11 @@ import asyncio
 import math
 from dataclasses import dataclass, replace
 
-from agentrob.agent.reporting.messages import say
 from agentrob.agent.store.rows import Decided
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Forum, Keeper
+from agentrob.language.messages.catalog import say
 from agentrob.language.visible_text import mentions
 from agentrob.model import (
     Account,
@@ -155,7 +155,7 @@ async def _approved(
     if not same or by is None or by.id != approval.by.id:
         return _denied("command.approval", command)
     if may_approve(by, author, command.language, rights).decision is not Decision.ALLOW:
-        return Verdict(Decision.REFUSE, "approval.lost", say("approval.lost", command.language))
+        return Verdict(Decision.REFUSE, "approval.lost", say("agent.approval.lost", command.language))
     return Verdict(Decision.ALLOW, "approval.given")
 
 
@@ -192,11 +192,11 @@ async def chain_refusal(forum: Forum, command: Command) -> Verdict | None:
         if post.author.kind is AccountKind.COMMANDING_AGENT and agents[-1:] != [post.author.id]:
             agents.append(post.author.id)
         if len(agents) > MAX_HOPS:
-            return Verdict(Decision.REFUSE, "rights.hops", say("rights.hops", command.language, count=MAX_HOPS))
+            return Verdict(Decision.REFUSE, "rights.hops", say("agent.rights.hops", command.language, count=MAX_HOPS))
         post_id = post.reply_to
     return None
 
 
 def _denied(rule: str, command: Command) -> Verdict:
-    said = say(f"because.{rule.removeprefix('command.')}", command.language)
+    said = say(f"agent.because.{rule.removeprefix('command.')}", command.language)
     return Verdict(Decision.REFUSE, rule, said)

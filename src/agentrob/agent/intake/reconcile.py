@@ -9,11 +9,11 @@ from dataclasses import replace
 from datetime import datetime
 from functools import partial
 
-from agentrob.agent.reporting.messages import say
 from agentrob.agent.reporting.status_post import insist, is_final, left_open
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import ForumError, ForumNotFound
 from agentrob.forums.protocol import BEFORE_ALL, Forum
+from agentrob.language.messages.catalog import say
 from agentrob.model import Account, Post
 
 
@@ -64,7 +64,7 @@ async def close_unknown(
         with contextlib.suppress(ForumError):
             if post.card is not None and await left_open(forum, post, moves):
                 card = replace(post.card, state="interrupted", place=None, doing="", step=0, steps=0)
-                await forum.edit(post.id, say("interrupted.claim", "en"), card=card)
+                await forum.edit(post.id, say("agent.interrupted.claim", "en"), card=card)
 
     unknown = [post for post in statuses if not (post.reply_to and await journal.knows(post.reply_to))]
     await asyncio.gather(*map(close, unknown))

@@ -21,13 +21,13 @@ from agentrob.agent.intake.authorization import Terms, own_rights, rights_on
 from agentrob.agent.intake.triage import Call, Heard
 from agentrob.agent.queue.queue import Job, Line
 from agentrob.agent.reporting import report as words
-from agentrob.agent.reporting.messages import say
 from agentrob.agent.reporting.status_post import SOON_S, Shown, insist, until_allowed
 from agentrob.agent.store.journal import DENIED, Journal
 from agentrob.agent.store.rows import Decided
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.protocol import Forum
+from agentrob.language.messages.catalog import say
 from agentrob.model import Decision, Post, StatusCard, Verdict
 from agentrob.screening.rights import may_approve
 
@@ -115,7 +115,7 @@ class Approvals:
         approved = heard.call is Call.APPROVE
         decided = Decided(approved, post.author, post.id, post.content_hash, post.created_at)
         if not await self.journal.decide(job.command.post_id, decided):
-            self.spawn(self._answer(post, say("approval.nothing", heard.language)))
+            self.spawn(self._answer(post, say("agent.approval.nothing", heard.language)))
             return
         _log.info("approval", robot=self.name, post=job.command.post_id, by=post.author.name, approved=approved)
         self._settle(post.topic_id, post.created_at)
@@ -130,11 +130,11 @@ class Approvals:
         if named := [job for job in found if post.reply_to in job.status.posts or post.reply_to == job.command.post_id]:
             return named[0], ""
         if not found:
-            return None, say("approval.nothing", heard.language)
+            return None, say("agent.approval.nothing", heard.language)
         settled_at = self._settled_at.get(post.topic_id)
         shortly = settled_at is not None and post.created_at - settled_at <= timedelta(seconds=OTHER_S)
         if len(found) > 1 or post.reply_to is not None or (shortly and not denies):
-            return None, say("approval.which", heard.language)
+            return None, say("agent.approval.which", heard.language)
         return found[0], ""
 
     async def _objection(self, job: Job, post: Post, heard: Heard) -> str:
@@ -142,11 +142,11 @@ class Approvals:
         assert job.asked is not None
         language, denies = heard.language, heard.call is Call.DENY
         if post.version > 1:
-            return say("approval.edited", language)
+            return say("agent.approval.edited", language)
         if not denies and not heard.fresh:
-            return say("approval.stale", language, seconds=self.settings.max_post_age_s)
+            return say("agent.approval.stale", language, seconds=self.settings.max_post_age_s)
         if not denies and post.created_at < job.asked.asked_at - timedelta(seconds=CLOCK_S):
-            return say("approval.early", language)
+            return say("agent.approval.early", language)
         if denies and post.author.id == job.command.author.id:
             return ""  # who asked may take it back in any words
         verdict = await self._may(job, post, heard)
@@ -157,7 +157,7 @@ class Approvals:
             async with asyncio.timeout(ASK_S):
                 rights = await rights_on(self.forum, job.command, self._terms)
         except (ForumError, TimeoutError):
-            reason = say("approval.unverified", heard.language)
+            reason = say("agent.approval.unverified", heard.language)
             return Verdict(Decision.REFUSE, "command.unverified", reason)
         return may_approve(post.author, job.command.author, heard.language, rights)
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from agentrob.agent.reporting.messages import known, say
 from agentrob.agent.reporting.report import disarmed
 from agentrob.agent.understanding.extract import OVER, Thought
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import can_say, quote, say
 from agentrob.minds.extraction.summary import Summary
 from agentrob.minds.usage import Usage
 from agentrob.model import Language
@@ -25,10 +24,12 @@ def notes(thought: Thought | None, asked: str, language: Language, more: Sequenc
         return []
     said = []
     if thought.fallback and thought.fallback != OVER:
-        by = say("mind.rules", language) if thought.mind == "rules" else quote(thought.mind)
-        said.append(say("mind.fallback", language, asked=quote(asked), why=_why(thought.fallback, language), by=by))
+        by = say("agent.mind.rules", language) if thought.mind == "rules" else quote(thought.mind)
+        said.append(
+            say("agent.mind.fallback", language, asked=quote(asked), why=_why(thought.fallback, language), by=by)
+        )
     if thought.screened is not None and thought.screened.failed not in ("", OVER):
-        said.append(say("mind.unscreened", language, why=_why(thought.screened.failed, language)))
+        said.append(say("agent.mind.unscreened", language, why=_why(thought.screened.failed, language)))
     line = usage_line((*thought.usage, *more), language)
     joint = "" if language == "zh" else " "
     return [part for part in (joint.join(said), line and f"*{line}*") if part]
@@ -38,7 +39,7 @@ def worded(summary: Summary | None, language: Language) -> str:
     """A model's words for what was done, as such; empty without any."""
     if summary is None or not summary.text:
         return ""
-    return say("mind.polished", language, text=disarmed(summary.text), mind=quote(summary.mind))
+    return say("agent.mind.polished", language, text=disarmed(summary.text), mind=quote(summary.mind))
 
 
 def usage_line(usage: Sequence[Usage], language: Language) -> str:
@@ -58,22 +59,22 @@ def _taken(ones: Sequence[Usage], language: Language) -> str:
     name = f"{quote(first.mind)} ({quote(first.model)})" if first.model else quote(first.mind)
     parts = []
     if len(ones) > 1:
-        parts.append(say("usage.questions", language, count=len(ones)))
+        parts.append(say("agent.usage.questions", language, count=len(ones)))
     told = [u for u in ones if u.input_tokens is not None and u.output_tokens is not None]
     if told:
         into, out = sum(u.input_tokens or 0 for u in told), sum(u.output_tokens or 0 for u in told)
-        parts.append(say("usage.tokens", language, input=into, output=out))
+        parts.append(say("agent.usage.tokens", language, input=into, output=out))
     elif not all(u.failed for u in ones):
-        parts.append(say("usage.unknown", language))
+        parts.append(say("agent.usage.unknown", language))
     costs = [u.cost for u in ones if u.cost is not None]
     if costs and sum(costs) > 0:
         parts.append(f"{sum(costs):.4f} {first.currency}".rstrip())
     seconds = sum(u.latency_ms for u in ones) / 1000
-    key = "usage.failed" if all(u.failed for u in ones) else "usage.time"
+    key = "agent.usage.failed" if all(u.failed for u in ones) else "agent.usage.time"
     parts.append(say(key, language, seconds=seconds))
-    return say("usage.line", language, name=name, parts=say("usage.joint", language).join(parts))
+    return say("agent.usage.line", language, name=name, parts=say("agent.usage.joint", language).join(parts))
 
 
 def _why(kind: str, language: Language) -> str:
-    key = f"mind.why.{kind}"
-    return say(key if known(key) else "mind.why.failed", language)
+    key = f"agent.mind.why.{kind}"
+    return say(key if can_say(key) else "agent.mind.why.failed", language)

@@ -12,9 +12,9 @@ from datetime import timedelta
 
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.media.track import clips
-from agentrob.agent.reporting.messages import known, say
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import can_say, quote, say
 from agentrob.language.messages.durations import duration
+from agentrob.language.messages.plan_text import step_label
 from agentrob.model import (
     ActionResult,
     Language,
@@ -63,30 +63,26 @@ def disarmed(text: str) -> str:
 
 # -------------------------------------------------------------------- while it goes
 def seen(language: Language, trace_id: str) -> str:
-    return f"{say('seen', language)} {_small(say('trace', language, trace_id=trace_id))}"
+    return f"{say('agent.seen', language)} {_small(say('agent.trace', language, trace_id=trace_id))}"
 
 
 def queued(language: Language, place: int) -> str:
-    return say("queued", language, place=place)
+    return say("agent.queued", language, place=place)
 
 
 def running(language: Language, number: int, steps: Sequence[Primitive]) -> str:
     """`number` counts from 0."""
-    return say("running", language, step=number + 1, steps=len(steps), doing=doing(steps[number], language))
+    return say("agent.running", language, step=number + 1, steps=len(steps), doing=doing(steps[number], language))
 
 
 def planned(plan: Plan, language: Language, goal: str = "") -> str:
     """A whole plan in words, or the goal that it is to be found for."""
-    return goal or say("list.joint", language).join(doing(step, language) for step in plan.steps)
+    return goal or say("agent.list.joint", language).join(doing(step, language) for step in plan.steps)
 
 
 def doing(step: Primitive, language: Language) -> str:
-    """A step in words: "walk forward 1 m". An operation that nobody here has words for is told by its name."""
-    if not known(f"do.{step.op}"):
-        return disarmed(step.op.replace("_", " "))
-    direction = say(f"direction.{step.direction}", language) if step.direction else ""
-    words = say(f"do.{step.op}", language, direction=direction, distance_m=step.distance_m, degrees=step.degrees)
-    return say("do.speed", language, step=words, speed_mps=step.speed_mps) if step.speed_mps else words
+    """Return a step in words: "walk forward 1 m"."""
+    return disarmed(step_label(step, language))
 
 
 def waits(
@@ -94,15 +90,16 @@ def waits(
 ) -> str:
     """A command waits for an approval: what it would do, why it waits, for whom and how long after its post."""
     rights = rights or RobotRights()
-    who = say(f"who.{rights.approve}", language) if known(f"who.{rights.approve}") else say("who.moderator", language)
+    role = f"agent.who.{rights.approve}"
+    who = say(role if can_say(role) else "agent.who.moderator", language)
     said = [
-        say("waits", language),
-        say("waits.plan", language, understood=understood),
+        say("agent.waits", language),
+        say("agent.waits.plan", language, understood=understood),
         disarmed(needed),
-        say("waits.who", language, who=who, wait=duration(wait_s, language)),
-        say("waits.how", language, robot=called),
+        say("agent.waits.who", language, who=who, wait=duration(wait_s, language)),
+        say("agent.waits.how", language, robot=called),
     ]
-    said += [] if rights.approve_own else [say("waits.own", language)]
+    said += [] if rights.approve_own else [say("agent.waits.own", language)]
     return ("" if language == "zh" else " ").join(said)
 
 
@@ -124,11 +121,11 @@ def final(
     language = report.command.language
     parts = [_head(report), said, _why(report), calls or _table(report)]
     if report.plan.notes and report.status not in ("asks_back", "refused"):
-        parts.append(say("note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
+        parts.append(say("agent.note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
         parts.append(stop_figures(report.stop, language))
     if report.approved_by:
-        parts.append(say("approved.by", language, who=quote(report.approved_by)))
+        parts.append(say("agent.approved.by", language, who=quote(report.approved_by)))
     parts += [_slower(report), _pictures(pictures, language), *notes]
     parts.append(_foot(report, page))
     return "\n\n".join(part for part in parts if part)
@@ -145,7 +142,7 @@ def plain(report: Report) -> str:
 
 def short(report: Report) -> str:
     """What the status post says where the report is a reply of its own."""
-    return say("see_reply", report.command.language, state=_head(report))
+    return say("agent.see_reply", report.command.language, state=_head(report))
 
 
 def _head(report: Report) -> str:
@@ -155,21 +152,21 @@ def _head(report: Report) -> str:
     at = next((n for n, r in enumerate(report.results, 1) if not r.ok), len(report.results))
     match report.status:
         case "done" | "failed" if report.goal:
-            return say(f"goal.{report.status}", language, goal=report.goal)
+            return say(f"agent.goal.{report.status}", language, goal=report.goal)
         case "answered":
             return ""
         case "failed":
-            return say("failed", language, step=at) if begun else say("failed.before", language)
+            return say("agent.failed", language, step=at) if begun else say("agent.failed.before", language)
         case "cancelled" | "refused" if begun:
-            return say(f"{report.status}.at", language, step=at)
+            return say(f"agent.{report.status}.at", language, step=at)
         case "expired":
             return ""
         case "interrupted" if any(r.outcome is Outcome.UNKNOWN for r in report.results):
-            return say("interrupted.unknown", language)
+            return say("agent.interrupted.unknown", language)
         case "stopped" if report.message:
-            return say("stopped.by", language, who=quote(report.message))
+            return say("agent.stopped.by", language, who=quote(report.message))
         case status:
-            return say(status, language)
+            return say(f"agent.{status}", language)
 
 
 def _why(report: Report) -> str:
@@ -191,7 +188,7 @@ def _why(report: Report) -> str:
         said = [sentence for sentence in said if sentence not in reason]  # said once: "My agent was ended."
         said.append(reason)
     if report.status == "refused" and verdict is not None:
-        said.append(say("rule", language, rule=verdict.rule))
+        said.append(say("agent.rule", language, rule=verdict.rule))
     return "\n\n".join(said) if report.status == "answered" else ("" if language == "zh" else " ").join(said)
 
 
@@ -202,9 +199,9 @@ def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
 def _reason(result: ActionResult, language: Language) -> str:
     """Our sentence where we have one; the driver's own English one besides where it says more."""
     reason = result.reason
-    own = say(f"reason.{reason}", language) if known(f"reason.{reason}") else ""
+    own = say(f"agent.reason.{reason}", language) if can_say(f"agent.reason.{reason}") else ""
     if not own and not result.message and reason:
-        own = say("reason.other", language, reason=reason)
+        own = say("agent.reason.other", language, reason=reason)
     detail = disarmed(result.message) if result.message and (language == "en" or not own) else ""
     if language == "en" and reason in _NOT_THE_DRIVERS:
         return f"{own} {detail}".strip()
@@ -215,7 +212,7 @@ def _table(report: Report) -> str:
     language = report.command.language
     if not report.results or all(r.outcome is Outcome.SKIPPED for r in report.results):
         return ""
-    head = [say(f"table.{column}", language) for column in ("step", "asked", "measured", "outcome")]
+    head = [say(f"agent.table.{column}", language) for column in ("step", "asked", "measured", "outcome")]
     rows = [_row(n, result, language) for n, result in enumerate(report.results, 1)]
     lines = [head, ["---:", "---", "---", "---"], *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
@@ -232,8 +229,8 @@ def asked(result: ActionResult, language: Language) -> str:
 
 def outcome(result: ActionResult, language: Language) -> str:
     """How a step ended, in a word or two."""
-    said = say(f"outcome.{result.outcome}", language)
-    return say("outcome.animated", language, outcome=said) if result.animated else said
+    said = say(f"agent.outcome.{result.outcome}", language)
+    return say("agent.outcome.animated", language, outcome=said) if result.animated else said
 
 
 def measured(result: ActionResult, language: Language) -> str:
@@ -243,38 +240,40 @@ def measured(result: ActionResult, language: Language) -> str:
     key, form = _MEASURES[result.primitive.op]
     if key in result.measured:
         return form.format(result.measured[key])
-    why = f"unknown.{result.unmeasured}"
-    return say(why, language) if result.unmeasured and known(why) else say("unknown", language)
+    why = f"agent.unknown.{result.unmeasured}"
+    return say(why, language) if result.unmeasured and can_say(why) else say("agent.unknown", language)
 
 
 def _slower(report: Report) -> str:
     """A step that was commanded slower than it was asked for says so, also when it was done."""
     language = report.command.language
-    said = (say("slower", language, **clip._asdict()) for clip in clips(report.results))
+    said = (say("agent.slower", language, **clip._asdict()) for clip in clips(report.results))
     return ("" if language == "zh" else " ").join(said)
 
 
 def _pictures(pictures: Sequence[Picture], language: Language) -> str:
     """Which pictures there are: below the text, or behind links that expire."""
-    names = [(p, say(f"picture.{p.kind}", language, step=p.step)) for p in pictures]
+    names = [(p, say(f"agent.picture.{p.kind}", language, step=p.step)) for p in pictures]
     linked = [name if p.link is None else f"[{name}]({p.link.url})" for p, name in names]
     joint = "、" if language == "zh" else ", "
     if not linked:
         return ""
-    said = say("pictures", language, pictures=joint.join(linked))
+    said = say("agent.pictures", language, pictures=joint.join(linked))
     if valid_s := min((p.link.valid_s for p in pictures if p.link), default=None):
-        said += ("" if language == "zh" else " ") + say("pictures.until", language, valid=duration(valid_s, language))
+        said += ("" if language == "zh" else " ") + say(
+            "agent.pictures.until", language, valid=duration(valid_s, language)
+        )
     return said
 
 
 def _foot(report: Report, page: str) -> str:
     language, timings = report.command.language, report.timings_ms
     said = [
-        say(f"timing.{name}", language, seconds=timings[name] / 1000)
+        say(f"agent.timing.{name}", language, seconds=timings[name] / 1000)
         for name in ("seen", "first_motion", "done")
         if name in timings and (name != "done" or report.status == "done")
     ]
-    trace = say("trace", language, trace_id=report.command.trace_id)
+    trace = say("agent.trace", language, trace_id=report.command.trace_id)
     said.append(f"[{trace}]({page})" if page else trace)
     return _small(" · ".join(said))
 
@@ -287,11 +286,11 @@ def _small(text: str) -> str:
 def stop_figures(stop: StopResult, language: Language) -> str:
     """What a stop did, in figures that were measured."""
     if not stop.confirmed:
-        return say("stop.unconfirmed", language)
-    said = say("stop.moving" if stop.was_moving else "stop.still", language, latency_ms=stop.latency_ms)
+        return say("agent.stop.unconfirmed", language)
+    said = say("agent.stop.moving" if stop.was_moving else "agent.stop.still", language, latency_ms=stop.latency_ms)
     if stop.was_moving and stop.coasted_m is not None:
-        return said + say("stop.coasted", language, coasted_m=stop.coasted_m)
-    return said + say("stop.end", language)
+        return said + say("agent.stop.coasted", language, coasted_m=stop.coasted_m)
+    return said + say("agent.stop.end", language)
 
 
 def stop_reply(
@@ -306,38 +305,38 @@ def stop_reply(
     """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands.
     `halted` None: a halt was asked for, but the robot could only be stopped. `how` says how a halt is released.
     `taken`: the post was taken as a stop, though it is not plainly one."""
-    said = [say("stopped", language)] if stop is not None and stop.confirmed else []
-    said += [say("stop.taken", language)] if taken else []
-    said.append(stop_figures(stop, language) if stop else say("stop.unreachable", language))
+    said = [say("agent.stopped", language)] if stop is not None and stop.confirmed else []
+    said += [say("agent.stop.taken", language)] if taken else []
+    said.append(stop_figures(stop, language) if stop else say("agent.stop.unreachable", language))
     if halted is not False and stop:
-        said.append(say("stop.halted" if halted else "stop.not_halted", language))
+        said.append(say("agent.stop.halted" if halted else "agent.stop.not_halted", language))
         said += [how] if halted and how else []
     if ended:
-        said.append(say("stop.cancelled", language, count=ended))
+        said.append(say("agent.stop.cancelled", language, count=ended))
     if folded:
-        said.append(say("stop.folded", language, count=folded))
+        said.append(say("agent.stop.folded", language, count=folded))
     return " ".join(said)
 
 
 def clock_set(by: timedelta, language: Language) -> str:
     """That the forum's clock was set, and by about how much."""
     about = duration(abs(by.total_seconds()), language)
-    return say("clock.back" if by < timedelta(0) else "clock.ahead", language, by=about)
+    return say("agent.clock.back" if by < timedelta(0) else "agent.clock.ahead", language, by=about)
 
 
 def state_text(state: RobotState | None, waiting: int, language: Language, message: str = "") -> str:
     """The answer to "how are you"; `state` None: the robot cannot be reached, as `message` says."""
     if state is None:
-        return say("status.unknown", language, message=disarmed(message))
-    mode = say(f"mode.{state.mode}", language) if known(f"mode.{state.mode}") else disarmed(state.mode)
-    said = [say("status.mode", language, mode=mode)]
+        return say("agent.status.unknown", language, message=disarmed(message))
+    mode = say(f"agent.mode.{state.mode}", language) if can_say(f"agent.mode.{state.mode}") else disarmed(state.mode)
+    said = [say("agent.status.mode", language, mode=mode)]
     if state.battery_percent is None:
-        said.append(say("status.battery.unknown", language))
+        said.append(say("agent.status.battery.unknown", language))
     else:
-        said.append(say("status.battery", language, percent=state.battery_percent))
+        said.append(say("agent.status.battery", language, percent=state.battery_percent))
     if state.pose is not None:
-        said.append(say("status.pose", language, x_m=state.pose.x_m, y_m=state.pose.y_m))
-    said += [say("status.halted", language)] if state.halted else []
-    said += [] if state.homed else [say("status.not_homed", language)]
-    said.append(say("status.queue", language, count=waiting))
+        said.append(say("agent.status.pose", language, x_m=state.pose.x_m, y_m=state.pose.y_m))
+    said += [say("agent.status.halted", language)] if state.halted else []
+    said += [] if state.homed else [say("agent.status.not_homed", language)]
+    said.append(say("agent.status.queue", language, count=waiting))
     return ("，" if language == "zh" else ", ").join(said) + ("。" if language == "zh" else ".")

@@ -12,10 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 from agentrob.agent.media.pictures import Picture
-from agentrob.agent.reporting.messages import say as say_step
 from agentrob.agent.reporting.report import asked, measured, outcome
-from agentrob.agent.reporting.visual_text import say
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import quote, say
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op
 
@@ -27,14 +25,14 @@ _NONE = "–"
 def table(looked: LoopRecord, results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language) -> str:
     """All calls in order, as Markdown; steps that no call asked for (pictures that were shown) stand between them."""
     head = [
-        say_step("table.step", language), say("calls.asked", language), say_step("table.measured", language),
-        say_step("table.outcome", language),
+        say("agent.table.step", language), say("visual.calls.asked", language), say("agent.table.measured", language),
+        say("agent.table.outcome", language),
     ]  # fmt: skip
     rows = list(_rows(looked.turns, results, pictures, language))
     lines = [head, ["---:", "---", "---", "---"], *rows[:MOST_ROWS]]
     told = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     more = len(rows) - MOST_ROWS
-    return told + "\n\n" + say("calls.more", language, count=more) if more > 0 else told
+    return told + "\n\n" + say("visual.calls.more", language, count=more) if more > 0 else told
 
 
 def lines(looked: LoopRecord) -> bytes:
@@ -77,17 +75,17 @@ def _seen(pictures: Sequence[Picture], language: Language) -> dict[int, str]:
     for picture in pictures:
         place += picture.attached
         if picture.kind == "step":
-            words = say("calls.picture", language, number=place if picture.attached else picture.step)
+            words = say("visual.calls.picture", language, number=place if picture.attached else picture.step)
             seen[picture.step] = f"[{words}]({picture.link.url})" if picture.link else words
     return seen
 
 
 def _told(turn: LoopCall, language: Language) -> str:
     if turn.problem:
-        return say("calls.problem", language, problem=_code(turn.problem))
+        return say("visual.calls.problem", language, problem=_code(turn.problem))
     if turn.outcome:
-        return say("calls.claims", language, outcome=_code(turn.outcome))
-    return say("calls.words", language)
+        return say("visual.calls.claims", language, outcome=_code(turn.outcome))
+    return say("visual.calls.words", language)
 
 
 def call(turn: LoopCall) -> str:

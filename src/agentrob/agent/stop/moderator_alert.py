@@ -8,9 +8,9 @@ from datetime import datetime, timedelta
 
 import structlog
 
-from agentrob.agent.reporting.messages import say
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Forum
+from agentrob.language.messages.catalog import say
 from agentrob.model import Language
 
 #: So many stops within so long are told, and then not again for as long.
@@ -45,7 +45,7 @@ class Alarm:
         if topic_id is None or self._rang_at is None:
             return
         names = " ".join(f"@{name}" for name in self._names)
-        said = say("stop.third", language, count=STOPS, minutes=WITHIN.seconds // 60, names=names).strip()
+        said = say("agent.stop.third", language, count=STOPS, minutes=WITHIN.seconds // 60, names=names).strip()
         try:
             await self._forum.reply(topic_id, said, key=f"alarm:{self._robot}:{self._rang_at.isoformat()}")
         except ForumError as e:

@@ -14,13 +14,12 @@ import structlog
 
 from agentrob.agent.intake.authorization import own_rights
 from agentrob.agent.intake.triage import obeyed
-from agentrob.agent.reporting.messages import say
 from agentrob.agent.stop.replies import Stops
 from agentrob.agent.stop.stop_handler import Brake
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Event, EventKind, Forum, Keeper, Panel
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import quote, say
 from agentrob.model import EMERGENCY_STOP, Account, Decision, Language, Lock, Report, RobotRights, RobotState
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.safety.lock import held_for
@@ -140,12 +139,12 @@ class Owner:
 
     def _how(self, deed: Deed, language: Language) -> str:
         owner = self._settings.owner
-        who = say("owner.named", language, owner=quote(owner)) if owner else say("owner.any", language)
+        who = say("agent.owner.named", language, owner=quote(owner)) if owner else say("agent.owner.any", language)
         if not isinstance(self._forum, Panel):
-            return say(f"how.{deed}.shell", language, robot=self._name)
-        page = say("owner.page", language)
+            return say(f"agent.how.{deed}.shell", language, robot=self._name)
+        page = say("agent.owner.page", language)
         page = f"[{page}]({self._page})" if self._page else page
-        return say(f"how.{deed}", language, who=who, page=page, robot=self._name)
+        return say(f"agent.how.{deed}", language, who=who, page=page, robot=self._name)
 
     async def ways_out(self, report: Report) -> list[str]:
         """Paragraphs for a command that did not move since the robot is locked or has no home: who did that, and how
@@ -183,10 +182,10 @@ class Owner:
 
 def lock_text(lock: Lock, language: Language) -> str:
     """A lock in a sentence of the language; its texts are others' and stand there as code."""
-    why = say("lock.emergency", language) if lock.why == EMERGENCY_STOP else quote(lock.why.rstrip("."))
+    why = say("agent.lock.emergency", language) if lock.why == EMERGENCY_STOP else quote(lock.why.rstrip("."))
     if not lock.by or lock.at is None:
-        return say("lock.nobody", language, why=why)
-    return say("lock.by", language, who=quote(lock.by), ago=held_for(lock, language), why=why)
+        return say("agent.lock.nobody", language, why=why)
+    return say("agent.lock.by", language, who=quote(lock.by), ago=held_for(lock, language), why=why)
 
 
 def _locked_by(lock: Lock) -> str:

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from agentrob.agent.execution.visual import VisualTask
-from agentrob.agent.reporting.visual_text import say
 from agentrob.config.load import LookConfig, RobotConfig
 from agentrob.language.goal import Goal
+from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.llm.fallback import FallbackModel
+from agentrob.minds.llm.prompt import loop_prompt
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.usage import Usage
 from agentrob.minds.visual_loop.goal import goal_of, goal_sentence
 from agentrob.minds.visual_loop.loop import LoopBudget
-from agentrob.minds.visual_loop.prompts import loop_prompt
 from agentrob.model import Capabilities, Intent, Language, Mandate, Op, Plan, Primitive, Understanding
 from agentrob.screening.mandate import goal_mandate
 
@@ -47,7 +47,7 @@ def replace_no_camera_answer(understood: Understanding) -> Understanding:
     """What a robot with eyes asks back, where one without them says that it has none."""
     if understood.intent is not Intent.ASK_BACK or not any(w in understood.question for w in _NO_EYES):
         return understood
-    return replace(understood, question=say("ask", understood.language))
+    return replace(understood, question=say("visual.ask", understood.language))
 
 
 def judged_plan(goal: Goal) -> Plan:

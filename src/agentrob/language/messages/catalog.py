@@ -1,10 +1,15 @@
-"""Every sentence that robots speak, by key and language; the sentences stand with each language."""
+"""Look up what robots say, by key and language.
+
+All sentences are in `en` and `zh`, by section: `step.` and `ask.` for the grammar, `refuse.` for limits and rights,
+`agent.` for reports, `visual.` for a model that steers by camera, `minds.` for a model's reading. The key of a refusal
+for harm is the name of its rule.
+"""
 
 from __future__ import annotations
 
 import unicodedata
 
-from agentrob.language.registry import DEFAULT, locale
+from agentrob.language.registry import DEFAULT, known
 from agentrob.language.visible_text import OMITTED, without_invisible
 from agentrob.model import Language
 
@@ -13,17 +18,18 @@ QUOTE_CHARS = 100
 
 
 def say(key: str, language: Language, **values: object) -> str:
-    """The sentence `key` in `language` with `values` put in. An unknown key or a missing value is a KeyError.
+    """Return the sentence `key` in `language` with `values` filled in; pass people's words through `quote` first.
 
-    What a language does not say itself is said in English. Words of people go through `quote` first.
+    A sentence that a language lacks is said in English. Raises `KeyError` for an unknown key or a missing value.
     """
-    found = locale(language).sentences.get(key)
-    return (locale(DEFAULT).sentences[key] if found is None else found).format_map(values)
+    further = known().get(language)
+    found = further.sentences.get(key) if further else None
+    return (known()[DEFAULT].sentences[key] if found is None else found).format_map(values)
 
 
 def can_say(key: str) -> bool:
-    """Whether there is such a sentence."""
-    return key in locale(DEFAULT).sentences
+    """Return whether the catalogue has the sentence `key`."""
+    return key in known()[DEFAULT].sentences
 
 
 def quote(words: str) -> str:

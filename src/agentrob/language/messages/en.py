@@ -1,4 +1,4 @@
-"""What robots say in English. Keys are `section.name`; `phrases_zh` has the same keys and placeholders."""
+"""Every sentence that robots say in English. Keys are `section.name`; `zh` has the same keys and placeholders."""
 
 PHRASES = {
     # ---------------------------------------------------------------- one step, as a command
@@ -23,6 +23,19 @@ PHRASES = {
     "direction.backward": "backward",
     "direction.left": "left",
     "direction.right": "right",
+    # ---------------------------------------------------------------- one step, as reports show it
+    "label.move": "walk {direction} {metres} m",
+    "label.turn": "turn {direction} {degrees}°",
+    "label.speed": "{step} at {speed} m/s",
+    "label.hello": "wave",
+    "label.heart": "make a heart",
+    "label.clap": "clap",
+    "label.shake": "shake hands",
+    "label.backflip": "backflip",
+    "label.sit": "sit",
+    "label.stand": "stand",
+    "label.stretch": "stretch",
+    "label.get_front_image": "take a photo",
     # ---------------------------------------------------------------- asking back
     "ask.frame": "{problem} I did not move. {understood}For example: {examples}",
     "ask.understood": "So far I understood: {steps}. ",
@@ -95,7 +108,7 @@ PHRASES = {
         "My limits: {step} m a step, {command} m, {seconds} s and {steps} steps a command, {speed} m/s. "
         "Beyond them I refuse and say why."
     ),
-    # ---------------------------------------------------------------- talk (see `talk.Talk`)
+    # ---------------------------------------------------------------- talk (see `small_talk.SmallTalk`)
     "talk.question": (
         "`help` shows what I can do, and `status` how I am; what I see I cannot tell without a vision model, "
         "but where I have a camera `take a photo` shows it."
@@ -138,9 +151,357 @@ PHRASES = {
     "refuse.malformed": "This is not a step I can take: {steps}.",
     "refuse.empty": "There is nothing to do in this command.",
     # ---------------------------------------------------------------- harm
-    "refuse.collide": "I do not drive into people, animals or things ({words}).",
-    "refuse.attack": "I do not hurt or frighten anybody ({words}).",
-    "refuse.fall": "I do not jump, fall or throw myself down ({words}).",
-    "refuse.destroy": "I do not break or damage anything ({words}).",
-    "refuse.safety": "My protections stay on ({words}).",
+    "harm.collide": "I do not drive into people, animals or things ({words}).",
+    "harm.attack": "I do not hurt or frighten anybody ({words}).",
+    "harm.fall": "I do not jump, fall or throw myself down ({words}).",
+    "harm.destroy": "I do not break or damage anything ({words}).",
+    "safety.disable": "My protections stay on ({words}).",
+    "harm.hazard": "I do not go into fire, water, traffic or the like ({words}).",
+    "people.follow": "I do not follow, chase or corner anybody ({words}).",
+    "people.block": "I do not block doors, ways or people ({words}).",
+    "people.watch": "I do not watch people in secret, nor take pictures of what is private ({words}).",
+    "people.picture": (
+        "You want a picture of somebody else ({words}). I take one when they ask for it themselves; `take a "
+        "photo` of what is before me needs no person named."
+    ),
+    "people.trick": "I do not deceive, lure or distract anybody ({words}).",
+    "who.claim": "Who somebody is, and what they may do, I know from their account, not from a text ({words}).",
+    "safety.secret": "What I do is reported and recorded as it was ({words}).",
+    "bounds.leave": "I stay inside the area my owner set ({words}).",
+    "way.somebody": "You say that somebody is where I would go ({words}).",
+    "way.drop": "You say that there is a drop or a danger where I would go ({words}).",
+    "way.thing": "You say that something stands where I would go ({words}).",
+    "way.something": (
+        "You say that something is where I would go ({words}), and I do not know what. Is my way free? Then "
+        "please post the motion alone."
+    ),
+    "way.unaware": "I do not rely on people to get out of my way ({words}).",
+    "beside.said": (
+        "You also say {words}, and I cannot tell what this means for the motion. If it is harmless, please post "
+        "the motion alone."
+    ),
+    "scene": "Here this would be dangerous: {words}.",
+    "scene.way": "Here I would walk into what is known to be there ({words}).",
+    # ---------------------------------------------------------------- reports of an agent
+    # -------------------------------- states of a command
+    "agent.seen": "Seen.",
+    "agent.queued": "Queued, place {place}.",
+    "agent.held": "Queued: the same account may command me again in {seconds:.0f} s, and then I go on by myself.",
+    "agent.running": "Step {step} of {steps}: {doing} …",
+    "agent.waits": "**Waits for approval.**",
+    "agent.waits.plan": "I understood: {understood}.",
+    "agent.waits.who": "{who} may approve within {wait} of being asked; then it lapses.",
+    "agent.waits.how": "They reply here `@{robot} approve` or `@{robot} deny`.",
+    "agent.waits.own": "Whoever asked for it may not approve it.",
+    "agent.who.operator": "Operators",
+    "agent.who.moderator": "Moderators and admins",
+    "agent.who.admin": "Admins",
+    "agent.who.owner": "Its owner and admins",
+    "agent.approved.by": "Approved by {who}.",
+    "agent.denied.by": "{who} denied it.",
+    "agent.lapsed": "**Expired.** Nobody approved it within {wait}. Post it again if you still want it.",
+    "agent.done": "**Done.**",
+    "agent.failed": "**Failed** at step {step}.",
+    "agent.failed.before": "**Failed** before anything moved.",
+    "agent.cancelled.at": "**Cancelled** at step {step}.",
+    "agent.refused.at": "**Refused** at step {step}.",
+    "agent.goal.done": "**Finished:** {goal}.",
+    "agent.goal.failed": "**Not reached:** {goal}.",
+    "agent.refused": "**Refused.**",
+    "agent.asks_back": "**I need to ask.**",
+    "agent.stopped": "**Stopped.**",
+    "agent.stopped.by": "**Stopped** by {who}.",
+    "agent.interrupted": (
+        "**Interrupted.** I was cut off during this command, stand still, and do not repeat it. Post it again if "
+        "you still want it."
+    ),
+    "agent.interrupted.unknown": (
+        "**Interrupted.** My driver stopped answering during this command. I cannot tell whether the robot "
+        "stands: look before you come near. I do not repeat the command; post it again if you still want it."
+    ),
+    "agent.interrupted.claim": (
+        "**Interrupted.** This post was taken up before, and I cannot tell how far that went, so nothing moves "
+        "now. Post it again if you still want it."
+    ),
+    "agent.cancelled": "**Cancelled.**",
+    "agent.expired": "**Expired.** It waited longer than {wait}. Post it again if you still want it.",
+    "agent.stale": (
+        "**Too old.** I act only on posts younger than {seconds:.0f} s that came after I was first started. Post "
+        "it again if you still want it."
+    ),
+    "agent.nothing": "I read no command in this post, so I did nothing. Say `help` and I tell you what I can do.",
+    "agent.see_reply": "{state} See my reply below.",
+    "agent.rule": "Rule: `{rule}`.",
+    "agent.ask.default": "I did not understand what to do. Try: `walk forward 1 m, turn left 90 degrees, wave`.",
+    # -------------------------------- how often one account commands
+    "agent.rate.hour": (
+        "This account has given me {count} commands within the last hour, and more are not allowed. Post it "
+        "again in {minutes} min."
+    ),
+    "agent.rate.cooldown": "This account commanded me only a moment ago. Post it again in {minutes} min.",
+    "agent.rate.waiting": "{count} commands of this account wait for me already. Post it again when they are done.",
+    "agent.rights.hops": "This command came through more than {count} agents, and I follow no longer chain.",
+    # -------------------------------- what approves and does not count
+    "agent.approval.nothing": "No command in this thread waits for my approval now.",
+    "agent.approval.which": (
+        "I cannot tell which command you mean. Reply to the command itself, or to my answer to it."
+    ),
+    "agent.approval.edited": "An edit approves nothing. Write it anew.",
+    "agent.approval.stale": (
+        "I came to read this more than {seconds:.0f} s later, so it approves nothing. Approve it again."
+    ),
+    "agent.approval.early": (
+        "This was written before I said what I understood, so it approves nothing. Approve it again."
+    ),
+    "agent.approval.unverified": "I could not check who may approve this, so it changes nothing. Write it again.",
+    "agent.approval.lost": "Whoever approved it may not approve it any more.",
+    # -------------------------------- why a command was ended before its time
+    "agent.because.denied": "Its approval was denied.",
+    "agent.because.approval": "Its approval was taken back.",
+    "agent.because.stop": "A stop came.",
+    "agent.because.edited": "The post was edited, and an edit never starts a motion. Post it anew.",
+    "agent.because.author": "The post is another account's now, and a command is its author's. Post it anew.",
+    "agent.because.removed": "The post is no longer there.",
+    "agent.because.moved": "Its topic was moved to a board on which I may not be commanded.",
+    "agent.because.taken_back": "Its author took it back.",
+    "agent.because.suspended": "Its author may not command me now.",
+    "agent.because.unverified": "I could not check whether the command still holds, so I did not go on.",
+    "agent.because.told": "Another agent of my account has answered this post already.",
+    "agent.because.release": (
+        "I was locked when it was posted, and have been released since: nothing of before moves me. Post it anew."
+    ),
+    "agent.because.clock": (
+        "A stop came, and the forum's clock has been set since, so I cannot tell which of the two was first. "
+        "Post it again if you still want it."
+    ),
+    "agent.because.replaced": "The forum is no longer the one that this was posted on.",
+    "agent.because.before": "It was cancelled before it began.",
+    "agent.because.shutdown": "My agent was ended.",
+    "agent.because.driver": "The robot cannot be used: {message}",
+    "agent.because.journal": "My journal cannot be written, and without it nothing may move.",
+    "agent.because.not_kept": "My journal could not be written after that, so only this reply tells what came of it.",
+    "agent.because.internal": "Something went wrong inside my agent; it is in its log.",
+    # -------------------------------- a clock that was set
+    "agent.clock.back": "The forum's clock was just set back by {by}.",
+    "agent.clock.ahead": "The forum's clock was just set ahead by {by}.",
+    # -------------------------------- the table of steps
+    "agent.list.joint": ", ",
+    "agent.table.step": "Step",
+    "agent.table.asked": "Asked",
+    "agent.table.measured": "Measured",
+    "agent.table.outcome": "Outcome",
+    "agent.outcome.done": "done",
+    "agent.outcome.inaccurate": "inaccurate",
+    "agent.outcome.failed": "failed",
+    "agent.outcome.refused": "refused",
+    "agent.outcome.stopped": "stopped",
+    "agent.outcome.interrupted": "interrupted",
+    "agent.outcome.unknown": "unknown",
+    "agent.outcome.skipped": "not begun",
+    "agent.outcome.animated": "{outcome} (played, not walked by physics)",
+    "agent.unknown": "unknown",
+    "agent.unknown.odometry_lost": "unknown: odometry was lost",
+    "agent.unknown.odometry_jump": "unknown: odometry jumped",
+    # -------------------------------- why a step ended
+    "agent.reason.obstacle": "Something was in the way.",
+    "agent.reason.fence": "It would have left the allowed area.",
+    "agent.reason.deadline": "It took too long.",
+    "agent.reason.stale_state": "The robot's state was too old to trust.",
+    "agent.reason.lease_lapsed": "The driver did not hear from me in time.",
+    "agent.reason.stop": "A stop came.",
+    "agent.reason.halt": "An emergency stop came; only the owner can release it.",
+    "agent.reason.halted": "I am halted; only my owner can release that.",
+    "agent.reason.stalled": "I got commands but did not move.",
+    "agent.reason.unsupported": "This robot cannot do that.",
+    "agent.reason.busy": "Somebody else uses the robot.",
+    "agent.reason.not_homed": "My home is not set, so I cannot tell where I may go.",
+    "agent.reason.odometry_jump": "My odometry jumped; I must be homed again.",
+    "agent.reason.ranges_unknown": "I cannot tell what is around me.",
+    "agent.reason.fallen": "I have fallen, and stay down until I am asked to stand up.",
+    "agent.reason.low_battery": "My battery is too low for any motion; charge me.",
+    "agent.reason.posture": "I cannot do that from the posture I am in; somebody must make me stand first.",
+    "agent.reason.bad_image": "There is nothing to be seen on my picture.",
+    "agent.reason.no_answer": "The robot did not answer.",
+    "agent.reason.robot_error": "The robot answered with an error.",
+    "agent.reason.timeout": "It took too long.",
+    "agent.reason.consent": "That needs my owner's consent.",
+    "agent.reason.mandate": "It would exceed what was allowed for this command.",
+    "agent.reason.stop_channel": "The forum was silent, so nobody could have stopped me.",
+    "agent.reason.shutdown": "My agent was ended.",
+    "agent.reason.internal": "Something went wrong inside my agent, so it ended the step.",
+    "agent.reason.unreachable": "The driver stopped answering.",
+    "agent.reason.other": "Reason: `{reason}`.",
+    # -------------------------------- what stands below
+    "agent.note": "Assumed: {notes}",
+    "agent.pictures": "Pictures: {pictures}.",
+    "agent.picture.step": "photo of step {step}",
+    "agent.picture.path": "the path measured",
+    "agent.picture.recording": "a recording",
+    "agent.picture.data": "its data",
+    "agent.picture.calls": "all calls of the model",
+    "agent.pictures.until": "Whoever has a link can open it for {valid}; then it is void.",
+    "agent.slower": (
+        "Step {step} was commanded at most {commanded_mps:g} m/s, slower than the {asked_mps:g} m/s asked for."
+    ),
+    "agent.timing.seen": "seen after {seconds:.2f} s",
+    "agent.timing.first_motion": "first motion after {seconds:.2f} s",
+    "agent.timing.done": "done after {seconds:.1f} s",
+    "agent.trace": "trace `{trace_id}`",
+    # -------------------------------- which mind read it, and what that took
+    "agent.mind.rules": "my rules",
+    "agent.mind.fallback": "{asked} did not read this post ({why}); {by} did.",
+    "agent.mind.unscreened": "No model has looked at this command ({why}); my rules found nothing against it.",
+    "agent.mind.polished": "{text} (In the words of {mind}; the figures are below.)",
+    "agent.mind.why.no_key": "its key is missing",
+    "agent.mind.why.no_library": "its library is not installed",
+    "agent.mind.why.denied": "its key was refused",
+    "agent.mind.why.not_found": "it is not known there",
+    "agent.mind.why.rejected": "it rejected the question",
+    "agent.mind.why.limited": "it takes no more questions for now",
+    "agent.mind.why.server": "its server failed",
+    "agent.mind.why.dns": "its host is not found",
+    "agent.mind.why.tls": "its connection is not trusted",
+    "agent.mind.why.unreachable": "it cannot be reached",
+    "agent.mind.why.broken": "its answer broke off",
+    "agent.mind.why.timeout": "no answer in time",
+    "agent.mind.why.too_big": "its answer was too long",
+    "agent.mind.why.malformed": "its answer was of no use",
+    "agent.mind.why.budget": "its limit of tokens or money is reached",
+    "agent.mind.why.failed": "it failed",
+    "agent.mind.why.rate": "your account has reached its limit",
+    "agent.usage.line": "{name}: {parts}",
+    "agent.usage.joint": ", ",
+    "agent.usage.questions": "{count} questions",
+    "agent.usage.tokens": "{input} + {output} tokens",
+    "agent.usage.unknown": "tokens unknown",
+    "agent.usage.time": "{seconds:.2f} s",
+    "agent.usage.failed": "no answer after {seconds:.2f} s",
+    # -------------------------------- stop
+    "agent.stop.taken": "I took this as a stop: while I move or a command waits, I stop when in doubt.",
+    "agent.stop.moving": "Zero velocity was commanded {latency_ms:.0f} ms after the stop",
+    "agent.stop.still": "I was standing still and stay so",
+    "agent.stop.coasted": "; I came to rest {coasted_m:.2f} m further.",
+    "agent.stop.end": ".",
+    "agent.stop.unconfirmed": (
+        "**I commanded a stop, but the robot did not confirm that it stands.** Use its own stop now."
+    ),
+    "agent.stop.unreachable": (
+        "**I could not reach the robot's driver to stop it.** Use its own stop now. The driver stops it by "
+        "itself when it no longer hears from me."
+    ),
+    "agent.stop.halted": "It refuses all motion until its owner releases it.",
+    "agent.stop.not_halted": (
+        "It is **not halted**: its driver could only be told to stop, and a later command may move it."
+    ),
+    "agent.stop.cancelled": "Commands ended or cancelled: {count}.",
+    "agent.stop.folded": "Stops since then: {count}.",
+    "agent.stop.third": (
+        "I was stopped {count} times within {minutes} minutes. Somebody should look at what goes on here. {names}"
+    ),
+    # -------------------------------- the lock, the home, and how each is dealt with
+    "agent.lock.by": "Locked by {who} {ago} ago: {why}.",
+    "agent.lock.nobody": "Locked: {why}.",
+    "agent.lock.emergency": "an emergency stop",
+    "agent.owner.named": "My owner ({owner}) or an admin",
+    "agent.owner.any": "My owner or an admin",
+    "agent.owner.page": "my page",
+    "agent.how.release": (
+        "{who} releases me with the button Release on {page}, or with `agentrob release {robot}` on my machine."
+    ),
+    "agent.how.release.shell": "My owner releases me with `agentrob release {robot}` on my machine.",
+    "agent.how.home": (
+        "{who} sets my home, where I stand, with the button Set home here on {page}, or with `agentrob home "
+        "{robot}` on my machine."
+    ),
+    "agent.how.home.shell": "My owner sets my home, where I stand, with `agentrob home {robot}` on my machine.",
+    # -------------------------------- status
+    "agent.status.unknown": "I cannot reach my robot: {message}",
+    "agent.mode.idle": "idle",
+    "agent.mode.walking": "walking",
+    "agent.mode.gesture": "in a gesture",
+    "agent.mode.sitting": "sitting",
+    "agent.mode.lying": "lying",
+    "agent.mode.damping": "damped",
+    "agent.mode.locked": "locked",
+    "agent.mode.fallen": "fallen",
+    "agent.mode.unknown": "mode unknown",
+    "agent.status.mode": "**{mode}**",
+    "agent.status.battery": "battery {percent:.0f} %",
+    "agent.status.battery.unknown": "battery unknown",
+    "agent.status.pose": "at x {x_m:.2f} m, y {y_m:.2f} m",
+    "agent.status.halted": "halted until the owner releases it",
+    "agent.status.not_homed": "home is not set",
+    "agent.status.queue": "commands waiting or running: {count}",
+    # ---------------------------------------------------------------- reports of a visual loop
+    "visual.measured": (
+        "Measured in all: {metres:.2f} m walked, {degrees:.0f}° turned. Pictures: {pictures}. Calls by the "
+        "model: {calls}."
+    ),
+    "visual.unmeasured": "How far it went in {count} of its steps is unknown: its odometry was lost or jumped.",
+    "visual.saw": "The model {mind} says that it saw {saw}.",
+    "visual.did": "The model {mind} says of what it did: {did}.",
+    "visual.unchecked": "Nobody has checked that.",
+    "visual.denied": "**That is not so:** {why}.",
+    "visual.refused": "Asked for by the model and not done: {calls}.",
+    "visual.calls.asked": "Called by the model",
+    "visual.calls.picture": "picture {number}",
+    "visual.calls.problem": "not done: {problem}",
+    "visual.calls.claims": "it says {outcome}",
+    "visual.calls.words": "words, no call",
+    "visual.calls.more": "Rows left out here: {count}.",
+    "visual.end.calls": "The model used up its calls before it was there.",
+    "visual.end.time": "The time for this command was up.",
+    "visual.end.no_progress": "The model got nowhere several times in a row.",
+    "visual.end.tokens": "The model's budget of tokens or money was used up.",
+    "visual.end.model": "The model did not answer ({fault}).",
+    "visual.end.not_possible": "The model says that it is not possible.",
+    "visual.end.unsure": "The model cannot tell whether it is done.",
+    "visual.running": "Step {step}: {doing} … (goal: {goal})",
+    "visual.ask": (
+        "I can look for things through my camera, but not as this is said. I know plain wishes and a list of "
+        "things, for example `walk to the red ball and tell me what is beside it`. I did not move."
+    ),
+    # ---------------------------------------------------------------- readings by a model
+    "minds.understood": "I understood: {steps}. ",
+    "minds.end": " I did not move. Please say it plainly, for example `walk forward 1 m, then turn left 90 degrees`.",
+    "minds.words": "But I do not find the words for it in your post.",
+    "minds.action": "But your words do not say that I shall do this.",
+    "minds.direction": "But I do not find this direction there, or more than one.",
+    "minds.amount": "But I do not find exactly this distance or angle there.",
+    "minds.speed": "But I do not find exactly this speed there.",
+    "minds.count": "But I do not find there how often to do it.",
+    "minds.denial": "But there is a “not” near it, and I cannot tell what it refers to.",
+    "minds.condition": "But I cannot follow conditions or choices.",
+    "minds.left_out": "But you seem to want more than this.",
+    "minds.bounds": "But that is no distance or angle I can take.",
+    "minds.disagree": "I can read this in two ways: {one}; or: {other}. Which one do you mean?",
+    "minds.not_a_command": "I am not sure that you want me to do this: {steps}.",
+    "minds.doubt.none": "I did not understand what I shall do.",
+    "minds.doubt.distance": "How far? I do not guess distances.",
+    "minds.doubt.angle": "How many degrees shall I turn?",
+    "minds.doubt.direction": "In which direction?",
+    "minds.doubt.unit": "Which unit is meant? I know metres, centimetres, feet, inches and degrees.",
+    "minds.doubt.condition": "I cannot follow conditions or choices; please say plainly what to do.",
+    "minds.doubt.place": "I find no places or things; I walk by distances and turn by angles.",
+    "minds.doubt.meaning": "I did not understand what I shall do.",
+    "minds.assumed_turn": "A turn had no angle: taken as 90°.",
+    "minds.claim.there": "it claims to be there, but I measured {whole} m of walking",
+    "minds.claim.step": "it claims to be done, but this was not done as it was asked: {step}",
+    "minds.claim.distance_m": "it claims {amount} m, but I measured {whole} m in all",
+    "minds.claim.degrees": "it claims {amount}°, but I measured {whole}° in all",
+    "minds.screen.reason": "A model that looks at commands is against it: {reason}",
+    "minds.screen.words": "A model that looks at commands is against it, for the words {words}: {reason}",
+    "minds.screen.people": "somebody may be hurt, frightened or hindered.",
+    "minds.screen.animals": "an animal may be hurt or frightened.",
+    "minds.screen.property": "something may be damaged, perhaps the robot.",
+    "minds.screen.bounds": "it leads out of where the robot may be.",
+    "minds.screen.safety": "it works against what keeps the robot safe.",
+    "minds.screen.deception": "somebody poses as another, or is to be deceived.",
+    "minds.screen.surveillance": "somebody is to be watched or followed.",
+    "minds.screen.abilities": "it needs more than the robot can do.",
+    "minds.screen.other": "it does not say which harm it sees.",
+    "minds.screen.required": (
+        "My owner wants a model to look at every command before I move, and none answers now. I did not move. "
+        "Please post it again later."
+    ),
 }

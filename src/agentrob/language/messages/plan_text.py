@@ -35,15 +35,24 @@ def operation_names(ops: frozenset[Op], language: Language) -> str:
 
 
 def step_sentence(step: Primitive, language: Language) -> str:
-    """One step as a command: "walk forward 1.5 m". An operation without words here is told by its name."""
-    values = {
-        "direction": say(f"direction.{step.direction}", language) if step.direction else "",
-        "metres": _number(step.distance_m),
-        "degrees": _number(step.degrees),
-        "speed": _number(step.speed_mps),
-    }
+    """Return one step as a command that the grammar reads as this step: "walk forward 1.5 m"."""
     key = "step.move_at" if step.op is Op.MOVE and step.speed_mps is not None else f"step.{step.op}"
-    return say(key, language, **values) if can_say(key) else step.op.replace("_", " ")
+    return _render(key, step, language)
+
+
+def step_label(step: Primitive, language: Language) -> str:
+    """Return one step as reports show it: "walk forward 1 m", "turn left 90°"."""
+    label = _render(f"label.{step.op}", step, language)
+    return say("label.speed", language, step=label, speed=f"{step.speed_mps:g}") if step.speed_mps else label
+
+
+def _render(key: str, step: Primitive, language: Language) -> str:
+    """Fill a step's amounts into the sentence `key`; show an operation without a sentence by its name."""
+    if not can_say(key):
+        return step.op.replace("_", " ")
+    direction = say(f"direction.{step.direction}", language) if step.direction else ""
+    amounts = {"metres": step.distance_m, "degrees": step.degrees, "speed": step.speed_mps}
+    return say(key, language, direction=direction, **{name: _number(amount) for name, amount in amounts.items()})
 
 
 def _number(value: float | None) -> str:

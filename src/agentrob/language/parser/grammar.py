@@ -20,11 +20,10 @@ from agentrob.language.messages.plan_text import outline, sentence
 from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
-from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of
+from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of, without_statements
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.parser.small_talk import SmallTalk, small_talk_in
-from agentrob.language.parser.statements import without_statements
 from agentrob.language.parser.steps import ParsedSteps, read_steps
 from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent

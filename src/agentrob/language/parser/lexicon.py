@@ -8,12 +8,11 @@ up").
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, NamedTuple
 
-from agentrob.language.parser.spelling import misspellings
 from agentrob.model import Language
 
 
@@ -359,3 +358,43 @@ def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
         return False
     meaning = words.longest(pieces, at)[1]
     return words.number(pieces, at) is not None or (meaning is not None and meaning[-1][0] is TokenKind.DIR)
+
+
+# ---------------------------------------------------------------------- spelling mistakes
+#: What such slips would make of them, and what people may mean by them.
+_OTHER_WORDS = frozenset("ever mere mete ford feat riot rotes sake step steps taps trod".split())  # noqa: SIM905
+_SHORTEST, _SHORTEST_WITH_GAP = 4, 5
+
+
+def misspellings(word: str) -> frozenset[str]:
+    """The likely slips of one word of at least four Latin letters. First letters are not left out."""
+    if len(word) < _SHORTEST or not (word.isascii() and word.isalpha()):
+        return frozenset()
+    return frozenset(_slips(word)) - _OTHER_WORDS - {word}
+
+
+def _slips(word: str) -> Iterator[str]:
+    for at in range(len(word) - 1):
+        yield word[:at] + word[at + 1] + word[at] + word[at + 2 :]
+    for at, letter in enumerate(word):
+        yield word[:at] + letter + word[at:]
+        if at and len(word) >= _SHORTEST_WITH_GAP:
+            yield word[:at] + word[at + 1 :]
+
+
+# ---------------------------------------------------------------------- statements of where things are
+_CLAUSE = re.compile(r"(?:[^，,。.！!？?；;：:\n]|(?<=\d)\.(?=\d))+")
+
+
+def without_statements(part: str, stated: str) -> str:
+    """With such clauses blanked; `stated` is a language's expression of their beginning. What is asked stays."""
+    if not stated:
+        return part
+    said = re.compile(rf"\s*{stated}")
+
+    def blank(clause: re.Match[str]) -> str:
+        asked = part[clause.end() : clause.end() + 1] in ("?", "？")
+        found = None if asked else said.match(clause[0])
+        return " " * found.end() + clause[0][found.end() :] if found else clause[0]
+
+    return _CLAUSE.sub(blank, part)

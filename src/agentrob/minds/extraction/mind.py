@@ -15,14 +15,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from agentrob.language.addressing import part_for
+from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import sentence
 from agentrob.language.parser.grammar import MAX_CHARS
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.visible_text import OMITTED
-from agentrob.minds.extraction.crosscheck import agree
 from agentrob.minds.extraction.grounding import Grounded, Ungrounded, claimed, ground
-from agentrob.minds.extraction.messages import ask, say
 from agentrob.minds.extraction.schema import Wants
+from agentrob.minds.extraction.units import same
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.prompt import clean, prompts, shared_prompt, user_message
@@ -113,17 +113,17 @@ def _weighed(wants: Wants, by_rules: Understanding, part: str, history: Sequence
     if wants.intent != "command" or not wants.steps:
         if parsed:  # the rules read a command where the model reads none
             steps = sentence(parsed, language)
-            return _ask(language, say("not_a_command", language, steps=steps))
+            return _ask(language, say("minds.not_a_command", language, steps=steps))
         if wants.intent == "unclear" and by_rules.intent is not Intent.ASK_BACK:
-            return _ask(language, say(f"doubt.{wants.doubt}", language))
+            return _ask(language, say(f"minds.doubt.{wants.doubt}", language))
         return by_rules
     found = ground(wants.steps, part, history)
     if parsed:
         return _compare(found, wants, by_rules)
     if isinstance(found, Ungrounded):
-        return _ask(language, say(found.lack, language), _shown(wants, language))
+        return _ask(language, say(f"minds.{found.lack}", language), _shown(wants, language))
     if by_rules.intent is not Intent.ASK_BACK:  # the rules know every word of it, and none is a wish
-        return _ask(language, say("not_a_command", language, steps=sentence(found.plan, language)))
+        return _ask(language, say("minds.not_a_command", language, steps=sentence(found.plan, language)))
     return Understanding(Intent.COMMAND, language, _noted(found, language))
 
 
@@ -134,7 +134,7 @@ def _compare(found: Grounded | Ungrounded, wants: Wants, by_rules: Understanding
     if agree(theirs, by_rules.plan):
         return by_rules
     one, other = sentence(by_rules.plan, language), sentence(theirs, language)
-    return _ask(language, say("disagree", language, one=one, other=other))
+    return _ask(language, say("minds.disagree", language, one=one, other=other))
 
 
 def _claims(wants: Wants) -> list[Primitive]:
@@ -147,8 +147,29 @@ def _shown(wants: Wants, language: Language) -> str:
 
 
 def _noted(found: Grounded, language: Language) -> Plan:
-    return replace(found.plan, notes=(say("assumed_turn", language),)) if found.assumed_turn else found.plan
+    return replace(found.plan, notes=(say("minds.assumed_turn", language),)) if found.assumed_turn else found.plan
 
 
 def _ask(language: Language, problem: str, understood: str = "") -> Understanding:
-    return Understanding(Intent.ASK_BACK, language, question=ask(language, problem, understood))
+    """Ask back: say what was understood, what is wrong with it, and that nothing moved."""
+    begin = say("minds.understood", language, steps=understood) if understood else ""
+    return Understanding(Intent.ASK_BACK, language, question=f"{begin}{problem}{say('minds.end', language)}")
+
+
+# ---------------------------------------------------------------------- two readings of one post
+def agree(one: Plan, other: Plan) -> bool:
+    """The same steps in the same order, but for rounding."""
+    return len(one.steps) == len(other.steps) and all(map(_alike, one.steps, other.steps))
+
+
+def _alike(one: Primitive, other: Primitive) -> bool:
+    amounts: Sequence[tuple[float | None, float | None]] = (
+        (one.distance_m, other.distance_m),
+        (one.degrees, other.degrees),
+        (one.speed_mps, other.speed_mps),
+    )
+    return one.op is other.op and one.direction is other.direction and all(_equal(a, b) for a, b in amounts)
+
+
+def _equal(one: float | None, other: float | None) -> bool:
+    return one is other if one is None or other is None else same(one, other)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import structlog
 
 from agentrob.config.load import MindConfig
-from agentrob.minds.llm import prompted_output, retry
+from agentrob.minds.llm import prompted_output
 from agentrob.minds.llm.budget import Budget, Reserve
 from agentrob.minds.llm.chat import Answer, Image, M, Message, ModelReply, Tool, UserMessage
 from agentrob.minds.llm.errors import UNBILLED, ModelError
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 #: How often an answer outside of the schema is sent back with what is wrong.
 _REPAIRS = 1
+#: Seconds before the first retry, and at most before any.
+RETRY_FIRST_S = 0.5
+RETRY_MAX_S = 8.0
 
 
 class ConfiguredModel:
@@ -203,7 +206,7 @@ class ConfiguredModel:
                     if fault.kind == "server" and _pictures_in(conversation):
                         fault = self._blind(fault)
                     wasted += fault.kind not in UNBILLED and fault.kind != "budget"
-                    wait_s = retry.wait_s(attempt, self._chance(), fault.retry_after_s)
+                    wait_s = retry_wait_s(attempt, self._chance(), fault.retry_after_s)
                     given_up = fault.kind == "timeout" and self.config.kind == "local"  # a retry would queue behind it
                     if given_up or not fault.transient or attempt > self.config.retries or wait_s > until - monotonic():
                         break
@@ -314,3 +317,15 @@ def _with_usage(fault: ModelError, before: Sequence[Usage]) -> ModelError:
     """The same fault, with what was used before it."""
     fault.usage = (*before, *fault.usage)
     return fault
+
+
+def retry_wait_s(attempt: int, chance: float, retry_after_s: float | None = None) -> float:
+    """Seconds to wait after failed attempt number `attempt` (1, 2, …); `chance` is evenly in 0..1.
+
+    Full jitter (a random part of the growing bound) spreads clients that failed together; what the server asked for
+    is kept and jittered above, so that they do not come back together either.
+    """
+    bound = min(RETRY_MAX_S, RETRY_FIRST_S * 2.0 ** (min(attempt, 32) - 1))
+    if retry_after_s is None:
+        return bound * chance
+    return max(0.0, retry_after_s) + 0.1 * bound * chance

@@ -11,10 +11,12 @@ from functools import cache
 from importlib import resources
 
 from agentrob.language.visible_text import OMITTED
-from agentrob.model import Capabilities, Op, Plan
+from agentrob.model import Capabilities, Language, Op, Plan
 
 #: Kinds of robots without a prompt of their own get this one.
 _OTHER = "robot"
+#: How a model is told the language in which to answer.
+_LANGUAGES = {"en": "English", "zh": "Chinese"}
 _SHARED = "You do one of the two tasks below. The first line of the message says which; leave the other one alone."
 _TASKS = {"read": "Reading posts", "screen": "Looking at a command before a robot does it"}
 #: Plans of the thread that are told, newest last.
@@ -79,13 +81,19 @@ def prompt_file(name: str) -> str:
     return (resources.files("agentrob.minds") / "prompts" / f"{name}.md").read_text(encoding="utf-8")
 
 
-#: Prompts that are no robot's.
+def loop_prompt(kind: str, language: Language) -> str:
+    """The prompt of the visual loop for a kind of robot."""
+    return _prompt(kind, "loop_").replace("{language}", _LANGUAGES.get(language, "English"))
+
+
+#: Prompt files that do not belong to a kind of robot.
 _NO_KINDS = ("screen", "summary")
 
 
 @cache
-def _prompt(kind: str) -> str:
+def _prompt(kind: str, task: str = "") -> str:
+    """The prompt file for a kind of robot, or the general one when that kind has none."""
     folder = resources.files("agentrob.minds") / "prompts"
-    known = re.fullmatch("[a-z0-9_]+", kind) and kind not in _NO_KINDS
-    file = folder / f"{kind if known else _OTHER}.md"
-    return (file if file.is_file() else folder / f"{_OTHER}.md").read_text(encoding="utf-8")
+    known = re.fullmatch("[a-z0-9_]+", kind) and (task or kind not in _NO_KINDS)
+    file = folder / f"{task}{kind if known else _OTHER}.md"
+    return (file if file.is_file() else folder / f"{task}{_OTHER}.md").read_text(encoding="utf-8")

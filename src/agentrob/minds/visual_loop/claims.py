@@ -11,8 +11,8 @@ import re
 from collections.abc import Sequence
 
 from agentrob.language.goal import Aim, Goal
+from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import step_sentence
-from agentrob.minds.extraction.messages import say
 from agentrob.model import ActionResult, Language, Op, Outcome, Primitive
 
 #: Claims of walking and turning may be off by this much and this share.
@@ -38,15 +38,15 @@ def contradiction(goal: Goal, claim: str, did: str, results: Sequence[ActionResu
     measured = not any(r.unmeasured for r in results)
     if claim == "done":
         if measured and any(t.aim is Aim.APPROACH for t in goal.tasks) and walked_m(results) < NEAR_M:
-            return say("claim.there", language, whole=f"{walked_m(results):.2f}")
+            return say("minds.claim.there", language, whole=f"{walked_m(results):.2f}")
         if (missing := _not_done(goal.steps, results)) is not None:
-            return say("claim.step", language, step=step_sentence(missing, language))
+            return say("minds.claim.step", language, step=step_sentence(missing, language))
     for pattern, key, near in ((_METRES, "distance_m", NEAR_M), (_DEGREES, "degrees", NEAR_DEG)):
         for said in pattern.findall(did) if measured else ():
             amount = float(said.replace(",", "."))
             if not any(_near(amount, known, near) for known in _known(results, key)):
                 whole = walked_m(results) if key == "distance_m" else turned_deg(results)
-                return say(f"claim.{key}", language, amount=f"{amount:g}", whole=f"{whole:.2f}")
+                return say(f"minds.claim.{key}", language, amount=f"{amount:g}", whole=f"{whole:.2f}")
     return ""
 
 

@@ -12,6 +12,7 @@ budget of calls, time, tokens or turns without effect is used up.
 from __future__ import annotations
 
 import asyncio
+import io
 import json
 import time
 from collections.abc import Sequence
@@ -21,7 +22,6 @@ from typing import Any, Literal, Protocol
 from agentrob.minds.llm.chat import ChatModel, Image, Message, ModelReply, Tool, ToolCall, ToolResult, UserMessage
 from agentrob.minds.llm.errors import ModelError, one_line
 from agentrob.minds.usage import Usage
-from agentrob.minds.visual_loop.image import shrink_jpeg
 from agentrob.minds.visual_loop.tools import (
     FINISH,
     SAID_CHARS,
@@ -35,6 +35,8 @@ from agentrob.minds.visual_loop.tools import (
 )
 from agentrob.model import ActionResult, Capabilities, Mandate, Op, Outcome, Primitive, RobotState
 
+#: Pictures are sent to the model at most this wide, as JPEG of this quality.
+MAX_IMAGE_PX, JPEG_QUALITY = 1024, 80
 #: Of so many pictures the model is shown the newest; the older ones it has seen.
 PICTURES_KEPT = 2
 #: More calls in one answer are not done: what comes next should depend on what came of the first.
@@ -297,3 +299,21 @@ def _shown(raw: Any) -> dict[str, Any]:
     return {
         "raw": one_line(raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False, default=str), limit=200)
     }
+
+
+def shrink_jpeg(jpeg: bytes, max_px: int = MAX_IMAGE_PX) -> bytes:
+    """The picture as a small JPEG; one that cannot be read stays as it is, and the model's host says what it thinks."""
+    from PIL import Image
+
+    try:
+        with Image.open(io.BytesIO(jpeg)) as picture:
+            if max(picture.size) <= max_px and picture.format == "JPEG":
+                return jpeg
+            picture.draft("RGB", (max_px, max_px))
+            small = picture.convert("RGB")
+            small.thumbnail((max_px, max_px), Image.Resampling.BILINEAR)
+            out = io.BytesIO()
+            small.save(out, "JPEG", quality=JPEG_QUALITY)
+            return out.getvalue()
+    except (OSError, ValueError):
+        return jpeg

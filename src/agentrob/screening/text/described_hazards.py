@@ -12,13 +12,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import quote, say
 from agentrob.language.parser.amounts import with_amounts
 from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
 from agentrob.language.registry import locale
 from agentrob.model import Decision, Direction, Language, Op, Plan, Verdict
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
-from agentrob.screening.text.messages import say
 from agentrob.screening.text.patterns import Phrases
 from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
@@ -62,7 +61,7 @@ def hazard_in_path(text: str, plan: Plan, language: Language) -> Verdict | None:
     if (hazard := first_hazard_met(text, plan, language)) is None:
         return None
     decision = Decision.ASK_BACK if hazard.rule == UNKNOWN else Decision.REFUSE
-    return Verdict(decision, hazard.rule, say(hazard.rule, language, quote(hazard.words)))
+    return Verdict(decision, hazard.rule, say(hazard.rule, language, words=quote(hazard.words)))
 
 
 def first_hazard_met(text: str, plan: Plan, language: Language) -> Hazard | None:

@@ -11,9 +11,8 @@ import re
 from collections.abc import Iterator
 from functools import cache
 
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import quote, say
 from agentrob.model import Decision, Language, Verdict
-from agentrob.screening.text.messages import say
 from agentrob.screening.text.patterns import Phrases, Vocabulary
 from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
@@ -50,7 +49,7 @@ _MENTION = re.compile(
 def harm_of(text: str, language: Language) -> Verdict | None:
     """A refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
     for rule, words in _broken(text, doubts=False):
-        return Verdict(Decision.REFUSE, rule, say(rule, language, quote(words)))
+        return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
     return None
 
 
@@ -58,7 +57,7 @@ def doubt_of(text: str, language: Language) -> Verdict | None:
     """What must be asked back before anything moves, since the words may mean harm, or None."""
     for rule, words in _broken(text, doubts=True):
         key = rule if rule == "people.picture" else "beside.said"
-        return Verdict(Decision.ASK_BACK, rule, say(key, language, quote(words)))
+        return Verdict(Decision.ASK_BACK, rule, say(key, language, words=quote(words)))
     return None
 
 

@@ -5,18 +5,18 @@ verb in all its English forms, `~` for up to thirty characters within one senten
 same within one deed. Everything else is a regular expression over text in small letters with single spaces.
 
 All of them together take most of a second to compile. A process that serves compiles them when it begins
-(`Phrases.prepare`); one that reads a single text compiles only what can be found in it
-(`agentrob.screening.text.prefilter`).
+(`Phrases.prepare`); one that reads a single text compiles only the phrases
+that can match it: `needs` reads from a phrase which literal words a text must contain.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 
-from agentrob.screening.text.prefilter import OneOf, either, needs
-
+#: A text must contain at least one of these strings.
+OneOf = frozenset[str]
 _NOT = r"(?!\b(?:don't|dont|not|never|without|avoid|instead of|rather than)\b|不要|别|不许|避免|小心|以免)"
 GAP = rf"(?:{_NOT}[^.!?;\n。！？；]){{0,30}}?"
 CLAUSE_GAP = (
@@ -155,3 +155,69 @@ def _forms(verb: str) -> str:
     more = f"|{double}(?:ed|ing)" if double and first[-3] not in _VOWELS else ""
     optional = "" if first.endswith("e") else "?"
     return f"{base}(?:{endings}{more}){optional}{space}{rest}"
+
+
+# ---------------------------------------------------------------------- what a text must contain
+_TOKEN = re.compile(
+    r"(?P<group><\w+\+?>)|(?P<open>\((?:\?(?:[:>=!]|<[=!]))?)|(?P<close>\))|(?P<either>\|)"
+    r"|(?P<times>(?:[?*+]|\{\d*,?\d*\})[?+]?)|(?P<other>\[\^?\]?(?:\\.|[^\]\\])*\]|\\.|[.~…^$])"
+    r"|(?P<text>[^<(\[\]{}?*+|\\.~…^$)]+)"
+)
+#: Most are so: a word, maybe with an ending.
+_PLAIN = re.compile(r"([\w' -]*[\w'-]) ?(?:\w\?|\(\?:[\w|]*\)\??)?")
+#: What is held so is looked at, and taken in no word.
+_LOOKS = {"(?=", "(?!", "(?<=", "(?<!"}
+
+
+def needs(phrase: str, group: Callable[[str], tuple[OneOf, ...]]) -> tuple[OneOf, ...]:
+    """All of these must be met; nothing where nothing can be told. `group` tells the same of a reference `<name+>`."""
+    if plain := _PLAIN.fullmatch(phrase):
+        return _literal(plain[1])
+    return _Reader(phrase, group).alternatives()
+
+
+class _Reader:
+    def __init__(self, phrase: str, group: Callable[[str], tuple[OneOf, ...]]) -> None:
+        self._tokens = iter([(match.lastgroup, match[0]) for match in _TOKEN.finditer(phrase)])
+        self._group = group
+
+    def alternatives(self) -> tuple[OneOf, ...]:
+        """Reads to the closing bracket."""
+        found: list[list[OneOf]] = [[]]
+        last, rest = tuple[OneOf, ...](), tuple[OneOf, ...]()  # of the newest part, and of it when a `?` follows
+        for kind, said in self._tokens:
+            if kind == "times":
+                last = rest if said[0] in "?*" or said.startswith(("{0", "{,")) else last
+                continue
+            found[-1] += last
+            last = rest = ()
+            if kind == "close":
+                break
+            if kind == "either":
+                found.append([])
+            elif kind == "open":
+                within = self.alternatives()
+                last = () if said in _LOOKS else within
+            elif kind == "group":
+                last = self._group(said)
+            elif kind == "text":  # a `?` takes away its last letter only
+                last, rest = _literal(said), _literal(said[:-1])
+        found[-1] += last
+        return either(found)
+
+
+def _literal(said: str) -> tuple[OneOf, ...]:
+    return (frozenset([said.strip()]),) if said.strip() else ()
+
+
+def either(found: list[list[OneOf]]) -> tuple[OneOf, ...]:
+    """What all alternatives need together: of each what tells most."""
+    if len(found) == 1:
+        return tuple(found[0])
+    best = [max(sequence, key=_telling, default=frozenset()) for sequence in found]
+    return (frozenset().union(*best),) if all(best) else ()
+
+
+def _telling(one_of: OneOf) -> int:
+    """How rare it is that a text meets this by chance: the length of the shortest."""
+    return min(map(len, one_of))

@@ -14,11 +14,10 @@ import re
 from collections.abc import Iterator
 from functools import cache
 
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import quote, say
 from agentrob.model import Decision, Language, Plan, Verdict
 from agentrob.screening.text.described_hazards import UNKNOWN, first_hazard_met
 from agentrob.screening.text.harm import plain_words
-from agentrob.screening.text.messages import say
 from agentrob.screening.text.patterns import compiled
 from agentrob.screening.text.words import en as words_en
 
@@ -142,9 +141,9 @@ def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) 
         there = first_hazard_met(scene, plan, "en")
         if there is None or there.rule == UNKNOWN:
             return None
-        return Verdict(Decision.REFUSE, f"scene.{there.rule}", say("scene.way", language, quote(there.words)))
+        return Verdict(Decision.REFUSE, f"scene.{there.rule}", say("scene.way", language, words=quote(there.words)))
     for rule, why in _broken(plain_words(text), plain_words(scene)):
-        return Verdict(Decision.REFUSE, rule, say("scene", language, why))
+        return Verdict(Decision.REFUSE, rule, say("scene", language, words=why))
     return None
 
 

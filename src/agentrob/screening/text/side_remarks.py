@@ -10,11 +10,10 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from agentrob.language.messages.catalog import quote
+from agentrob.language.messages.catalog import quote, say
 from agentrob.model import Decision, Language, Op, Plan, Verdict
 from agentrob.screening.text.described_hazards import clauses, commanded, placed, without_safe_edges
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
-from agentrob.screening.text.messages import say
 from agentrob.screening.text.patterns import Phrases, Vocabulary
 from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
@@ -89,7 +88,7 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
         myself, *topics = _phrases()
         said = myself.sub(" ", _KIND.sub(" ", clause.said))
         if any(topic.search(said) for topic in topics) and not placed(clause.said):
-            return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, quote(clause.said)))
+            return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, words=quote(clause.said)))
     return None
 
 

@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.screening.text import described_hazards, harm, side_remarks
-from agentrob.screening.text.patterns import Phrases, Vocabulary, compiled
-from agentrob.screening.text.prefilter import needs
+from agentrob.screening.text.patterns import Phrases, Vocabulary, compiled, needs
 
 TEXTS = [
     harm.plain_words(json.loads(line)["text"])
