@@ -31,7 +31,7 @@ from instruments.loopback_model import HEAD, loopback_model, row, served_s
 
 from agentrob.agent.execution.execute import ExecutionHooks
 from agentrob.agent.execution.visual import run_visual_task
-from agentrob.agent.intake.authorization import Terms, permission
+from agentrob.agent.intake.authorization import CommandTerms, permission
 from agentrob.agent.understanding.visual_goal import visual_task_of
 from agentrob.config.load import LookConfig, MindConfig
 from agentrob.forums.memory.forum import MemoryForum
@@ -125,7 +125,7 @@ async def _measure(port: int, turns: int, socket: Path, folder: Path) -> tuple[l
             visual_task = visual_task_of(
                 Goal((Subgoal(Aim.FACE, "door"),)), eyes, capabilities, LookConfig(pictures=20), "en"
             )
-            hooks = _hooks(driver, partial(permission, author, driver, command, Terms()))
+            hooks = _hooks(driver, partial(permission, author, driver, command, CommandTerms()))
             await run_visual_task(driver, command, visual_task, hooks)
             pairs = zip(eyes.began[1:-1], eyes.began[2:-1], strict=False)  # the first turns open connections
             for a, b in pairs:

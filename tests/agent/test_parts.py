@@ -14,10 +14,10 @@ import pytest
 from PIL import Image
 
 from agentrob.agent.intake import event_stream
-from agentrob.agent.intake.event_stream import Channel
+from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.media.camera import Camera
 from agentrob.agent.media.plot import path_plot
-from agentrob.agent.reporting.status_post import Shown, StatusLine
+from agentrob.agent.reporting.status_post import Shown, StatusPost
 from agentrob.errors import ForumUnreachable, MindError
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.model import AccountKind, ActionResult, Command, Direction, Op, Outcome, Primitive, StatusCard
@@ -48,7 +48,7 @@ async def written(robot: MemoryForum, command: Command) -> list[tuple[str, int, 
 async def test_a_status_is_one_post_and_its_end_is_told_once() -> None:
     robot, command = await thread()
     for _ in range(2):  # the second time as after a crash
-        status = StatusLine(robot, command)
+        status = StatusPost(robot, command)
         await status.claim(shown("seen", "seen"))
         await status.close(shown("report", "done"), [PIXEL], "short")
     assert await written(robot, command) == [("report", 2, "done", 1)]
@@ -57,7 +57,7 @@ async def test_a_status_is_one_post_and_its_end_is_told_once() -> None:
 @pytest.mark.parametrize("max_edits", [0, 1, 2, 3, 9])
 async def test_where_edits_are_limited_at_most_three_are_used_and_the_report_is_a_reply(max_edits: int) -> None:
     robot, command = await thread(max_edits)
-    status = StatusLine(robot, command)
+    status = StatusPost(robot, command)
     await status.claim(shown("seen", "seen"))
     for number in range(5):
         status.show(shown(f"step {number}", "running"))
@@ -72,7 +72,7 @@ async def test_where_edits_are_limited_at_most_three_are_used_and_the_report_is_
 
 async def test_progress_never_waits_and_the_end_is_told_when_the_forum_is_back() -> None:
     robot, command = await thread()
-    status = StatusLine(robot, command)
+    status = StatusPost(robot, command)
     await status.claim(shown("seen", "seen"))
     robot._world.reachable = False
     status.show(shown("step", "running"))
@@ -86,7 +86,7 @@ async def test_progress_never_waits_and_the_end_is_told_when_the_forum_is_back()
 
 async def test_a_status_post_that_was_deleted_is_replaced_by_a_reply() -> None:
     robot, command = await thread()
-    status = StatusLine(robot, command)
+    status = StatusPost(robot, command)
     claimed = await status.claim(shown("seen", "seen"))
     del robot._world.posts[claimed.post.id]
     await status.close(shown("report", "done"))
@@ -97,7 +97,7 @@ async def test_a_status_post_that_was_deleted_is_replaced_by_a_reply() -> None:
 async def test_the_channel_brings_every_event_once_although_the_forum_comes_and_goes(live: bool) -> None:
     world = MemoryForum.world(live=live)
     alice, robot = world.sign_in("alice"), world.sign_in(ROBOT)
-    channel = Channel(robot, "0", poll_s=0.05)
+    channel = EventStream(robot, "0", poll_s=0.05)
     first = (await alice.create_topic("robots", "T", "0", key="0")).post
     seen: list[str] = []
 
@@ -125,7 +125,7 @@ async def test_the_channel_brings_every_event_once_although_the_forum_comes_and_
 
 async def test_law_16_a_polled_channel_is_proven_before_motion_and_a_dead_one_is_not() -> None:
     world = MemoryForum.world(live=False)
-    channel = Channel(world.sign_in(ROBOT), "0", poll_s=1000)
+    channel = EventStream(world.sign_in(ROBOT), "0", poll_s=1000)
 
     async def listen() -> None:
         async for _ in channel.events():
@@ -289,7 +289,7 @@ async def test_law_5_a_leap_of_the_machines_clock_makes_nothing_fresh_and_nothin
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     world = MemoryForum.world()
-    ear = Channel(world.sign_in(ROBOT), "0", poll_s=1)
+    ear = EventStream(world.sign_in(ROBOT), "0", poll_s=1)
     await ear.set_clock()
 
     class Leapt(datetime):

@@ -16,8 +16,8 @@ from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.agent.intake.event_stream import Channel
-from agentrob.agent.intake.triage import Call, Ears, perceive
+from agentrob.agent.intake.event_stream import EventStream
+from agentrob.agent.intake.triage import Addressing, Route, triage
 from agentrob.config.load import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.discourse import markers as discourse_markers
@@ -46,15 +46,15 @@ async def hears_a_stop(forum: Forum, cursor: str) -> None:
     """An agent's ear on that forum hears the stop that stands after all else."""
     me = Account("1", ROBOT, AccountKind.ROBOT_AGENT)
     async with asyncio.timeout(60):
-        async for event in Channel(forum, cursor, poll_s=0.1).events():
+        async for event in EventStream(forum, cursor, poll_s=0.1).events():
             if event.post is None or event.kind is EventKind.POST_REMOVED:
                 continue
             assert len(event.post.content_hash) == 64
-            ears = Ears(me, {ROBOT}, {"robots"}, NOW - timedelta(days=1), datetime.now(UTC), 120.0)
+            ears = Addressing(me, {ROBOT}, {"robots"}, NOW - timedelta(days=1), datetime.now(UTC), 120.0)
             if event.post.raw == f"@{ROBOT} stop":
-                assert perceive(event.post, ears).call is Call.STOP
+                assert triage(event.post, ears).call is Route.STOP
                 return
-            perceive(event.post, ears)
+            triage(event.post, ears)
 
 
 # ---------------------------------------------------------------------- marks

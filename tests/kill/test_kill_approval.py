@@ -78,7 +78,7 @@ POINTS = [
     Point("approval not noted yet", JOURNAL + "decide", "before"),
     Point("approval noted", JOURNAL + "decide", "after"),
     Point("approval counted", APPROVALS + "hear", "after"),
-    Point("approved and first in line", "agent.queue.queue:Line.turn", "after"),
+    Point("approved and first in line", "agent.queue.queue:CommandQueue.turn", "after"),
     Point("attempt not committed yet", JOURNAL + "_begin", "before"),
     Point("attempt committed", JOURNAL + "_begin", "after", end="interrupted"),
 ]

@@ -60,14 +60,14 @@ def board(name: str, target: str, when: str, ends: frozenset[str] = DONE, **more
 
 
 TURN, THINKING, COURSE = "agent.agent:", "agent.understanding.understand:", "agent.pipeline:"
-STATUS = "agent.reporting.status_post:StatusLine."
+STATUS = "agent.reporting.status_post:StatusPost."
 JOURNAL, CLIENT = "agent.store.journal:Journal.", "robots.driver.client:DriverClient."
 FORUM = "forums.agentrob.forum:BoardForum."
 #: Nothing has moved yet, so it is all done after the restart, once.
 BEFORE_MOTION = [
     agent("post not heard yet", TURN + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
     agent("post heard", TURN + "RobotAgent._hear", "after", DONE, 1, containing="post.created"),
-    agent("post perceived", TURN + "perceive", "after", DONE, 1),
+    agent("post perceived", TURN + "triage", "after", DONE, 1),
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
     agent("taken, cursor saved", "agent.store.rows:Rows.put_all", "after", DONE, 1, containing="cursor"),
@@ -79,7 +79,7 @@ BEFORE_MOTION = [
     agent("not claimed on the forum yet", FORUM + "reply", "before", DONE, 1, containing="claim:"),
     agent("claimed on the forum", FORUM + "reply", "after", DONE, 1, containing="claim:"),
     agent("claim noted in the journal", JOURNAL + "posted", "after", DONE, 1),
-    agent("first in line", "agent.queue.queue:Line.turn", "after", DONE, 1),
+    agent("first in line", "agent.queue.queue:CommandQueue.turn", "after", DONE, 1),
     agent("attempt not committed yet", JOURNAL + "_begin", "before", DONE, 1),
 ]
 #: Begun and not known to be finished: never again, whatever had moved.

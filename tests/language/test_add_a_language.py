@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter
 
-from agentrob.agent.understanding.extract import Thought
+from agentrob.agent.understanding.extract import Assessment
 from agentrob.language import addressing, locales
 from agentrob.language.messages.catalog import say
 from agentrob.language.messages.help import help_text
@@ -78,8 +78,8 @@ def test_robots_answer_in_it_and_in_english_where_it_has_no_sentence() -> None:
 def test_reports_are_in_it_too_and_journals_keep_it() -> None:
     assert say("agent.done", SPANISH) == "**Hecho.**"
     assert say("agent.failed", SPANISH, step=2) == say("agent.failed", "en", step=2)
-    thought = Thought(read("gira a la izquierda 30 grados"), "rules")
-    kept = TypeAdapter(Thought)
+    thought = Assessment(read("gira a la izquierda 30 grados"), "rules")
+    kept = TypeAdapter(Assessment)
     assert kept.validate_json(kept.dump_json(thought)) == thought
 
 

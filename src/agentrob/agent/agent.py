@@ -19,32 +19,32 @@ from typing import Any
 import structlog
 
 from agentrob.agent.execution.execute import SHUTDOWN, STOP
-from agentrob.agent.intake.event_stream import Channel, elapsed_s
+from agentrob.agent.intake.event_stream import EventStream, elapsed_s
 from agentrob.agent.intake.inbox import Inbox
-from agentrob.agent.intake.rate_limit import Pace
+from agentrob.agent.intake.rate_limit import RateLimiter
 from agentrob.agent.intake.reconcile import close_unknown, gap_after, is_open, recent_posts
-from agentrob.agent.intake.triage import Call, Ears, Heard, obeyed, perceive
+from agentrob.agent.intake.triage import Addressing, Route, TriagedPost, obeyed, triage
 from agentrob.agent.media import plot
 from agentrob.agent.media.camera import Camera
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.recorder import Recorder, look_of
-from agentrob.agent.pipeline import Course
+from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
-from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting.presence import Presence, reset_room
 from agentrob.agent.reporting.status_post import insist
 from agentrob.agent.stop.known_robots import KnownRobots
-from agentrob.agent.stop.moderator_alert import Alarm
-from agentrob.agent.stop.owner import Owner
-from agentrob.agent.stop.replies import StopReply, Stops
-from agentrob.agent.stop.stop_handler import Brake
+from agentrob.agent.stop.moderator_alert import ModeratorAlert
+from agentrob.agent.stop.owner import OwnerActions
+from agentrob.agent.stop.replies import StopReplies, StopReply
+from agentrob.agent.stop.stop_handler import StopHandler
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
 from agentrob.agent.store.retention import keep_pruning, prune
 from agentrob.agent.understanding import extract
 from agentrob.agent.understanding.surroundings import Surroundings
-from agentrob.agent.understanding.understand import Thinking
+from agentrob.agent.understanding.understand import Assessor
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
 from agentrob.forums.protocol import BEFORE_ALL, Event, EventKind, Forum, Stage
@@ -96,20 +96,20 @@ class RobotAgent:
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
-        self.channel = Channel(forum, "", settings.poll_s, listens, self._notice)
+        self.channel = EventStream(forum, "", settings.poll_s, listens, self._notice)
         self._on_end = on_end
         self.records = Records(self.folder)
-        self.line = Line(self._line_changed)
+        self.line = CommandQueue(self._line_changed)
         self.inbox = Inbox(
             name, lambda: self.journal, self.line, lambda at: self.brake.why_not(at), self._settle, self._take_up,  # noqa: PLW0108 (the brake comes later)
             self._decline, self._approve,
         )  # fmt: skip
-        self.alarm = Alarm(forum, name, (*settings.moderators, settings.owner))
-        self.stops = Stops(forum, driver, settings, self.channel.now, self._stop_reply, self._compared)
-        self.brake = Brake(
+        self.alarm = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
+        self.stops = StopReplies(forum, driver, settings, self.channel.now, self._stop_reply, self._compared)
+        self.brake = StopHandler(
             self.line, self.inbox, self.stops, self.alarm, lambda: self._journal, self.channel, self._spawn
         )
-        self.owner = Owner(
+        self.owner = OwnerActions(
             name, settings, forum, driver, self.stops, self.brake, self.channel.now, self._line_changed
         )  # fmt: skip
         stage = forum if isinstance(forum, Stage) else None
@@ -125,7 +125,7 @@ class RobotAgent:
         moving = lambda: self.line.moving is not None  # noqa: E731
         self.camera = Camera(stage, name, seen_by, moving, seen) if stage and seen_by else None
         self._journal: Journal | None = None
-        self._course: Course | None = None
+        self._course: Pipeline | None = None
         self._me: Account | None = None
         self._begun = datetime.min.replace(tzinfo=UTC), elapsed_s()
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -225,7 +225,7 @@ class RobotAgent:
                 await self._catch_up()
         for claim in await self.journal.open_claims():
             begun = await self.journal.moved(claim.command.post_id)
-            job = Job(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
+            job = QueuedCommand(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
             job.asked = claim.asked
             limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
             why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.channel.now(), *limits)
@@ -237,7 +237,7 @@ class RobotAgent:
         self.inbox.none_left_open()
 
     async def _catch_up(self) -> None:
-        """Hear what was missed; `ForumNotFound` as `Channel.events`."""
+        """Hear what was missed; `ForumNotFound` as `EventStream.events`."""
         while events := await insist(self._missed):
             for event in events:
                 self.channel.cursor = event.id
@@ -260,9 +260,9 @@ class RobotAgent:
                 if is_open(post, self._me) and post.reply_to not in self.inbox.coming:
                     statuses.append(post)
                 elif post.created_at <= until:
-                    heard = self.perceive(post)
-                    if heard.call is Call.READ:  # whether a stop came after it cannot be told any more
-                        heard = replace(heard, call=Call.STALE)
+                    heard = self.triage(post)
+                    if heard.call is Route.READ:  # whether a stop came after it cannot be told any more
+                        heard = replace(heard, call=Route.STALE)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
         self._spawn(close_unknown(self.forum, self.journal, statuses, self.course.moves))
 
@@ -290,12 +290,12 @@ class RobotAgent:
         return self._journal
 
     @property
-    def course(self) -> Course:
+    def course(self) -> Pipeline:
         if self._course is None:
             raise JournalError("the agent has not been started")
         return self._course
 
-    def _make_course(self) -> Course:
+    def _make_course(self) -> Pipeline:
         names = self._ears().names
         approvals = Approvals(
             self.name,
@@ -307,14 +307,14 @@ class RobotAgent:
             self.channel.now,
             self._spawn,
         )
-        pace, most = Pace(self.settings.rates), self.settings.rates.waiting
+        pace, most = RateLimiter(self.settings.rates), self.settings.rates.waiting
 
         def over_limit(command: Command) -> bool:
             account = command.author.id
             return pace.exceeded(account) or bool(most and self.line.number_of(account) > most)
 
-        thinking = Thinking(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
-        return Course(
+        thinking = Assessor(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
+        return Pipeline(
             self.name, self.settings, self.forum, self.driver, thinking, self.journal,
             self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
             pace, Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
@@ -395,17 +395,17 @@ class RobotAgent:
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
         self._notice(event.at)
-        heard = Heard(Call.NOTHING)
+        heard = TriagedPost(Route.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self.known_robots.meet(event.post.author)
-            heard = self.perceive(event.post, edited=event.kind is EventKind.POST_EDITED)
-            if heard.call in (Call.STOP, Call.HALT):
+            heard = self.triage(event.post, edited=event.kind is EventKind.POST_EDITED)
+            if heard.call in (Route.STOP, Route.HALT):
                 self._stop(event, event.post.author, heard)
             self.known_robots.look_up([name for name in heard.others if name in event.post.mentions])
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
             self._stop(event, event.account, heard)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_ESTOP:
-            self._stop(event, event.account, Heard(Call.HALT))
+            self._stop(event, event.account, TriagedPost(Route.HALT))
         elif event.robot == self.name and event.kind in (EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME):
             assert self._me is not None
             self._spawn(self._pressed(event, self._me))
@@ -448,36 +448,36 @@ class RobotAgent:
         step = self.channel.step
         return step.by if step is not None and elapsed_s() - step.noticed_s < SAID_S else None
 
-    async def _settle(self, post: Post, heard: Heard) -> Heard:
+    async def _settle(self, post: Post, heard: TriagedPost) -> TriagedPost:
         """What a post is, once the clocks are compared: only then it is known whether it is fresh."""
         await self._compared()
         if self._clock_set() is None:
             return heard
-        again = self.perceive(post)
-        return again if again.call in (Call.READ, Call.STALE, Call.APPROVE, Call.DENY) else heard
+        again = self.triage(post)
+        return again if again.call in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY) else heard
 
-    def perceive(self, post: Post, edited: bool = False) -> Heard:
+    def triage(self, post: Post, edited: bool = False) -> TriagedPost:
         """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
         try:
-            return perceive(post, self._ears(), edited)
+            return triage(post, self._ears(), edited)
         except Exception:
             _log.error("post not understood", robot=self.name, post=post.id, trace=traceback.format_exc())
-            return Heard(Call.NOTHING)
+            return TriagedPost(Route.NOTHING)
 
-    def _ears(self) -> Ears:
+    def _ears(self) -> Addressing:
         assert self._me is not None
         names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
         topics = self.line.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
-        return Ears(
+        return Addressing(
             self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
             self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self.inbox.left_open},
             self.known_robots.names,
         )  # fmt: skip
 
-    def _stop(self, event: Event, author: Account | None, heard: Heard) -> None:
+    def _stop(self, event: Event, author: Account | None, heard: TriagedPost) -> None:
         assert self._me is not None
         if author is not None and obeyed(author, self._me) and may(author, "stop").decision is Decision.ALLOW:
-            self.brake.heard(event, author, heard.language, halt=heard.call is Call.HALT, taken=heard.taken_as_stop)
+            self.brake.heard(event, author, heard.language, halt=heard.call is Route.HALT, taken=heard.taken_as_stop)
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
@@ -516,10 +516,10 @@ class RobotAgent:
     def _decline(self, command: Command) -> None:
         self._spawn(self.course.decline(command))
 
-    async def _approve(self, post: Post, heard: Heard) -> None:
+    async def _approve(self, post: Post, heard: TriagedPost) -> None:
         await self.course.approvals.hear(post, heard)
 
-    def _take_up(self, job: Job) -> None:
+    def _take_up(self, job: QueuedCommand) -> None:
         self.stops.new_command()
         self.line.enter(job)
         job.task = self._spawn(self.course.run(job))

@@ -17,14 +17,14 @@ from pydantic import TypeAdapter
 
 from agentrob.agent.execution.execute import SHUTDOWN, STOP, Execution, ExecutionHooks, decisive, execute, holder_of
 from agentrob.agent.execution.visual import run_visual_task
-from agentrob.agent.intake.authorization import Terms, own_rights, permission
-from agentrob.agent.intake.event_stream import Channel
-from agentrob.agent.intake.rate_limit import Pace
+from agentrob.agent.intake.authorization import CommandTerms, own_rights, permission
+from agentrob.agent.intake.event_stream import EventStream
+from agentrob.agent.intake.rate_limit import RateLimiter
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.queue.approvals import LAPSED, Approvals
-from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import page_of, publish
@@ -32,19 +32,19 @@ from agentrob.agent.reporting.mind_notes import notes, worded
 from agentrob.agent.reporting.status_post import (
     TOLD_WITHIN_S,
     Shown,
-    StatusLine,
+    StatusPost,
     insist,
     is_final,
     left_open,
     until_allowed,
 )
-from agentrob.agent.stop.owner import Owner
-from agentrob.agent.stop.replies import Stops
+from agentrob.agent.stop.owner import OwnerActions
+from agentrob.agent.stop.replies import StopReplies
 from agentrob.agent.store.journal import CANCELLED, DENIED, INTERRUPTED, Journal, NotBegun
 from agentrob.agent.store.records import Records, approval
-from agentrob.agent.understanding.extract import Thought
+from agentrob.agent.understanding.extract import Assessment
 from agentrob.agent.understanding.surroundings import Surroundings
-from agentrob.agent.understanding.understand import Thinking
+from agentrob.agent.understanding.understand import Assessor
 from agentrob.agent.understanding.visual_goal import in_words, visual_task_of
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, JournalError, RobotError
@@ -79,7 +79,7 @@ _log = structlog.get_logger()
 
 
 @dataclass(frozen=True)
-class Course:
+class Pipeline:
     """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins;
     when `ending` says that the agent is being ended, no step begins. `on_end` hears each final report that was told."""
 
@@ -87,37 +87,37 @@ class Course:
     settings: RobotConfig
     forum: Forum
     driver: DriverClient
-    thinking: Thinking
+    thinking: Assessor
     journal: Journal
-    channel: Channel
-    line: Line
-    stops: Stops
+    channel: EventStream
+    line: CommandQueue
+    stops: StopReplies
     approvals: Approvals
     records: Records
     recorder: Recorder
     store: ImageStore | None
-    pace: Pace
+    pace: RateLimiter
     surroundings: Surroundings
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
     on_end: Callable[[Report], None] = lambda _: None
     #: What carries the commands that wait until the forum lets our account write again.
     denied: set[asyncio.Task[Any]] = field(default_factory=set)
-    owner: Owner | None = None
+    owner: OwnerActions | None = None
     #: By how much the forum's clock was set, if that was just noticed.
     clock_set: Callable[[], timedelta | None] = lambda: None
 
     @property
-    def terms(self) -> Terms:
+    def terms(self) -> CommandTerms:
         names = tuple(self.thinking.names)
-        return Terms(
+        return CommandTerms(
             self.settings.allow_flip, self.channel.step_s, robot=self.name, scene=self.surroundings.scene, names=names,
             boards=tuple(self.settings.boards), rights=own_rights(self.settings),
         )  # fmt: skip
 
-    async def run(self, job: Job) -> None:
+    async def run(self, job: QueuedCommand) -> None:
         """From the claim to the final reply; whatever goes wrong in between is told too."""
-        job.status = StatusLine(self.forum, job.command)
+        job.status = StatusPost(self.forum, job.command)
         try:
             report = await self._decide(job)
         except Exception as e:
@@ -130,7 +130,7 @@ class Course:
             finally:
                 self.recorder.forget(job.command.post_id)
 
-    async def _faulted(self, job: Job, error: Exception) -> Report:
+    async def _faulted(self, job: QueuedCommand, error: Exception) -> Report:
         """The report of a command that a fault ended: with all that was measured until then (law 18)."""
         if isinstance(error, RobotError):
             message = say("agent.because.driver", job.command.language, message=error)
@@ -153,7 +153,7 @@ class Course:
         return self._report(job, execution.status, plan, execution, message=message)
 
     @contextlib.contextmanager
-    def _beside(self, job: Job, problem: str) -> Iterator[None]:
+    def _beside(self, job: QueuedCommand, problem: str) -> Iterator[None]:
         """For what stands beside a motion and its report: whatever goes wrong there costs only itself."""
         try:
             yield
@@ -162,14 +162,14 @@ class Course:
 
     async def decline(self, command: Command) -> None:
         """Tell a command that the journal could not take: its status is its end."""
-        job = Job(command)
+        job = QueuedCommand(command)
         report = self._report(job, "failed", message=self._because(job, "journal"))
         card = StatusCard(self.name, "failed", trace_id=command.trace_id)
         shown = Shown(words.final(report), card)
-        await self._allowed(partial(StatusLine(self.forum, command).claim, shown))
+        await self._allowed(partial(StatusPost(self.forum, command).claim, shown))
         self.on_end(report)
 
-    async def _decide(self, job: Job) -> Report | None:
+    async def _decide(self, job: QueuedCommand) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
         thinking = asyncio.ensure_future(self.thinking.think(job, self.terms))
         try:
@@ -177,7 +177,7 @@ class Course:
         finally:
             thinking.cancel()  # where the claim failed or is not ours, nobody pays for a thought that nobody reads
 
-    async def _claimed(self, job: Job, thinking: asyncio.Future[Thought]) -> Report | None:
+    async def _claimed(self, job: QueuedCommand, thinking: asyncio.Future[Assessment]) -> Report | None:
         """What the final reply says of a post that is thought about while it is claimed."""
         post_id = job.command.post_id
         await asyncio.wait({thinking}, timeout=GLANCE_S)
@@ -200,14 +200,14 @@ class Course:
                 await self.journal.finish(post_id, "answered before")
                 return None
             return self._report(job, "interrupted", message=say("agent.interrupted.claim", job.command.language))
-        thought: Thought = await thinking
+        thought: Assessment = await thinking
         if thought.understanding.cancels:
             job.took_back = await self._take_back(job)
         if job.ended is None and thought.understanding.intent is Intent.COMMAND:
             return await self._obey(job, thought)
         return await self._answer(job, thought)
 
-    async def _claim(self, job: Job) -> tuple[bool, bool]:
+    async def _claim(self, job: QueuedCommand) -> tuple[bool, bool]:
         """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
         command = job.command
         card = StatusCard(self.name, "seen", trace_id=command.trace_id)
@@ -246,7 +246,7 @@ class Course:
         finally:
             self.denied.discard(task)
 
-    async def _denied(self, job: Job, seconds: float) -> None:
+    async def _denied(self, job: QueuedCommand, seconds: float) -> None:
         """The forum denies us the claim: others go before it meanwhile, and once it is too old it only waits to be
         told so."""
         await self.line.aside(job, seconds)
@@ -261,7 +261,7 @@ class Course:
             return await self.driver.holder() == holder_of(trace_id)
         return False
 
-    async def _answer(self, job: Job, thought: Thought) -> Report:
+    async def _answer(self, job: QueuedCommand, thought: Assessment) -> Report:
         """Everything that moves nothing."""
         language, understood = job.command.language, thought.understanding
         if job.ended is not None:
@@ -293,7 +293,7 @@ class Course:
                 return self._report(job, "stopped", stop=stop)
         return self._report(job, "answered", message=say("agent.nothing", language))
 
-    async def _take_back(self, job: Job) -> int:
+    async def _take_back(self, job: QueuedCommand) -> int:
         """End what its author posted before and has not begun to move; how many commands that were."""
         before = self.line.end_waiting(job, "taken_back")
         await self.journal.end([other.command.post_id for other in before], "taken_back")
@@ -307,7 +307,7 @@ class Course:
         except RobotError as e:
             return words.state_text(None, len(self.line) - 1, language, str(e))
 
-    async def _ended(self, job: Job, plan: Plan, execution: Execution | None = None) -> Report:
+    async def _ended(self, job: QueuedCommand, plan: Plan, execution: Execution | None = None) -> Report:
         """A command that was ended from outside, before it moved or while it did."""
         why, language = job.ended or "before", job.command.language
         if why in ("stale", "expired", LAPSED) and execution is None:
@@ -327,7 +327,7 @@ class Course:
         message = job.stopped_by if status == "stopped" else self._because(job, why)
         return self._report(job, status, plan, execution, message=message, stop=stop)
 
-    async def _obey(self, job: Job, thought: Thought) -> Report:
+    async def _obey(self, job: QueuedCommand, thought: Assessment) -> Report:
         """A command: judged, then in line, then moved."""
         plan, verdict, command = thought.understanding.plan, thought.verdict, job.command
         assert verdict is not None
@@ -366,7 +366,7 @@ class Course:
         results = self.records.with_pictures(execution.results, execution.pictures)
         return replace(execution, results=results)
 
-    async def _carried(self, job: Job, plan: Plan, execution: Execution, kept: bool) -> Report:
+    async def _carried(self, job: QueuedCommand, plan: Plan, execution: Execution, kept: bool) -> Report:
         """A command that was begun. `kept`: the journal knows what came of it."""
         language = job.command.language
         job.stopped_by = job.stopped_by or execution.stopped_by
@@ -382,7 +382,7 @@ class Course:
         message = ("" if language == "zh" else " ").join(said)
         return self._report(job, execution.status, plan, execution, message=message)
 
-    async def _pace(self, job: Job) -> Verdict | None:
+    async def _pace(self, job: QueuedCommand) -> Verdict | None:
         """Wait while this account may not command again; a refusal when that is long."""
         author, language = job.command.author, job.command.language
         most = self.settings.rates.waiting
@@ -400,7 +400,7 @@ class Course:
         self.line.pace(job)
         return None
 
-    async def _move(self, job: Job, plan: Plan) -> str:
+    async def _move(self, job: QueuedCommand, plan: Plan) -> str:
         """The motion itself; called at most once ever for a post. One that the agent's end overtook does not begin."""
         if self.ending():
             raise NotBegun
@@ -427,7 +427,9 @@ class Course:
             job.moving = False
         return self._kept(job, execution)
 
-    async def _permitted(self, job: Job, terms: Terms, plan: Plan) -> tuple[Verdict, Capabilities | None]:
+    async def _permitted(
+        self, job: QueuedCommand, terms: CommandTerms, plan: Plan
+    ) -> tuple[Verdict, Capabilities | None]:
         """May it move now: not either when another agent of this account told its end meanwhile."""
         asked = permission(self.forum, self.driver, job.command, terms, plan)
         (verdict, capabilities), told = await asyncio.gather(asked, job.status.told())
@@ -435,8 +437,8 @@ class Course:
             return Verdict(Decision.REFUSE, "command.told", self._because(job, "told")), None
         return verdict, capabilities
 
-    def _kept(self, job: Job, execution: Execution) -> str:
-        """A motion as the journal keeps it. Whatever fails here, what was measured is on the job (`Job.run`)."""
+    def _kept(self, job: QueuedCommand, execution: Execution) -> str:
+        """A motion as the journal keeps it. Whatever fails here, what was measured is in `QueuedCommand.run`."""
         with self._beside(job, "surroundings not brought up to date"):
             self.surroundings.after(execution.results, execution.looked)
         with self._beside(job, "times not noted"):
@@ -451,7 +453,7 @@ class Course:
             results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
         return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
-    async def _carried_out(self, job: Job, plan: Plan, hooks: ExecutionHooks) -> Execution:
+    async def _carried_out(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
         """The plan's steps, or those that a model finds on the way to the goal."""
         thought, seeing = job.thought, self.thinking.eyes
         if thought is None or thought.goal is None:
@@ -464,7 +466,7 @@ class Course:
         return await run_visual_task(self.driver, job.command, visual_task, hooks)
 
     # ------------------------------------------------------------------ tell
-    def show_place(self, job: Job) -> None:
+    def show_place(self, job: QueuedCommand) -> None:
         """Tell a command that waits how many are before it."""
         if (
             job.ended is None
@@ -475,11 +477,11 @@ class Course:
         ):
             self._show(job, words.queued(job.command.language, place), "queued", place=place)
 
-    def _show(self, job: Job, text: str, state: str, **more: Any) -> None:
+    def _show(self, job: QueuedCommand, text: str, state: str, **more: Any) -> None:
         card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)
         job.status.show(Shown(text, card))
 
-    def _show_step(self, job: Job, plan: Plan, step: Primitive, number: int) -> None:
+    def _show_step(self, job: QueuedCommand, plan: Plan, step: Primitive, number: int) -> None:
         language = job.command.language
         doing = words.doing(step, language)
         if goal := _goal(job):
@@ -488,11 +490,11 @@ class Course:
         text = words.running(language, number, plan.steps)
         self._show(job, text, "running", step=number + 1, steps=len(plan.steps), doing=doing)
 
-    def _because(self, job: Job, why: str) -> str:
+    def _because(self, job: QueuedCommand, why: str) -> str:
         return say(f"agent.because.{why}", job.command.language)
 
     def _report(
-        self, job: Job, status: str, plan: Plan = Plan(), execution: Execution | None = None, **more: Any
+        self, job: QueuedCommand, status: str, plan: Plan = Plan(), execution: Execution | None = None, **more: Any
     ) -> Report:
         if execution is not None:
             more = {"results": execution.results, "verdict": execution.verdict, **more}
@@ -500,7 +502,7 @@ class Course:
         timings = dict(job.timings_ms)
         return Report(job.command, status, plan=plan, timings_ms=timings, goal=_goal(job), approved_by=by, **more)
 
-    async def _tell(self, job: Job, report: Report) -> None:
+    async def _tell(self, job: QueuedCommand, report: Report) -> None:
         """Put the report into the thread, exactly once, and close the claim."""
         command, text, pictures, facts = job.command, *await self._composed(job, report)
         short = ""
@@ -535,7 +537,7 @@ class Course:
                 await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
 
     async def _composed(
-        self, job: Job, report: Report
+        self, job: QueuedCommand, report: Report
     ) -> tuple[Callable[[Sequence[Picture]], str], tuple[Picture, ...], dict[str, Any] | None]:
         """The report's text with some pictures, its pictures, and its record, which is kept."""
         command, looked, language = job.command, job.looked, job.command.language
@@ -572,7 +574,7 @@ class Course:
         return text, pictures, facts
 
 
-def _goal(job: Job) -> str:
+def _goal(job: QueuedCommand) -> str:
     """What is to be looked for, in our words; empty for a plan."""
     goal = job.thought.goal if job.thought else None
     return in_words(goal, job.command.language) if goal else ""

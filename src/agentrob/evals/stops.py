@@ -8,7 +8,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
-from agentrob.agent.intake.triage import Call, Ears, perceive
+from agentrob.agent.intake.triage import Addressing, Route, triage
 from agentrob.errors import ConfigError
 from agentrob.evals.understanding import cell, read_rows
 from agentrob.language.visible_text import mention_spans, visible_text
@@ -53,10 +53,10 @@ def stops_it(text: str) -> bool:
     """Whether a member's post stops the robot whose command moves in its thread: the one it mentions first, if any."""
     named = next((name.lower() for name, _, _ in mention_spans(visible_text(text))), "quadruped")
     robot = Account("1", named, AccountKind.ROBOT_AGENT)
-    ears = Ears(
+    ears = Addressing(
         robot, frozenset({named, "robot"}), ("robots",), _NOW - timedelta(days=1), _NOW, 120.0, {"thread"}, {"command"}
     )
-    return perceive(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), ears).call in (Call.STOP, Call.HALT)
+    return triage(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), ears).call in (Route.STOP, Route.HALT)
 
 
 def describe(found: StopScore) -> str:

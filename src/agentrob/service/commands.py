@@ -23,10 +23,10 @@ from uuid import uuid4
 import structlog
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.agent.intake.triage import Call
-from agentrob.agent.queue.queue import Job
+from agentrob.agent.intake.triage import Route
+from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting.status_post import FINAL
-from agentrob.agent.understanding.extract import Thought
+from agentrob.agent.understanding.extract import Assessment
 from agentrob.errors import ForumError, RobotError, ServiceError
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, Command, Intent, Plan, Post, Report, Understanding, Verdict
@@ -42,7 +42,7 @@ _log = structlog.get_logger()
 #: Within this somebody waits without holding up others.
 Aside = Callable[[], AbstractAsyncContextManager[None]]
 T = TypeVar("T")
-CALLS = {Call.STOP: "stop", Call.HALT: "stop", Call.NOTHING: "nothing"}
+CALLS = {Route.STOP: "stop", Route.HALT: "stop", Route.NOTHING: "nothing"}
 
 
 class Desk:
@@ -139,18 +139,18 @@ class Desk:
             verdict=_judged(thought.verdict) if understood.intent in (Intent.COMMAND, Intent.ASK_BACK) else None,
         )  # fmt: skip
 
-    async def _thought(self, text: str, author: Account) -> Thought:
+    async def _thought(self, text: str, author: Account) -> Assessment:
         agent = self.agent
         now, board = agent.channel.now(), next(iter(agent.settings.boards), "")
-        heard = agent.perceive(
+        heard = agent.triage(
             Post("preview", "preview", board, author, text, now, mentions=mentions(visible_text(text)))
         )
-        if heard.call is not Call.READ:
-            intents = {Call.STOP: Intent.STOP, Call.HALT: Intent.HALT}
-            return Thought(Understanding(intents.get(heard.call, Intent.NOTHING), heard.language), "rules")
+        if heard.call is not Route.READ:
+            intents = {Route.STOP: Intent.STOP, Route.HALT: Intent.HALT}
+            return Assessment(Understanding(intents.get(heard.call, Intent.NOTHING), heard.language), "rules")
         trace = uuid4().hex[:12]
         command = Command("", "preview", "", author, agent.name, heard.text, heard.language, now, trace)
-        return await agent.course.thinking.consider(Job(command), agent.course.terms)
+        return await agent.course.thinking.consider(QueuedCommand(command), agent.course.terms)
 
     async def submit(self, caller: Caller, new: models.NewCommand, key: str | None) -> models.Submitted:
         """Post it on the forum by the caller's account; the agent hears of it there."""
@@ -169,7 +169,7 @@ class Desk:
         post = written.post
         self._newest_at = max(self._newest_at or post.created_at, post.created_at)
         if written.created or post.id not in self._submitted:
-            self._submitted[post.id] = post, CALLS.get(self.agent.perceive(post).call, "posted")
+            self._submitted[post.id] = post, CALLS.get(self.agent.triage(post).call, "posted")
             while len(self._submitted) > REMEMBERED:
                 self._submitted.popitem(last=False)
         self._begin_scan()
@@ -278,7 +278,7 @@ class Desk:
         names = {me.name, *(name.lower().lstrip("@") for name in self.agent.settings.mentions)}
         return text if names & set(mentions(visible_text(text))) else f"@{me.name} {text}"
 
-    def _of_job(self, job: Job) -> models.Command:
+    def _of_job(self, job: QueuedCommand) -> models.Command:
         shown = job.status.shown if job.status is not None else None
         found = _of_command(job.command, shown.state if shown else "seen")
         if shown is not None:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.agent.intake import rate_limit
-from agentrob.agent.intake.rate_limit import Pace, Wait
+from agentrob.agent.intake.rate_limit import RateLimiter, RateLimitWait
 from agentrob.config.load import RatesConfig
 from agentrob.model import Post
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
@@ -104,13 +104,13 @@ async def test_a_restart_begins_to_count_anew_and_loses_nothing_that_waits(
     ("seconds", "short", "minutes"), [(0.1, True, 1), (30, True, 1), (31, False, 1), (61, False, 2), (3600, False, 60)]
 )
 def test_a_wait_is_told_in_full_minutes(seconds: float, short: bool, minutes: int) -> None:
-    wait = Wait("rate.hour", seconds)
+    wait = RateLimitWait("rate.hour", seconds)
     assert (wait.short, wait.minutes) == (short, minutes)
 
 
 @given(st.integers(1, 20), st.integers(1, 60))
 def test_exactly_the_number_is_allowed_in_an_hour(number: int, asked: int) -> None:
-    pace = Pace(RatesConfig(commands_per_hour=number, cooldown_s=0))
+    pace = RateLimiter(RatesConfig(commands_per_hour=number, cooldown_s=0))
     waits = [pace.take("a") for _ in range(asked)]
     assert waits[:number] == [None] * min(number, asked)
     assert all(wait is not None and 3500 < wait.seconds <= 3600 for wait in waits[number:])
@@ -118,11 +118,11 @@ def test_exactly_the_number_is_allowed_in_an_hour(number: int, asked: int) -> No
 
 
 def test_what_had_to_wait_is_not_counted() -> None:
-    pace = Pace(RatesConfig(commands_per_hour=2, cooldown_s=600))
+    pace = RateLimiter(RatesConfig(commands_per_hour=2, cooldown_s=600))
     assert pace.take("a") is None
     assert [wait.rule for _ in range(9) if (wait := pace.take("a"))] == ["rate.cooldown"] * 9
 
 
 def test_no_rates_are_no_limits(scene: Scene) -> None:
-    pace = Pace(RatesConfig(**FREE))
+    pace = RateLimiter(RatesConfig(**FREE))
     assert [pace.take("a") for _ in range(1000)] == [None] * 1000

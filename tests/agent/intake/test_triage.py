@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.agent.intake.triage import Call, Ears, language_of, perceive
+from agentrob.agent.intake.triage import Addressing, Route, language_of, triage
 from agentrob.language.visible_text import OMITTED, mentions, visible_text
 from agentrob.model import Account, AccountKind, Post, Role
 
 NOW = datetime(2026, 1, 1, 12, 0, tzinfo=UTC)
 ME = Account("1", "quadruped", AccountKind.ROBOT_AGENT)
 ALICE = Account("2", "alice", role=Role.OPERATOR)
-EARS = Ears(
+EARS = Addressing(
     ME, {"quadruped", "dog"}, ("robots",), NOW - timedelta(days=1), NOW, 120.0, {"running"}, robots={"humanoid"}
 )
 
@@ -30,47 +30,47 @@ def post(text: str, author: Account = ALICE, topic: str = "t", age_s: float = 1.
 @pytest.mark.parametrize(
     ("text", "call"),
     [
-        ("@quadruped walk forward 1 m", Call.READ),
-        ("@Quadruped walk forward 1 m", Call.READ),
-        ("@dog walk forward 1 m", Call.READ),
-        ("走两步 @quadruped", Call.READ),
-        ("walk forward 1 m", Call.NOTHING),
-        ("@quadrupeds walk", Call.NOTHING),
-        ("@humanoid walk", Call.NOTHING),
-        ("`@quadruped walk`", Call.NOTHING),
-        ("> @quadruped walk", Call.NOTHING),
-        ("# @quadruped walk", Call.NOTHING),
-        ("[@quadruped](http://x) ![@quadruped walk](y)", Call.NOTHING),
-        ("![@quadruped walk](y)", Call.NOTHING),
-        ("@quаdruped walk (a Cyrillic а)", Call.NOTHING),
-        ("@quadruped stop", Call.STOP),
-        ("@quadruped, please stop!", Call.STOP),
-        ("@quadruped 停", Call.STOP),
-        ("@quadruped emergency stop", Call.HALT),
-        ("@quadruped walk 2 m and stop", Call.READ),
-        ("@quadruped don't stop", Call.READ),
-        ("@quadruped 停车场在哪里", Call.READ),
-        ("stop", Call.NOTHING),
-        ("@humanoid stop", Call.NOTHING),
+        ("@quadruped walk forward 1 m", Route.READ),
+        ("@Quadruped walk forward 1 m", Route.READ),
+        ("@dog walk forward 1 m", Route.READ),
+        ("走两步 @quadruped", Route.READ),
+        ("walk forward 1 m", Route.NOTHING),
+        ("@quadrupeds walk", Route.NOTHING),
+        ("@humanoid walk", Route.NOTHING),
+        ("`@quadruped walk`", Route.NOTHING),
+        ("> @quadruped walk", Route.NOTHING),
+        ("# @quadruped walk", Route.NOTHING),
+        ("[@quadruped](http://x) ![@quadruped walk](y)", Route.NOTHING),
+        ("![@quadruped walk](y)", Route.NOTHING),
+        ("@quаdruped walk (a Cyrillic а)", Route.NOTHING),
+        ("@quadruped stop", Route.STOP),
+        ("@quadruped, please stop!", Route.STOP),
+        ("@quadruped 停", Route.STOP),
+        ("@quadruped emergency stop", Route.HALT),
+        ("@quadruped walk 2 m and stop", Route.READ),
+        ("@quadruped don't stop", Route.READ),
+        ("@quadruped 停车场在哪里", Route.READ),
+        ("stop", Route.NOTHING),
+        ("@humanoid stop", Route.NOTHING),
     ],
 )
-def test_what_a_post_is_for_me(text: str, call: Call) -> None:
-    assert perceive(post(text), EARS).call is call
+def test_what_a_post_is_for_me(text: str, call: Route) -> None:
+    assert triage(post(text), EARS).call is call
 
 
 @pytest.mark.parametrize(
     ("text", "call"),
     [
-        ("stop", Call.STOP),
-        ("停！", Call.STOP),
-        ("@humanoid stop", Call.NOTHING),
-        ("@carol stop!", Call.STOP),  # who is not known to be a robot may be a person
-        ("@nobody-at-all stop", Call.STOP),
-        ("ok", Call.NOTHING),
+        ("stop", Route.STOP),
+        ("停！", Route.STOP),
+        ("@humanoid stop", Route.NOTHING),
+        ("@carol stop!", Route.STOP),  # who is not known to be a robot may be a person
+        ("@nobody-at-all stop", Route.STOP),
+        ("ok", Route.NOTHING),
     ],
 )
-def test_law_13_a_bare_stop_counts_in_the_thread_of_a_running_command(text: str, call: Call) -> None:
-    assert perceive(post(text, topic="running"), EARS).call is call
+def test_law_13_a_bare_stop_counts_in_the_thread_of_a_running_command(text: str, call: Route) -> None:
+    assert triage(post(text, topic="running"), EARS).call is call
 
 
 @pytest.mark.parametrize("text", ["@quadruped walk forward 1 m", "@quadruped stop"])
@@ -84,42 +84,42 @@ def test_law_13_a_bare_stop_counts_in_the_thread_of_a_running_command(text: str,
     ],
 )
 def test_law_1_some_are_never_obeyed(author: Account, text: str) -> None:
-    assert perceive(post(text, author), EARS).call is Call.NOTHING
+    assert triage(post(text, author), EARS).call is Route.NOTHING
 
 
 def test_law_1_a_commanding_agent_is_read_as_a_human_is() -> None:
     author = replace(ALICE, kind=AccountKind.COMMANDING_AGENT)
-    assert perceive(post("@quadruped wave", author), EARS).call is Call.READ
+    assert triage(post("@quadruped wave", author), EARS).call is Route.READ
 
 
-@pytest.mark.parametrize(("age_s", "call"), [(119.9, Call.READ), (120.1, Call.STALE), (86_401, Call.STALE)])
-def test_law_5_old_posts_are_stale(age_s: float, call: Call) -> None:
-    assert perceive(post("@quadruped wave", age_s=age_s), EARS).call is call
+@pytest.mark.parametrize(("age_s", "call"), [(119.9, Route.READ), (120.1, Route.STALE), (86_401, Route.STALE)])
+def test_law_5_old_posts_are_stale(age_s: float, call: Route) -> None:
+    assert triage(post("@quadruped wave", age_s=age_s), EARS).call is call
 
 
 def test_law_5_what_is_older_than_the_first_start_is_stale() -> None:
     ears = replace(EARS, watermark_at=NOW - timedelta(seconds=1))
-    assert perceive(post("@quadruped wave", age_s=1.0), ears).call is Call.STALE
-    assert perceive(post("@quadruped wave", age_s=0.9), ears).call is Call.READ
+    assert triage(post("@quadruped wave", age_s=1.0), ears).call is Route.STALE
+    assert triage(post("@quadruped wave", age_s=0.9), ears).call is Route.READ
 
 
 def test_law_4_of_an_edited_post_only_a_stop_counts() -> None:
-    assert perceive(post("@quadruped walk forward 1 m"), EARS, edited=True).call is Call.NOTHING
-    assert perceive(post("@quadruped stop"), EARS, edited=True).call is Call.STOP
+    assert triage(post("@quadruped walk forward 1 m"), EARS, edited=True).call is Route.NOTHING
+    assert triage(post("@quadruped stop"), EARS, edited=True).call is Route.STOP
 
 
 def test_a_removed_post_is_nothing_and_another_board_only_stops() -> None:
-    assert perceive(replace(post("@quadruped stop"), removed=True), EARS).call is Call.NOTHING
-    assert perceive(post("@quadruped wave", board="offtopic"), EARS).call is Call.NOTHING
-    assert perceive(post("@quadruped stop", board="offtopic"), EARS).call is Call.STOP
+    assert triage(replace(post("@quadruped stop"), removed=True), EARS).call is Route.NOTHING
+    assert triage(post("@quadruped wave", board="offtopic"), EARS).call is Route.NOTHING
+    assert triage(post("@quadruped stop", board="offtopic"), EARS).call is Route.STOP
 
 
 @given(st.text(max_size=300), st.booleans())
 def test_any_text_is_something_and_without_my_name_never_a_command(text: str, edited: bool) -> None:
-    heard = perceive(post(text), EARS, edited)
+    heard = triage(post(text), EARS, edited)
     if "quadruped" not in heard.text.lower() and "dog" not in heard.text.lower():
-        assert heard.call is Call.NOTHING
-    assert not (edited and heard.call in (Call.READ, Call.STALE))
+        assert heard.call is Route.NOTHING
+    assert not (edited and heard.call in (Route.READ, Route.STALE))
 
 
 @pytest.mark.parametrize(
@@ -141,56 +141,56 @@ BUSY = replace(EARS, commands={"9"})
 @pytest.mark.parametrize(
     ("text", "topic", "call"),
     [
-        ("stop right there", "running", Call.STOP),
-        ("@bob careful!", "running", Call.STOP),
-        ("@carol it hits the table, stop it", "running", Call.STOP),
-        ("@carol @humanoid wait", "running", Call.NOTHING),
-        ("@humanoid wait", "running", Call.NOTHING),
-        ("why did it stop?", "running", Call.NOTHING),
-        ("stop right there", "elsewhere", Call.NOTHING),
-        ("@quadruped that's enough", "elsewhere", Call.STOP),
-        ("@quadruped wait for me at the door", "elsewhere", Call.STOP),
-        ("@quadruped walk 1 m and stop", "elsewhere", Call.READ),
-        ("@quadruped approve", "running", Call.APPROVE),
+        ("stop right there", "running", Route.STOP),
+        ("@bob careful!", "running", Route.STOP),
+        ("@carol it hits the table, stop it", "running", Route.STOP),
+        ("@carol @humanoid wait", "running", Route.NOTHING),
+        ("@humanoid wait", "running", Route.NOTHING),
+        ("why did it stop?", "running", Route.NOTHING),
+        ("stop right there", "elsewhere", Route.NOTHING),
+        ("@quadruped that's enough", "elsewhere", Route.STOP),
+        ("@quadruped wait for me at the door", "elsewhere", Route.STOP),
+        ("@quadruped walk 1 m and stop", "elsewhere", Route.READ),
+        ("@quadruped approve", "running", Route.APPROVE),
     ],
 )
-def test_law_13_while_a_command_moves_in_doubt_it_stops(text: str, topic: str, call: Call) -> None:
-    heard = perceive(post(text, topic=topic), BUSY)
+def test_law_13_while_a_command_moves_in_doubt_it_stops(text: str, topic: str, call: Route) -> None:
+    heard = triage(post(text, topic=topic), BUSY)
     assert heard.call is call
-    assert heard.taken_as_stop == (call is Call.STOP)
+    assert heard.taken_as_stop == (call is Route.STOP)
 
 
 @pytest.mark.parametrize(
     "text", ["@quadruped wait for me at the door", "@quadruped why did it stop?", "@quadruped careful"]
 )
 def test_law_13_at_rest_only_the_narrow_rule_holds(text: str) -> None:
-    assert perceive(post(text), replace(EARS, running_topics=())).call is Call.READ
+    assert triage(post(text), replace(EARS, running_topics=())).call is Route.READ
 
 
 def test_law_13_a_command_under_way_does_not_stop_itself_but_an_edit_of_it_may() -> None:
     command = replace(post("@quadruped wait for the door, then walk", topic="running"), id="9")
-    assert perceive(command, BUSY).call is Call.READ
-    assert perceive(command, BUSY, edited=True).call is Call.STOP
+    assert triage(command, BUSY).call is Route.READ
+    assert triage(command, BUSY, edited=True).call is Route.STOP
 
 
 def test_law_3_a_name_that_the_page_does_not_link_commands_nothing_and_may_stop() -> None:
     """Zero-width signs in a name: another forum shows it, and makes no mention of it."""
     unlinked = replace(post("@quad\u200bruped walk forward 1 m"), mentions=())
-    assert perceive(unlinked, EARS).call is Call.NOTHING
-    assert perceive(replace(unlinked, mentions=("quadruped",)), EARS).call is Call.READ
-    assert perceive(replace(post("@quad\u200bruped stop"), mentions=()), EARS).call is Call.STOP
-    assert perceive(post("@quadruped- stop"), EARS).call is Call.STOP
-    assert perceive(post("@quadruped- walk forward 1 m"), EARS).call is Call.NOTHING
+    assert triage(unlinked, EARS).call is Route.NOTHING
+    assert triage(replace(unlinked, mentions=("quadruped",)), EARS).call is Route.READ
+    assert triage(replace(post("@quad\u200bruped stop"), mentions=()), EARS).call is Route.STOP
+    assert triage(post("@quadruped- stop"), EARS).call is Route.STOP
+    assert triage(post("@quadruped- walk forward 1 m"), EARS).call is Route.NOTHING
     # The page links it where it is not read: in a heading, perhaps.
-    assert perceive(replace(post("# @quadruped\n\nstop"), mentions=("quadruped",)), EARS).call is Call.STOP
-    assert perceive(replace(post("# @quadruped\n\nwalk forward"), mentions=("quadruped",)), EARS).call is Call.NOTHING
+    assert triage(replace(post("# @quadruped\n\nstop"), mentions=("quadruped",)), EARS).call is Route.STOP
+    assert triage(replace(post("# @quadruped\n\nwalk forward"), mentions=("quadruped",)), EARS).call is Route.NOTHING
 
 
 def test_law_3_a_post_whose_rendering_differs_leaves_a_mark_approves_nothing_and_stops() -> None:
-    def heard(text: str) -> tuple[Call, bool]:
-        found = perceive(replace(post(text), rendering_differs=True), EARS)
+    def heard(text: str) -> tuple[Route, bool]:
+        found = triage(replace(post(text), rendering_differs=True), EARS)
         return found.call, OMITTED in found.text
 
-    assert heard("@quadruped walk forward 1 m") == (Call.READ, True)
-    assert heard("@quadruped approve") == (Call.READ, True)
-    assert heard("@quadruped stop") == (Call.STOP, True)
+    assert heard("@quadruped walk forward 1 m") == (Route.READ, True)
+    assert heard("@quadruped approve") == (Route.READ, True)
+    assert heard("@quadruped stop") == (Route.STOP, True)

@@ -30,7 +30,7 @@ from hypothesis.stateful import (
 from agentrob.agent import agent as turn
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.intake import event_stream
-from agentrob.agent.queue.queue import Job
+from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import EventKind
 from agentrob.model import Account, AccountKind, Post, Primitive, Role
@@ -550,7 +550,7 @@ class Laws(RuleBasedStateMachine):
         waiting = {job.task for job in agent.line if self._waits(job)}
         return all(task.done() or task in waiting for task in agent._tasks)
 
-    def _waits(self, job: Job) -> bool:
+    def _waits(self, job: QueuedCommand) -> bool:
         """Whether it can go no further without us."""
         if job.command.text in self.gates.mind.held:
             return job.ended is None  # nobody waits for what is thought about a command that was ended

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.agent.queue.queue import Job
+from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.model import AccountKind, Post, Role
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene
 
@@ -62,7 +62,7 @@ def held_in_line(agent: RobotAgent) -> asyncio.Event:
     """Nobody's turn comes until the event is set."""
     let, turn = asyncio.Event(), agent.line.turn
 
-    async def held(job: Job, expiry_s: float) -> bool:
+    async def held(job: QueuedCommand, expiry_s: float) -> bool:
         await let.wait()
         return await turn(job, expiry_s)
 

@@ -9,9 +9,9 @@ from typing import get_args
 import pytest
 from pydantic import TypeAdapter
 
-from agentrob.agent.queue.queue import Job
+from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting.mind_notes import notes, usage_line
-from agentrob.agent.understanding.extract import FAILED, OVER, Thought
+from agentrob.agent.understanding.extract import FAILED, OVER, Assessment
 from agentrob.language.messages.catalog import can_say
 from agentrob.minds.llm.errors import ErrorKind
 from agentrob.minds.safety_review import SafetyReview
@@ -28,7 +28,7 @@ LOST = Usage("clever", "gpt-x", latency_ms=25_000.0, attempts=3, failed="timeout
 def test_each_way_of_failing_has_its_words(kind: str) -> None:
     assert can_say(f"agent.mind.why.{kind}")
     for language, begin in (("en", "`clever` did not read this post ("), ("zh", "`clever` 没有读这个帖子（")):
-        (told,) = notes(Thought(READ, "rules", fallback=kind), "clever", language)
+        (told,) = notes(Assessment(READ, "rules", fallback=kind), "clever", language)
         assert told.startswith(begin)
         assert ("my rules did." if language == "en" else "由我的规则代读。") in told
 
@@ -46,12 +46,12 @@ def test_what_was_taken_is_one_line_also_for_several_questions() -> None:
 
 def test_where_no_model_had_a_part_nothing_is_said() -> None:
     assert notes(None, "rules", "en") == []
-    assert notes(Thought(READ, "rules"), "rules", "en") == []
-    assert notes(Thought(READ, "rules", fallback=OVER), "clever", "en") == []
+    assert notes(Assessment(READ, "rules"), "rules", "en") == []
+    assert notes(Assessment(READ, "rules", fallback=OVER), "clever", "en") == []
 
 
 def test_who_answered_instead_and_who_did_not_look_are_told_in_one_paragraph() -> None:
-    thought = Thought(
+    thought = Assessment(
         READ, "second", usage=(LOST, ONE), fallback="timeout", screened=SafetyReview("clever", failed="server")
     )
     said, line = notes(thought, "clever", "en", more=[ONE])
@@ -68,7 +68,7 @@ def test_law_3_a_name_that_a_server_gives_is_shown_as_code() -> None:
 
 
 async def test_law_14_nobody_thinks_about_what_is_ended_and_nobody_waits_for_who_does() -> None:
-    job, begun = Job(COMMAND), asyncio.Event()
+    job, begun = QueuedCommand(COMMAND), asyncio.Event()
 
     async def think() -> str:
         begun.set()
@@ -86,13 +86,15 @@ async def test_law_14_nobody_thinks_about_what_is_ended_and_nobody_waits_for_who
 
 
 async def test_what_is_thought_in_time_counts() -> None:
-    job = Job(COMMAND)
+    job = QueuedCommand(COMMAND)
     assert await job.unless_ended(asyncio.sleep(0, "a thought")) == "a thought"
 
 
 def test_a_thought_of_an_older_journal_is_still_read() -> None:
     older = '{"understanding": {"intent": "command", "language": "zh"}, "mind": "rules", "verdict": null}'
-    thought = TypeAdapter(Thought).validate_json(older)
+    thought = TypeAdapter(Assessment).validate_json(older)
     assert (thought.mind, thought.usage, thought.fallback, thought.screened) == ("rules", (), "", None)
-    full = Thought(READ, "rules", usage=(ONE,), fallback="timeout", screened=SafetyReview("clever", failed="timeout"))
-    assert TypeAdapter(Thought).validate_json(TypeAdapter(Thought).dump_json(full)) == full
+    full = Assessment(
+        READ, "rules", usage=(ONE,), fallback="timeout", screened=SafetyReview("clever", failed="timeout")
+    )
+    assert TypeAdapter(Assessment).validate_json(TypeAdapter(Assessment).dump_json(full)) == full

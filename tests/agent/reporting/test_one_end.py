@@ -15,7 +15,7 @@ import pytest
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.reporting import status_post as status
-from agentrob.agent.reporting.status_post import Shown, StatusLine
+from agentrob.agent.reporting.status_post import Shown, StatusPost
 from agentrob.board.admin import local_admin
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied
@@ -138,10 +138,10 @@ async def test_law_6_a_claim_that_shows_its_end_is_not_shown_as_queued_again(sce
     card = StatusCard(ROBOT, "done", step=1, steps=1, trace_id="ours")
     account = await scene.person("alice").me()
     command = Command(post.id, post.topic_id, post.content_hash, account, ROBOT, WALK, "en", post.created_at, "ours")
-    first = StatusLine(robot, command)
+    first = StatusPost(robot, command)
     await first.claim(Shown("Seen.", replace(card, state="seen")))
     assert await first.close(Shown("**Done.**", card))
-    again = StatusLine(robot, command)
+    again = StatusPost(robot, command)
     written: Written = await again.claim(Shown("Seen.", replace(card, state="seen")))
     again.adopt(written.post)
     again.show(Shown("Queued, place 2.", replace(card, state="queued")))

@@ -16,14 +16,14 @@ import pytest
 
 from agentrob.agent import pipeline
 from agentrob.agent.execution import execute
-from agentrob.agent.intake.event_stream import Channel
+from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.reporting import report, visual_text
-from agentrob.agent.reporting.status_post import StatusLine
+from agentrob.agent.reporting.status_post import StatusPost
 from agentrob.agent.store import journal
 from agentrob.agent.store.records import Records
 from agentrob.agent.understanding.surroundings import Surroundings
-from agentrob.agent.understanding.understand import Thinking
+from agentrob.agent.understanding.understand import Assessor
 from agentrob.errors import ForumUnreachable, JournalError, RobotError, RobotUnreachable
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.protocol import Addressee
@@ -115,11 +115,11 @@ AFTER_BOTH = [
     Fault(Recorder, "kept", after=2),
     Fault(Recorder, "late", after=2),
     Fault(Surroundings, "after", after=2),
-    Fault(Channel, "now", after=2),
+    Fault(EventStream, "now", after=2),
     Fault(journal.Journal, "_end", DISK, 2),
     Fault(journal.Journal, "did", LOST, 2),
     Fault(journal.Journal, "finish", LOST, 2),
-    Fault(Thinking, "summary", after=2),
+    Fault(Assessor, "summary", after=2),
     Fault(pipeline, "illustrate", after=2),
     Fault(pipeline, "page_of", after=2),
     Fault(pipeline, "publish", after=2),
@@ -137,13 +137,13 @@ AFTER_BOTH = [
 BETWEEN = [
     Fault(pipeline, "permission", rest="not begun"),
     Fault(execute, "within", rest="not begun"),
-    Fault(Channel, "prove", rest="not begun"),
+    Fault(EventStream, "prove", rest="not begun"),
     Fault(report, "running", rest="not begun"),
-    Fault(StatusLine, "show", rest="not begun"),
+    Fault(StatusPost, "show", rest="not begun"),
 ]
 #: In the second step: whoever watches it, and the driver itself. It was sent, so it is never "not begun".
 WITHIN = [
-    Fault(Channel, "silent", rest="stopped", once=True),
+    Fault(EventStream, "silent", rest="stopped", once=True),
     Fault(DriverClient, "step", rest="unknown"),
     Fault(DriverClient, "step", RobotError("the driver answered 500"), rest="unknown"),
     Fault(DriverClient, "step", RobotUnreachable("no driver answers"), rest="unknown"),
@@ -173,7 +173,7 @@ FAST = {
     "Records.keep_pictures after 2",
     "Journal._end after 2",
     "pipeline.permission after 1",
-    "Channel.silent after 1",
+    "EventStream.silent after 1",
 }
 FAULTS = [*AFTER_BOTH, *BETWEEN, *WITHIN]
 CASES = [pytest.param(f, id=f.id, marks=() if f.id in FAST else pytest.mark.slow) for f in FAULTS]
@@ -296,7 +296,7 @@ async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_d
         raise asyncio.CancelledError
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pipeline.Course, "_tell", dies)
+        patch.setattr(pipeline.Pipeline, "_tell", dies)
         async with scene.agent() as agent:
             post = await scene.post("alice", TWO_STEPS)
             await scene.state(post, "running")
@@ -305,7 +305,7 @@ async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_d
     async def away(*_: Any) -> Any:
         raise RobotUnreachable("no driver answers")
 
-    monkeypatch.setattr(Thinking, "think", away)
+    monkeypatch.setattr(Assessor, "think", away)
     async with scene.agent():
         reply = await scene.final(post)
     holds_the_truth(reply)

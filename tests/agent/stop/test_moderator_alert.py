@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.agent.stop.moderator_alert import STOPS, WITHIN, Alarm
+from agentrob.agent.stop.moderator_alert import STOPS, WITHIN, ModeratorAlert
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.model import AccountKind, Post, Role
 from tests.agent.agent_scene import ROBOT, Scene
@@ -51,7 +51,7 @@ async def test_law_15_presses_of_the_button_count_too(scene: Scene) -> None:
 
 @given(st.lists(st.integers(0, 400), min_size=1, max_size=60))
 def test_law_15_no_third_stop_goes_untold_and_no_five_minutes_hear_of_two(gaps: list[int]) -> None:
-    alarm = Alarm(MemoryForum.world().sign_in(ROBOT), ROBOT, ())
+    alarm = ModeratorAlert(MemoryForum.world().sign_in(ROBOT), ROBOT, ())
     ats = [START + timedelta(seconds=sum(gaps[: n + 1])) for n in range(len(gaps))]
     rang = [at for at in ats if alarm.rings(at)]
     assert all(later - earlier > WITHIN for earlier, later in itertools.pairwise(rang))

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.execution.execute import STOP
-from agentrob.agent.queue.queue import Job
+from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.stop import stop_handler
 from agentrob.agent.stop.stop_handler import CLOCK
 from agentrob.agent.store import rows
@@ -102,7 +102,7 @@ class Play:
         while busy := self.agent._tasks - self.waiting:
             await asyncio.wait(busy)
 
-    async def run(self, job: Job) -> None:
+    async def run(self, job: QueuedCommand) -> None:
         post_id, journal, task = job.command.post_id, self.agent.journal, asyncio.current_task()
         self.waiting.add(task)
         await job.unless_ended(self.gate.wait())
@@ -116,7 +116,7 @@ class Play:
         self.agent.line.leave(job)
         await journal.finish(post_id, "done")
 
-    def show_place(self, job: Job) -> None:
+    def show_place(self, job: QueuedCommand) -> None:
         return None
 
     async def moves(self, trace_id: str) -> bool:

@@ -148,14 +148,14 @@ async def test_law_15_a_post_that_no_parser_can_read_does_not_make_the_agent_dea
 
 
 async def test_a_post_that_breaks_the_ear_itself_is_passed_over(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = turn.perceive
+    real = turn.triage
 
     def fragile(post, *more):  # type: ignore[no-untyped-def]
         if "poison" in post.raw:
             raise ZeroDivisionError
         return real(post, *more)
 
-    monkeypatch.setattr(turn, "perceive", fragile)
+    monkeypatch.setattr(turn, "triage", fragile)
     async with scene.agent():
         await scene.post("bob", "poison")
         assert (await scene.final(await scene.post("alice", "@quadruped turn left 90 degrees"))).card.state == "done"

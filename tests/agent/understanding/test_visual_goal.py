@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from agentrob.agent.intake.authorization import Terms, judge
+from agentrob.agent.intake.authorization import CommandTerms, judge
 from agentrob.agent.understanding.visual_goal import judged_plan
 from agentrob.language.registry import language_of
 from agentrob.language.visible_text import mentions
@@ -17,7 +17,7 @@ from agentrob.model import Account, Capabilities, Command, Decision, Op, Role, V
 
 CAN = Capabilities("fake", frozenset(Op), simulated=True)
 ME = ("quadruped",)
-TERMS = Terms(names=ME, known=True)
+TERMS = CommandTerms(names=ME, known=True)
 
 
 def judged(text: str) -> Verdict:

@@ -15,7 +15,7 @@ from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting import visual_text
 from agentrob.agent.reporting.command_page import public
 from agentrob.agent.store.records import Records
-from agentrob.agent.understanding.extract import Thought
+from agentrob.agent.understanding.extract import Assessment
 from agentrob.language.messages.catalog import say
 from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
@@ -117,7 +117,9 @@ def tell(world: World, topic: str, command: str, report: Report, looked: LoopRec
     }
     reply = robot.post(f"/topics/{topic}/posts", json=told).json()["post"]["id"]
     understood = Understanding(Intent.COMMAND, plan=report.plan)
-    thought = Thought(understood, "clever", report.verdict, (USAGE,), screened=SafetyReview("careful", usage=(USAGE,)))
+    thought = Assessment(
+        understood, "clever", report.verdict, (USAGE,), screened=SafetyReview("careful", usage=(USAGE,))
+    )
     more |= {"looked": asdict(looked)} if looked else {}
     with TemporaryDirectory() as folder:
         facts = Records(Path(folder)).write(report, thought, **more)

@@ -38,7 +38,7 @@ _log = structlog.get_logger()
 OnResult = Callable[[ActionResult], None]
 
 
-class Cut(Exception):
+class CommandEnded(Exception):
     """The loop must end now with this status."""
 
     def __init__(self, status: str) -> None:
@@ -94,7 +94,7 @@ class VisualRun(Run):
             return None
 
     async def act(self, step: Primitive) -> StepAttempt:
-        """Do a step if it may be done; raises `Cut` when the whole command must end."""
+        """Do a step if it may be done; raises `CommandEnded` when the whole command must end."""
         self.stepping = True
         try:
             if (problem := await self._problem(step)) is not None:
@@ -108,11 +108,11 @@ class VisualRun(Run):
             await self._ask_who()
         goes_on = result.reason in _GOES_ON or result.reason.startswith("limit_")
         if result.outcome is Outcome.UNKNOWN or not (result.ok or goes_on):
-            raise Cut(self._status_of(result))
+            raise CommandEnded(self._status_of(result))
         return StepAttempt(result)
 
     async def _problem(self, step: Primitive) -> str | None:
-        """None when the step may begin now, else why not; `Cut` when nothing more may."""
+        """None when the step may begin now, else why not; `CommandEnded` when nothing more may."""
         assert self.mandate is not None
         if (beyond := mandate_violation(self.mandate, self.results, step)) is not None:
             return beyond
@@ -120,21 +120,21 @@ class VisualRun(Run):
             return reason
         if step.moves and not await self.hooks.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
-            raise Cut("interrupted")
+            raise CommandEnded("interrupted")
         # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
         if why := self.hooks.ended():
-            raise Cut(self._status_of_end(why))
+            raise CommandEnded(self._status_of_end(why))
         return None
 
     async def _denied(self, step: Primitive) -> str | None:
-        """Why this step may not be done, judged on today's state; `Cut` when that ends the command."""
+        """Why this step may not be done, judged on today's state; `CommandEnded` when that ends the command."""
         verdict, capabilities = await self.hooks.permit(Plan((step,)))
         if verdict.decision is Decision.ALLOW and capabilities is not None:
             return None
         if verdict.rule.startswith(_OF_A_STEP):
             return verdict.reason
         self.verdict = verdict
-        raise Cut(self._status_of_verdict(verdict))
+        raise CommandEnded(self._status_of_verdict(verdict))
 
     def left_s(self) -> float:
         moved_s = sum(r.duration_s for r in self.results)
@@ -148,12 +148,12 @@ class VisualRun(Run):
         """Follow the loop to its end; the command's status."""
         try:
             self.end = await self.follow()
-        except Cut as e:
+        except CommandEnded as e:
             return e.status
         return "done" if self.end.claim == "done" else "failed"
 
     async def follow(self) -> LoopEnd:
-        """The loop to its end; raises `Cut` or `LeaseLost` as soon as something outside ends it."""
+        """The loop to its end; raises `CommandEnded` or `LeaseLost` as soon as something outside ends it."""
         looping = asyncio.create_task(self.loop.run())
         asked_s = time.monotonic()
         try:
@@ -162,7 +162,7 @@ class VisualRun(Run):
                 if looping.done() or self.stepping:
                     continue  # a step ends by itself for the same reasons
                 if why := self.hooks.ended():
-                    raise Cut(self._status_of_end(why))
+                    raise CommandEnded(self._status_of_end(why))
                 if time.monotonic() - asked_s > ASK_LEASE_S:
                     await self._keeps_lease()
                     asked_s = time.monotonic()

@@ -7,7 +7,7 @@ import asyncio
 import math
 from dataclasses import dataclass, replace
 
-from agentrob.agent.store.rows import Decided
+from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Forum, Keeper
@@ -37,7 +37,7 @@ MAX_LINKS = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Terms:
+class CommandTerms:
     """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16).
 
     `robot` is the robot's account, by which a forum may keep who may command it. `scene` is what is known to be around
@@ -55,7 +55,7 @@ class Terms:
     boards: tuple[str, ...] = ()
     known: bool = False
     rights: RobotRights | None = None
-    approval: Decided | None = None
+    approval: ApprovalDecision | None = None
 
 
 def own_rights(settings: RobotConfig) -> RobotRights:
@@ -70,7 +70,7 @@ def own_rights(settings: RobotConfig) -> RobotRights:
     )
 
 
-async def rights_on(forum: Forum, command: Command, terms: Terms) -> RobotRights | None:
+async def rights_on(forum: Forum, command: Command, terms: CommandTerms) -> RobotRights | None:
     """What the forum keeps of who may command the robot where this stands now; the owner's where forums keep no such
     thing.
 
@@ -91,7 +91,7 @@ def judge(
     plan: Plan,
     author: Account,
     capabilities: Capabilities,
-    terms: Terms,
+    terms: CommandTerms,
     rights: RobotRights | None = None,
 ) -> Verdict:
     """The screen, which asks for the author's rights first."""
@@ -111,7 +111,7 @@ def judge(
 
 
 async def permission(
-    forum: Forum, driver: DriverClient, command: Command, terms: Terms, plan: Plan
+    forum: Forum, driver: DriverClient, command: Command, terms: CommandTerms, plan: Plan
 ) -> tuple[Verdict, Capabilities | None]:
     """Read the post, its author, the rights and the robot's limits anew and judge again; also the limits judged by.
 
@@ -142,7 +142,7 @@ async def permission(
 
 
 async def _approved(
-    forum: Forum, command: Command, author: Account, approval: Decided, rights: RobotRights | None
+    forum: Forum, command: Command, author: Account, approval: ApprovalDecision, rights: RobotRights | None
 ) -> Verdict:
     """Whether the approval still stands as it was given, by somebody who may still give it."""
     try:

@@ -39,7 +39,7 @@ class ClockStep:
     noticed_s: float
 
 
-class Channel:
+class EventStream:
     """Events after `cursor`, which moves on with each. Survives a forum that goes away.
 
     `poll_s` is the interval where the forum has no stream, `BEAT_S` while a robot moves. One that does not `listen`
@@ -144,7 +144,7 @@ class Channel:
             self._calm()
         return True
 
-    def __enter__(self) -> Channel:
+    def __enter__(self) -> EventStream:
         """`with channel:` while a robot moves: poll fast where polling is needed."""
         self._hurrying += 1
         self._hurry.set()

@@ -12,15 +12,15 @@ from uuid import uuid4
 import structlog
 
 from agentrob.agent.execution.execute import STOP
-from agentrob.agent.intake.triage import Call, Heard
-from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.intake.triage import Route, TriagedPost
+from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import JournalError
 from agentrob.forums.protocol import Event, EventKind
 from agentrob.mcp.metadata import untagged
 from agentrob.model import Command, Post
 
-_TO_TAKE = frozenset({Call.READ, Call.STALE})
+_TO_TAKE = frozenset({Route.READ, Route.STALE})
 _log = structlog.get_logger()
 
 
@@ -33,12 +33,12 @@ class Inbox:
         self,
         robot: str,
         journal: Callable[[], Journal],
-        line: Line,
+        line: CommandQueue,
         stopped: Callable[[datetime], str | None],
-        settled: Callable[[Post, Heard], Awaitable[Heard]],
-        take_up: Callable[[Job], None],
+        settled: Callable[[Post, TriagedPost], Awaitable[TriagedPost]],
+        take_up: Callable[[QueuedCommand], None],
         decline: Callable[[Command], None],
-        approve: Callable[[Post, Heard], Awaitable[None]],
+        approve: Callable[[Post, TriagedPost], Awaitable[None]],
     ) -> None:
         #: Commands that were heard and are not in line yet.
         self.coming: dict[str, Post] = {}
@@ -53,13 +53,13 @@ class Inbox:
         self._take_up = take_up
         self._decline = decline
         self._approve = approve
-        self._waiting: asyncio.Queue[tuple[Event, Heard]] = asyncio.Queue()
+        self._waiting: asyncio.Queue[tuple[Event, TriagedPost]] = asyncio.Queue()
 
     @property
     def empty(self) -> bool:
         return self._waiting.empty() and not self.coming
 
-    def put(self, event: Event, heard: Heard) -> None:
+    def put(self, event: Event, heard: TriagedPost) -> None:
         """Never waits."""
         post = event.post
         if post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
@@ -95,7 +95,7 @@ class Inbox:
         saved_s = 0.0
         while True:
             event, heard = await self._waiting.get()
-            save = heard.call is not Call.NOTHING or time.monotonic() - saved_s > 1.0
+            save = heard.call is not Route.NOTHING or time.monotonic() - saved_s > 1.0
             await self._take(event, heard, save)
             saved_s = time.monotonic() if save else saved_s
 
@@ -104,7 +104,7 @@ class Inbox:
         while not self._waiting.empty():
             await self._take(*self._waiting.get_nowait(), save=True)
 
-    async def _take(self, event: Event, heard: Heard, save: bool) -> None:
+    async def _take(self, event: Event, heard: TriagedPost, save: bool) -> None:
         """Accept what was heard; `save`: after a restart go on after it."""
         try:
             await self.accept(event, heard)
@@ -121,7 +121,7 @@ class Inbox:
                 self.coming.pop(event.post.id, None)
                 self._ended.pop(event.post.id, None)
 
-    def _not_taken(self, event: Event, heard: Heard) -> None:
+    def _not_taken(self, event: Event, heard: TriagedPost) -> None:
         """Tell a command that it could not be taken, unless it is under way."""
         post = event.post
         if post is None or event.kind is not EventKind.POST_CREATED or heard.call not in _TO_TAKE:
@@ -129,7 +129,7 @@ class Inbox:
         if self._line.find(post.id) is None:
             self._decline(self._command(post, heard))
 
-    async def accept(self, event: Event, heard: Heard) -> None:
+    async def accept(self, event: Event, heard: TriagedPost) -> None:
         """Claim a post in the journal and begin its turn; end what was edited or removed."""
         post = event.post
         if post is None:
@@ -137,14 +137,14 @@ class Inbox:
         if event.kind is not EventKind.POST_CREATED:
             await self._amend(post)
             return
-        if heard.call in (Call.APPROVE, Call.DENY, *_TO_TAKE):
+        if heard.call in (Route.APPROVE, Route.DENY, *_TO_TAKE):
             heard = await self._settled(post, heard)
-        if heard.call in (Call.APPROVE, Call.DENY):
+        if heard.call in (Route.APPROVE, Route.DENY):
             await self._approve(post, heard)
         if heard.call not in _TO_TAKE:
             return
-        if heard.call is Call.STALE or post.version > 1:
-            ended: str | None = "stale" if heard.call is Call.STALE else "edited"
+        if heard.call is Route.STALE or post.version > 1:
+            ended: str | None = "stale" if heard.call is Route.STALE else "edited"
         else:
             ended = self._why_stopped(post)
         claim = await self._journal().claim(self._command(post, heard), ended)
@@ -152,7 +152,7 @@ class Inbox:
             return
         if (tag := untagged(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
             _log.info("asked by an agent", post=post.id, trace_id=claim.command.trace_id, asked_in=tag.trace_id)
-        job = Job(claim.command, ended=ended)
+        job = QueuedCommand(claim.command, ended=ended)
         came = self._why_stopped(post) if ended is None else None  # while the claim was written
         if came is not None:
             job.end(came)
@@ -176,7 +176,7 @@ class Inbox:
         job.end(why)
         await self._journal().end([post.id], why)
 
-    def _command(self, post: Post, heard: Heard) -> Command:
+    def _command(self, post: Post, heard: TriagedPost) -> Command:
         return Command(
             post.id, post.topic_id, post.content_hash, post.author, self._robot, heard.text, heard.language,
             post.created_at, uuid4().hex[:12],

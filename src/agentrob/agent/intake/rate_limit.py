@@ -17,7 +17,7 @@ SHORT_S = 30.0
 
 
 @dataclass(frozen=True, slots=True)
-class Wait:
+class RateLimitWait:
     """Why and how long an account has to wait: `rule` is the name of what it met."""
 
     rule: str
@@ -34,7 +34,7 @@ class Wait:
         return max(1, math.ceil(self.seconds / 60))
 
 
-class Pace:
+class RateLimiter:
     """Counts commands that were allowed otherwise; in memory, so a restart begins anew. Stops are never counted."""
 
     def __init__(self, rates: RatesConfig) -> None:
@@ -45,9 +45,9 @@ class Pace:
         if rates.cooldown_s:
             self._items["rate.cooldown"] = RateLimitItemPerSecond(1, rates.cooldown_s)
 
-    def take(self, account: str) -> Wait | None:
+    def take(self, account: str) -> RateLimitWait | None:
         """Count one command of this account now; or, uncounted, what it has to wait for."""
-        waits = [Wait(rule, self._wait_s(item, account)) for rule, item in self._items.items()]
+        waits = [RateLimitWait(rule, self._wait_s(item, account)) for rule, item in self._items.items()]
         longest = max(waits, key=lambda wait: wait.seconds, default=None)
         if longest is not None and longest.seconds > 0:
             return longest
@@ -57,7 +57,7 @@ class Pace:
 
     def exceeded(self, account: str) -> bool:
         """Whether a command of this account would be refused now; counts nothing."""
-        return any(not Wait(rule, self._wait_s(item, account)).short for rule, item in self._items.items())
+        return any(not RateLimitWait(rule, self._wait_s(item, account)).short for rule, item in self._items.items())
 
     def _wait_s(self, item: RateLimitItem, account: str) -> float:
         if self._limiter.test(item, account):

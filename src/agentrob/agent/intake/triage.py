@@ -19,7 +19,7 @@ from agentrob.model import Account, AccountKind, Intent, Language, Post
 _NOT_OBEYED = frozenset({AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT})
 
 
-class Call(StrEnum):
+class Route(StrEnum):
     """What a post is for one robot."""
 
     NOTHING = "nothing"
@@ -32,7 +32,7 @@ class Call(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Ears:
+class Addressing:
     """Who listens, and what it knows of the world when a post arrives.
 
     `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
@@ -53,11 +53,11 @@ class Ears:
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class TriagedPost:
     """What was made of a post. `text` is its visible text, `others` are those it mentions besides. An approval that is
     not `fresh` is too old to count. `taken_as_stop`: it stops since something moves or waits, and else would not."""
 
-    call: Call
+    call: Route
     text: str = ""
     others: tuple[str, ...] = ()
     fresh: bool = True
@@ -68,10 +68,10 @@ class Heard:
         return language_of(self.text)
 
 
-def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
+def triage(post: Post, ears: Addressing, edited: bool = False) -> TriagedPost:
     """`edited`: the post was seen before and has changed; then only a stop counts (law 4)."""
     if post.removed or not obeyed(post.author, ears.me):
-        return Heard(Call.NOTHING)
+        return TriagedPost(Route.NOTHING)
     text = text_in(post)
     named = mentions(text)
     # In doubt it stops: by a name that another forum does not link, links where it is not read, or that ends in a slip.
@@ -84,17 +84,17 @@ def perceive(post: Post, ears: Ears, edited: bool = False) -> Heard:
     robots = tuple(name for name in others if name in ears.robots)
     here = mine or (not robots and post.topic_id in ears.running_topics)
     if here and (stop := stop_intent(text)):
-        return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others)
+        return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others)
     # While anything moves or waits, in doubt it stops; a command under way does not stop itself.
     doubted = here and ears.running_topics and (edited or post.id not in ears.commands) and approval_in(text) is None
     if doubted and (stop := stop_while_moving(text, tuple(ears.names), robots)):
-        return Heard(Call.HALT if stop is Intent.HALT else Call.STOP, text, others, taken_as_stop=True)
+        return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others, taken_as_stop=True)
     if edited or not called or post.board_id not in ears.boards:
-        return Heard(Call.NOTHING, text, others)
+        return TriagedPost(Route.NOTHING, text, others)
     fresh = _fresh(post, ears)
     if (said := approval_in(text)) is not None:
-        return Heard(Call.APPROVE if said is ApprovalIntent.APPROVE else Call.DENY, text, others, fresh)
-    return Heard(Call.READ if fresh else Call.STALE, text, others)
+        return TriagedPost(Route.APPROVE if said is ApprovalIntent.APPROVE else Route.DENY, text, others, fresh)
+    return TriagedPost(Route.READ if fresh else Route.STALE, text, others)
 
 
 def obeyed(author: Account, me: Account) -> bool:
@@ -109,6 +109,6 @@ def language_of(text: str) -> Language:
     return registry.language_of(text)
 
 
-def _fresh(post: Post, ears: Ears) -> bool:
+def _fresh(post: Post, ears: Addressing) -> bool:
     age_s = (ears.now_at - post.created_at).total_seconds()
     return post.created_at > ears.watermark_at and age_s <= ears.max_age_s

@@ -17,13 +17,13 @@ from typing import Any
 
 import structlog
 
-from agentrob.agent.intake.authorization import Terms, own_rights, rights_on
-from agentrob.agent.intake.triage import Call, Heard
-from agentrob.agent.queue.queue import Job, Line
+from agentrob.agent.intake.authorization import CommandTerms, own_rights, rights_on
+from agentrob.agent.intake.triage import Route, TriagedPost
+from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting.status_post import SOON_S, Shown, insist, until_allowed
 from agentrob.agent.store.journal import DENIED, Journal
-from agentrob.agent.store.rows import Decided
+from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.protocol import Forum
@@ -52,7 +52,7 @@ class Approvals:
     settings: RobotConfig
     forum: Forum
     journal: Journal
-    line: Line
+    line: CommandQueue
     now: Callable[[], datetime]
     spawn: Callable[[Coroutine[Any, Any, Any]], object]
     _settled_at: dict[str, datetime] = field(default_factory=dict)
@@ -63,7 +63,7 @@ class Approvals:
         """So long after its post a command is approved at the latest."""
         return min(self.settings.approval.wait_s, self.settings.queue_expiry_s)
 
-    async def wait(self, job: Job, understood: str, needed: str) -> None:
+    async def wait(self, job: QueuedCommand, understood: str, needed: str) -> None:
         """Until somebody approved the command, or it was ended: denied, stopped, changed, or not approved in time. It
         waits on after a restart, and others go before it meanwhile.
 
@@ -81,7 +81,7 @@ class Approvals:
             await self.journal.end([job.command.post_id], LAPSED)
         self._settle(job.command.topic_id, self.now())
 
-    async def _tell(self, job: Job, understood: str, needed: str, until_at: datetime) -> None:
+    async def _tell(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
         """Say in the thread that it waits, for what and for whom."""
         rights = await insist(partial(rights_on, self.forum, job.command, self._terms))
         wait_s = (until_at - job.command.posted_at).total_seconds()
@@ -91,8 +91,8 @@ class Approvals:
             await job.status.ask(Shown(text, card))
 
     @property
-    def _terms(self) -> Terms:
-        return Terms(robot=self.name, rights=own_rights(self.settings))
+    def _terms(self) -> CommandTerms:
+        return CommandTerms(robot=self.name, rights=own_rights(self.settings))
 
     def _settle(self, topic_id: str, at: datetime) -> None:
         """One of the thread's commands waits no more."""
@@ -100,7 +100,7 @@ class Approvals:
         self._settled_at = recent | {topic_id: at}
 
     # ---------------------------------------------------------------- hearing
-    async def hear(self, post: Post, heard: Heard) -> None:
+    async def hear(self, post: Post, heard: TriagedPost) -> None:
         """Count a post that approves or denies, or say why it does not count. Hearing it again changes nothing."""
         if await self.journal.counted(post.id):
             return
@@ -112,8 +112,8 @@ class Approvals:
         if job is None or why:
             self.spawn(self._answer(post, why))
             return
-        approved = heard.call is Call.APPROVE
-        decided = Decided(approved, post.author, post.id, post.content_hash, post.created_at)
+        approved = heard.call is Route.APPROVE
+        decided = ApprovalDecision(approved, post.author, post.id, post.content_hash, post.created_at)
         if not await self.journal.decide(job.command.post_id, decided):
             self.spawn(self._answer(post, say("agent.approval.nothing", heard.language)))
             return
@@ -123,9 +123,9 @@ class Approvals:
         if not approved:
             job.end(DENIED)
 
-    def _meant(self, post: Post, heard: Heard) -> tuple[Job | None, str]:
+    def _meant(self, post: Post, heard: TriagedPost) -> tuple[QueuedCommand | None, str]:
         """The command that a post is about, or why there is none."""
-        denies = heard.call is Call.DENY
+        denies = heard.call is Route.DENY
         found = [job for job in self.line if job.command.topic_id == post.topic_id and _waits(job, denies)]
         if named := [job for job in found if post.reply_to in job.status.posts or post.reply_to == job.command.post_id]:
             return named[0], ""
@@ -137,10 +137,10 @@ class Approvals:
             return None, say("agent.approval.which", heard.language)
         return found[0], ""
 
-    async def _objection(self, job: Job, post: Post, heard: Heard) -> str:
+    async def _objection(self, job: QueuedCommand, post: Post, heard: TriagedPost) -> str:
         """Why a post may not decide about this command; empty when it may."""
         assert job.asked is not None
-        language, denies = heard.language, heard.call is Call.DENY
+        language, denies = heard.language, heard.call is Route.DENY
         if post.version > 1:
             return say("agent.approval.edited", language)
         if not denies and not heard.fresh:
@@ -152,7 +152,7 @@ class Approvals:
         verdict = await self._may(job, post, heard)
         return "" if verdict.decision is Decision.ALLOW else verdict.reason
 
-    async def _may(self, job: Job, post: Post, heard: Heard) -> Verdict:
+    async def _may(self, job: QueuedCommand, post: Post, heard: TriagedPost) -> Verdict:
         try:
             async with asyncio.timeout(ASK_S):
                 rights = await rights_on(self.forum, job.command, self._terms)
@@ -173,7 +173,7 @@ class Approvals:
             _log.warning("approval not answered", post=post.id, error=str(e))
 
 
-def _waits(job: Job, denies: bool) -> bool:
+def _waits(job: QueuedCommand, denies: bool) -> bool:
     """Whether a word about this command may still count: what was approved may be denied until it moves."""
     if job.asked is None or job.ended is not None or job.moving or job.status is None:
         return False

@@ -10,8 +10,8 @@ from datetime import datetime
 from typing import Any, TypeVar
 
 from agentrob.agent.execution.execute import Run
-from agentrob.agent.store.rows import Asked, Decided
-from agentrob.agent.understanding.extract import Thought
+from agentrob.agent.store.rows import ApprovalDecision, ApprovalRequest
+from agentrob.agent.understanding.extract import Assessment
 from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.model import Command, StopResult
 
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 @dataclass(eq=False)
-class Job:
+class QueuedCommand:
     """One post under way, from its claim to its final reply.
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
@@ -40,14 +40,14 @@ class Job:
     ended: str | None = None
     paced: bool = False
     held: bool = False
-    asked: Asked | None = None
+    asked: ApprovalRequest | None = None
     ready: bool = False
     moving: bool = False
     stopped_by: str = ""
     took_back: int = 0
     stop: asyncio.Task[StopResult | None] | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
-    thought: Thought | None = None
+    thought: Assessment | None = None
     looked: LoopRecord | None = None
     run: Run | None = None
     status: Any = None
@@ -63,11 +63,11 @@ class Job:
         return self.ended is None and not self.begun
 
     @property
-    def decided(self) -> Decided | None:
+    def decided(self) -> ApprovalDecision | None:
         """Who approved or denied it, as soon as somebody did."""
         return self.asked.decided if self.asked is not None else None
 
-    def decide(self, decided: Decided) -> None:
+    def decide(self, decided: ApprovalDecision) -> None:
         """Somebody approved or denied it."""
         assert self.asked is not None
         self.asked = replace(self.asked, decided=decided)
@@ -98,19 +98,19 @@ class Job:
             await self._changed.wait()
 
 
-class Line:
+class CommandQueue:
     """Who waits. `on_change` hears whenever somebody came, went or moved up."""
 
     def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
-        self._jobs: list[Job] = []
-        self._turn: Job | None = None
+        self._jobs: list[QueuedCommand] = []
+        self._turn: QueuedCommand | None = None
         self._closed = False
         self._on_change = on_change
 
     def __len__(self) -> int:
         return len(self._jobs)
 
-    def __iter__(self) -> Iterator[Job]:
+    def __iter__(self) -> Iterator[QueuedCommand]:
         return iter(tuple(self._jobs))
 
     @property
@@ -119,23 +119,23 @@ class Line:
         return [job.command.post_id for job in sorted(self._jobs, key=lambda job: job.held)]
 
     @property
-    def moving(self) -> Job | None:
+    def moving(self) -> QueuedCommand | None:
         """The command whose motion runs now."""
         return next((job for job in self._jobs if job.moving), None)
 
-    def find(self, post_id: str) -> Job | None:
+    def find(self, post_id: str) -> QueuedCommand | None:
         return next((job for job in self._jobs if job.command.post_id == post_id), None)
 
     def asking(self) -> set[asyncio.Task[Any]]:
         """What carries those that wait for an approval."""
         return {job.task for job in self._jobs if job.task and job.held and job.asked and not job.decided}
 
-    def place(self, job: Job) -> int:
+    def place(self, job: QueuedCommand) -> int:
         """How many are before it; 0 when it is its turn."""
         before = [other for other in self._jobs[: self._jobs.index(job)] if other.ready and not other.held]
         return len(before) + (self._turn not in (None, job, *before))
 
-    def of_same_author(self, before: Job) -> list[Job]:
+    def of_same_author(self, before: QueuedCommand) -> list[QueuedCommand]:
         """What its account asked for before it and is not done."""
         author = before.command.author.id
         return [job for job in self._jobs[: self._jobs.index(before)] if job.command.author.id == author]
@@ -144,13 +144,13 @@ class Line:
         """How many commands of this account are under way."""
         return sum(job.command.author.id == account_id for job in self._jobs)
 
-    async def in_order(self, job: Job) -> None:
+    async def in_order(self, job: QueuedCommand) -> None:
         """Wait until what its account asked for before is paced (or done), whichever was read sooner."""
         while job.ended is None and not all(other.paced for other in self.of_same_author(job)):
             job._changed.clear()
             await job._changed.wait()
 
-    def pace(self, job: Job) -> None:
+    def pace(self, job: QueuedCommand) -> None:
         job.paced = True
         self._moved_up()
 
@@ -158,11 +158,11 @@ class Line:
         """Threads in which a bare "stop" is meant for this robot."""
         return frozenset(job.command.topic_id for job in self._jobs)
 
-    def enter(self, job: Job) -> None:
+    def enter(self, job: QueuedCommand) -> None:
         self._jobs.append(job)
         self._on_change()
 
-    def leave(self, job: Job) -> None:
+    def leave(self, job: QueuedCommand) -> None:
         """Leaving twice does nothing."""
         if job in self._jobs:
             self._jobs.remove(job)
@@ -175,30 +175,30 @@ class Line:
             job._changed.set()
         self._on_change()
 
-    def end_all(self, why: str) -> list[Job]:
+    def end_all(self, why: str) -> list[QueuedCommand]:
         """End every command; returns those that had not been ended."""
         return self._end(self._jobs, why)
 
-    def end_posted(self, until: datetime, why: str) -> list[Job]:
+    def end_posted(self, until: datetime, why: str) -> list[QueuedCommand]:
         """End every command that was posted then or earlier; returns those that had not been ended."""
         return self._end([job for job in self._jobs if job.command.posted_at <= until], why)
 
-    def end_before(self, job: Job, why: str) -> list[Job]:
+    def end_before(self, job: QueuedCommand, why: str) -> list[QueuedCommand]:
         """End every command that was accepted before this one, whatever the forum's clock said of either; returns those
         that had not been ended."""
         return self._end(self._jobs[: self._jobs.index(job)] if job in self._jobs else [], why)
 
-    def end_waiting(self, job: Job, why: str) -> list[Job]:
+    def end_waiting(self, job: QueuedCommand, why: str) -> list[QueuedCommand]:
         """The same of what its own account asked for and does not move."""
         return self._end([other for other in self.of_same_author(job) if not other.moving], why)
 
-    def _end(self, jobs: Sequence[Job], why: str) -> list[Job]:
+    def _end(self, jobs: Sequence[QueuedCommand], why: str) -> list[QueuedCommand]:
         found = [job for job in jobs if job.can_end]
         for job in found:
             job.end(why)
         return found
 
-    async def turn(self, job: Job, expiry_s: float) -> bool:
+    async def turn(self, job: QueuedCommand, expiry_s: float) -> bool:
         """Wait until it is the job's turn (True) or it was ended; False as well once it is `expiry_s` old."""
         job.ready = True
         left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
@@ -219,10 +219,10 @@ class Line:
         """Nobody gets a turn any more: who has not had one stays as it is, for the agent's next start."""
         self._closed = True
 
-    def _is_next(self, job: Job) -> bool:
+    def _is_next(self, job: QueuedCommand) -> bool:
         return not self._closed and self._turn is None and next(j for j in self._jobs if j.ready and not j.held) is job
 
-    async def aside(self, job: Job, seconds: float) -> None:
+    async def aside(self, job: QueuedCommand, seconds: float) -> None:
         """Let others go before it for so long, whatever becomes of it meanwhile."""
         job.held = True
         self._moved_up()
@@ -231,7 +231,7 @@ class Line:
         finally:
             job.held = False
 
-    async def hold(self, job: Job, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
+    async def hold(self, job: QueuedCommand, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
         """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended
         meanwhile."""
         job.held = True

@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from agentrob.agent.reporting.report import disarmed
-from agentrob.agent.understanding.extract import OVER, Thought
+from agentrob.agent.understanding.extract import OVER, Assessment
 from agentrob.language.messages.catalog import can_say, quote, say
 from agentrob.minds.extraction.summary import Summary
 from agentrob.minds.usage import Usage
 from agentrob.model import Language
 
 
-def notes(thought: Thought | None, asked: str, language: Language, more: Sequence[Usage] = ()) -> list[str]:
+def notes(thought: Assessment | None, asked: str, language: Language, more: Sequence[Usage] = ()) -> list[str]:
     """Paragraphs for a report; `asked` is the mind of the configuration, `more` what models took after the thought.
 
     None where no model had a part in it.

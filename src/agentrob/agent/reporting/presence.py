@@ -11,7 +11,7 @@ from typing import Any
 import httpx2
 import structlog
 
-from agentrob.agent.stop.owner import Owner
+from agentrob.agent.stop.owner import OwnerActions
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.protocol import Stage
@@ -39,7 +39,7 @@ class Presence:
         name: str,
         settings: RobotConfig,
         waiting: Callable[[], Sequence[str]],
-        owner: Owner | None = None,
+        owner: OwnerActions | None = None,
     ) -> None:
         self._stage = stage
         self._driver = driver

@@ -49,7 +49,7 @@ class Shown:
     card: StatusCard
 
 
-class StatusLine:
+class StatusPost:
     """The status post of one command. Its first post is the claim (law 6), under the key `claim:<post>`."""
 
     def __init__(self, forum: Forum, command: Command) -> None:

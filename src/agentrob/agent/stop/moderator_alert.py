@@ -19,7 +19,7 @@ WITHIN = timedelta(minutes=5)
 _log = structlog.get_logger()
 
 
-class Alarm:
+class ModeratorAlert:
     """Counts the stops of one robot by the forum's clock and mentions `names` in the thread of the third."""
 
     def __init__(self, forum: Forum, robot: str, names: Sequence[str]) -> None:

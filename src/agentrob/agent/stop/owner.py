@@ -14,8 +14,8 @@ import structlog
 
 from agentrob.agent.intake.authorization import own_rights
 from agentrob.agent.intake.triage import obeyed
-from agentrob.agent.stop.replies import Stops
-from agentrob.agent.stop.stop_handler import Brake
+from agentrob.agent.stop.replies import StopReplies
+from agentrob.agent.stop.stop_handler import StopHandler
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Event, EventKind, Forum, Keeper, Panel
@@ -35,7 +35,7 @@ Deed = Literal["release", "home"]
 _log = structlog.get_logger()
 
 
-class Owner:
+class OwnerActions:
     """One robot's. `told` is what came of the last press, for the robot's card; None before the first one.
 
     `now` is the forum's clock, `changed` hears that the card should be renewed.
@@ -47,8 +47,8 @@ class Owner:
         settings: RobotConfig,
         forum: Forum,
         driver: DriverClient,
-        stops: Stops,
-        brake: Brake,
+        stops: StopReplies,
+        brake: StopHandler,
         now: Callable[[], datetime],
         changed: Callable[[], None],
     ) -> None:

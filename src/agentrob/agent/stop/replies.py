@@ -55,7 +55,7 @@ class StopReply:
     updating: asyncio.Task[None] | None = None
 
 
-class Stops:
+class StopReplies:
     """Stops one robot and answers stop posts, with one reply per thread until a new command comes.
 
     `now` is the forum's clock; `settled` waits until that is known, `render` gives a reply's Markdown.

@@ -16,11 +16,11 @@ from typing import Any
 import structlog
 
 from agentrob.agent.execution.execute import STOP
-from agentrob.agent.intake.event_stream import STEP, Channel, ClockStep, elapsed_s
+from agentrob.agent.intake.event_stream import STEP, ClockStep, EventStream, elapsed_s
 from agentrob.agent.intake.inbox import Inbox
-from agentrob.agent.queue.queue import Job, Line
-from agentrob.agent.stop.moderator_alert import Alarm
-from agentrob.agent.stop.replies import StopReply, Stops
+from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
+from agentrob.agent.stop.moderator_alert import ModeratorAlert
+from agentrob.agent.stop.replies import StopReplies, StopReply
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import boot
 from agentrob.forums.protocol import Event, EventKind
@@ -42,7 +42,7 @@ class Stopped:
     heard_s: float
     past: bool = False
 
-    def at(self, channel: Channel) -> datetime:
+    def at(self, channel: EventStream) -> datetime:
         """Nothing that was posted then or before moves any more. Never more than `STEP` later than when the stop was
         heard, by the forum's clock as it goes now."""
         heard_at = channel.at(self.heard_s)
@@ -51,18 +51,18 @@ class Stopped:
         return max(self.posted_at, heard_at) if self.past else self.posted_at
 
 
-class Brake:
+class StopHandler:
     """One robot's. `journal` gives None while it is not open, `spawn` begins work that nobody waits for. Whether
     somebody may stop is asked before."""
 
     def __init__(
         self,
-        line: Line,
+        line: CommandQueue,
         inbox: Inbox,
-        stops: Stops,
-        alarm: Alarm,
+        stops: StopReplies,
+        alarm: ModeratorAlert,
         journal: Callable[[], Journal | None],
-        channel: Channel,
+        channel: EventStream,
         spawn: Callable[[Coroutine[Any, Any, Any]], asyncio.Task[Any]],
     ) -> None:
         self._last: Stopped | None = None
@@ -140,7 +140,7 @@ class Brake:
 
     def _end_all(
         self, by: str, stopped: Stopped, accepted_at: datetime, halt: bool = False
-    ) -> tuple[list[Job], asyncio.Task[StopResult | None]]:
+    ) -> tuple[list[QueuedCommand], asyncio.Task[StopResult | None]]:
         self._note(stopped)
         self._inbox.end_coming()
         ended = self._line.end_all(STOP)
@@ -155,7 +155,7 @@ class Brake:
         if self._last is None or stopped.at(self._channel) >= self._last.at(self._channel):
             self._last = stopped
 
-    def _write_down(self, ended: list[Job], why: str) -> None:
+    def _write_down(self, ended: list[QueuedCommand], why: str) -> None:
         if (journal := self._journal()) is not None:
             self._save_soon(journal)
             if ended:
@@ -165,7 +165,7 @@ class Brake:
         if self._saving is None or self._saving.done():
             self._saving = self._spawn(self._save(journal))
 
-    def _ring(self, at: datetime, topic: str | None, ended: list[Job], language: Language) -> None:
+    def _ring(self, at: datetime, topic: str | None, ended: list[QueuedCommand], language: Language) -> None:
         if self._alarm.rings(at):
             topic = topic or next((job.command.topic_id for job in ended), None)
             self._spawn(self._alarm.tell(topic, language))

@@ -34,7 +34,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from agentrob.agent.store import rows as db
 from agentrob.agent.store.engine_cleanup import forget_finished, forget_unfinished
-from agentrob.agent.store.rows import COMMAND, DECIDED, Asked, Claim, Decided, Rows
+from agentrob.agent.store.rows import COMMAND, DECIDED, ApprovalDecision, ApprovalRequest, Claim, Rows
 from agentrob.errors import JournalError
 from agentrob.model import Command, Plan
 
@@ -228,10 +228,10 @@ class Journal(Rows):
         """The final reply of a claim is on the forum."""
         await self._in_rows(self._do, "UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
 
-    async def ask(self, post_id: str, asked_at: datetime, until_at: datetime) -> Asked:
+    async def ask(self, post_id: str, asked_at: datetime, until_at: datetime) -> ApprovalRequest:
         """An approval is asked for; the first time counts, and what was said since then is given back."""
 
-        def rows() -> Asked:
+        def rows() -> ApprovalRequest:
             self._do(db.ASK, (post_id, asked_at.isoformat(), until_at.isoformat()))
             claim = self._claimed(post_id)
             if claim is None or claim.asked is None:
@@ -240,7 +240,7 @@ class Journal(Rows):
 
         return await self._in_rows(rows)
 
-    async def decide(self, post_id: str, decided: Decided) -> bool:
+    async def decide(self, post_id: str, decided: ApprovalDecision) -> bool:
         """Somebody approved or denied; the first word counts, but what was approved may be denied until it moves.
 
         False when it came too late. What is denied may not begin to move any more.

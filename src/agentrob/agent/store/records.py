@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from agentrob.agent.media.recorder import prune
-from agentrob.agent.store.rows import Asked
-from agentrob.agent.understanding.extract import Thought
+from agentrob.agent.store.rows import ApprovalRequest
+from agentrob.agent.understanding.extract import Assessment
 from agentrob.model import ActionResult, Report
 
 
@@ -55,7 +55,7 @@ class Records:
             return None
         return facts if facts.get("post") == post_id else None
 
-    def write(self, report: Report, thought: Thought | None = None, **more: Any) -> dict[str, Any]:
+    def write(self, report: Report, thought: Assessment | None = None, **more: Any) -> dict[str, Any]:
         """The record of a finished command, readable by people and programs, and given back. `mind` is who read it in
         the end."""
         command = report.command
@@ -87,7 +87,7 @@ class Records:
         return facts
 
 
-def approval(asked: Asked | None) -> dict[str, Any] | None:
+def approval(asked: ApprovalRequest | None) -> dict[str, Any] | None:
     """Until when an approval was asked for, and who said what by which post; None where none was needed."""
     if asked is None:
         return None
@@ -98,7 +98,7 @@ def approval(asked: Asked | None) -> dict[str, Any] | None:
     return until | {"approved": said.approved} | by
 
 
-def _minds(thought: Thought | None) -> dict[str, Any]:
+def _minds(thought: Assessment | None) -> dict[str, Any]:
     """Who read and looked at a command, why not who should have, and what models took for it."""
     if thought is None:
         return {"mind": "", "fallback": "", "models": [], "screened": None}

@@ -143,7 +143,7 @@ SET_ASIDE = (
 
 
 @dataclass(frozen=True, slots=True)
-class Decided:
+class ApprovalDecision:
     """What somebody said of a command that needed an approval, bound to their post as a command is to its own."""
 
     approved: bool
@@ -154,15 +154,15 @@ class Decided:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ApprovalRequest:
     """A command for which an approval was asked at `asked_at`, by the forum's clock, and what was said until now."""
 
     asked_at: datetime
     until_at: datetime
-    decided: Decided | None = None
+    decided: ApprovalDecision | None = None
 
 
-COMMAND, DECIDED = TypeAdapter(Command), TypeAdapter(Decided)
+COMMAND, DECIDED = TypeAdapter(Command), TypeAdapter(ApprovalDecision)
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +180,7 @@ class Claim:
     status_post: str | None = None
     final: str | None = None
     ended: str | None = None
-    asked: Asked | None = None
+    asked: ApprovalRequest | None = None
 
     def why_not(self, now_at: datetime, watermark_at: datetime, stopped_at: datetime, max_age_s: float) -> str | None:
         """Why an earlier process's claim may not begin to move; None when the restart fell within its time."""
@@ -205,11 +205,11 @@ def read_claim(row: tuple[Any, ...]) -> Claim:
     return Claim(COMMAND.validate_json(command), False, waited_s, status_post, final, ended, read_asked(*asked))
 
 
-def read_asked(asked_at: str | None, until_at: str | None, said: str | None) -> Asked | None:
+def read_asked(asked_at: str | None, until_at: str | None, said: str | None) -> ApprovalRequest | None:
     if asked_at is None or until_at is None:
         return None
     decided = DECIDED.validate_json(said) if said else None
-    return Asked(datetime.fromisoformat(asked_at), datetime.fromisoformat(until_at), decided)
+    return ApprovalRequest(datetime.fromisoformat(asked_at), datetime.fromisoformat(until_at), decided)
 
 
 def boot_s() -> float:

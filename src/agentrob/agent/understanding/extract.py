@@ -28,7 +28,7 @@ _log = structlog.get_logger()
 
 
 @dataclass(frozen=True, slots=True)
-class Thought:
+class Assessment:
     """What was made of a post before anything moves: understood by which mind, and judged how (law 19).
 
     `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
@@ -46,7 +46,7 @@ class Thought:
     goal: Goal | None = None
 
 
-async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Thought:
+async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Assessment:
     """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
     try:
         async with asyncio.timeout(mind.limit_s + 1.0 if isinstance(mind, ModelMind) else LIMIT_S):
@@ -61,7 +61,7 @@ async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence
 
 async def by_rules(
     text: str, addressee: Addressee, history: Sequence[Plan], fallback: str = "", usage: Sequence[Usage] = ()
-) -> Thought:
+) -> Assessment:
     """What the rules make of a post; `fallback` says why it was not the mind of the configuration that read it."""
     rules = RulesMind()
     understood = await rules.understand(text, addressee, history)
@@ -75,9 +75,9 @@ async def prepare(mind: Mind) -> None:
         await mind.prepare()
 
 
-def _thought(reading: Reading) -> Thought:
+def _thought(reading: Reading) -> Assessment:
     understood = _checked(reading.understanding)
-    return Thought(understood, reading.mind, usage=tuple(reading.usage), fallback=reading.fallback)
+    return Assessment(understood, reading.mind, usage=tuple(reading.usage), fallback=reading.fallback)
 
 
 def _checked(understood: Understanding) -> Understanding:

@@ -8,11 +8,11 @@ from functools import partial
 
 from pydantic import TypeAdapter
 
-from agentrob.agent.intake.authorization import Terms, chain_refusal, judge, rights_on
-from agentrob.agent.queue.queue import Job
+from agentrob.agent.intake.authorization import CommandTerms, chain_refusal, judge, rights_on
+from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting.status_post import insist
 from agentrob.agent.store.journal import Journal
-from agentrob.agent.understanding.extract import OVER, RATE, Thought, by_rules, extract
+from agentrob.agent.understanding.extract import OVER, RATE, Assessment, by_rules, extract
 from agentrob.agent.understanding.visual_goal import eyes, goal_for, in_words, judged_plan, replace_no_camera_answer
 from agentrob.config.load import RobotConfig
 from agentrob.forums.protocol import Forum
@@ -28,11 +28,11 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
 
-_THOUGHT = TypeAdapter(Thought)
+_THOUGHT = TypeAdapter(Assessment)
 
 
 @dataclass(frozen=True)
-class Thinking:
+class Assessor:
     """How one robot's agent thinks about any post."""
 
     names: Collection[str]
@@ -54,7 +54,7 @@ class Thinking:
         """The model that may steer the robot by its camera, if the owner allows one."""
         return eyes(self.model, self.settings)
 
-    async def think(self, job: Job, terms: Terms) -> Thought:
+    async def think(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
         """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
         is ended."""
         deed = partial(self._think, job, terms)
@@ -67,17 +67,17 @@ class Thinking:
         job.thought = thought
         return thought
 
-    async def summary(self, job: Job, report: Report) -> Summary | None:
+    async def summary(self, job: QueuedCommand, report: Report) -> Summary | None:
         """What a model makes of the measured results in words, where the owner wants that."""
         if not self.settings.summary or self.model is None or report.status != "done":
             return None
         spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
         return await summarise(self.model, report.results, report.command.language, spent)
 
-    async def _think(self, job: Job, terms: Terms) -> str:
+    async def _think(self, job: QueuedCommand, terms: CommandTerms) -> str:
         return _THOUGHT.dump_json(await self.consider(job, terms)).decode()
 
-    async def consider(self, job: Job, terms: Terms) -> Thought:
+    async def consider(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
         """Understand and judge now, and keep nothing of it."""
         command, capabilities = job.command, await self.driver.capabilities()
         others = tuple(name for name in mentions(command.text) if name not in self.names)
@@ -107,7 +107,7 @@ class Thinking:
             thought = replace(thought, verdict=harm_in_words(command.text, terms.scene, understood.language))
         return thought
 
-    async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Thought | None:
+    async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Assessment | None:
         """The thought when the post is a goal for eyes that this robot has."""
         if self.eyes is None:
             return None
@@ -121,13 +121,13 @@ class Thinking:
 
     async def _looked_at(
         self,
-        job: Job,
-        thought: Thought,
+        job: QueuedCommand,
+        thought: Assessment,
         addressee: Addressee,
         capabilities: Capabilities,
         history: Sequence[Plan],
         scene: str,
-    ) -> Thought:
+    ) -> Assessment:
         """The thought with what a model has against a command that the rules allow, or would with an approval."""
         verdict, settings = thought.verdict, self.settings
         passed = verdict is not None and verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL)
