@@ -1,18 +1,22 @@
 # AgentRob. Every target sets up what it needs in .venv by itself.
 #   make demo               a forum, a simulated Go2 and its agent; prints the address to open
 #   make demo ARGS='--post "@quadruped wave" --json'
-#   make test               what every change must pass (under 15 minutes)
-#   make test-all           that, and what is slow (under 45 minutes)
-#   make check              format, lint, types, contracts, fast tests (one to two minutes)
+#   make test               what every change must pass
+#   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
+#   make test-long          all slow tests at their full size: kill points, floods, live forums, peers, benchmarks
+#   make check              format, lint, types, contracts, fast tests
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
 # Tests wait for robots half of the time: three at a time keep two cores busy. A simulated world has to keep pace.
 MANY := -n 3
+SLICE ?= 1/12
+# A slice may have no test of one kind, which pytest calls an error (5).
+OR_NONE := || [ $$? = 5 ]
 # Tests start Python by the hundred; without compiled files each would compile all that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-all test-slow check lint format lock setup setup-dev clean
+.PHONY: demo test test-slice test-long check lint format lock setup setup-dev setup-slow clean
 
 demo: setup
 	@scripts/system-packages render
@@ -26,17 +30,22 @@ test: setup-dev
 	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow and browser and not sim" $(ARGS)
 	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and sim" $(ARGS)
 
-test-slow: setup-dev
+test-slice: setup-slow
+	@$(BIN)/python -m tests.slices $(SLICE)
+	$(BIN)/pytest -q -n 2 --dist worksteal --slice $(SLICE) -m "slow and not sim" $(ARGS) $(OR_NONE)
+	$(BIN)/pytest -q --slice $(SLICE) -m "slow and sim" $(ARGS) $(OR_NONE)
+
+test-long: export AGENTROB_TEST_SIZE := full
+test-long: setup-slow
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not sim" $(ARGS)
+	$(BIN)/pytest -q -m "slow and sim" $(ARGS)
+
+setup-slow: setup-dev
 	@scripts/system-packages render browser postgres peers
 	@scripts/model-double
 	@scripts/axe
 	@scripts/peers
 	@scripts/mcp-peers
-	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -q -n 2 --dist loadfile -m "slow and browser and not sim" $(ARGS)
-	$(BIN)/pytest -m "slow and sim" $(ARGS)
-
-test-all: test test-slow
 
 lint: setup-dev
 	$(BIN)/ruff format --check .

@@ -12,6 +12,9 @@ from hypothesis import settings
 
 from agentrob.errors import RobotBusy
 from agentrob.process.host_lock import HostLock
+from tests.slices import pytest_addoption, pytest_collection_modifyitems
+
+__all__ = ["pytest_addoption", "pytest_collection_modifyitems"]
 
 #: Of the fake robots. Those above are for the tests that speak real DDS: a file has ten of its own, and takes that of
 #: its process's number.

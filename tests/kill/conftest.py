@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.kill.kill_house import House
+from tests.sizes import size
 
 
 @pytest.fixture(scope="module")
@@ -19,8 +20,8 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
 
 @pytest.fixture
 def kills() -> int:
-    """How many random kills; `AGENTROB_KILLS=20` makes it short."""
-    return int(os.environ.get("AGENTROB_KILLS", "200"))
+    """How many random kills, unless `AGENTROB_KILLS` names a number."""
+    return int(os.environ.get("AGENTROB_KILLS", size(30, 200)))
 
 
 @pytest.fixture

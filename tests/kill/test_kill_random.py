@@ -1,7 +1,7 @@
 """Law 6 by chance: agent, driver and board die by SIGKILL at random moments, one of them or several in one command,
 many times over.
 
-`AGENTROB_KILLS` is how many kills (200), `AGENTROB_KILL_SEED` repeats a run.
+`AGENTROB_KILLS` is how many kills, `AGENTROB_KILL_SEED` repeats a run.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ options = {options}
 
 @pytest.fixture
 def network() -> Iterator[Network]:
-    assert (PEER.parents[1] / ".stamp").exists(), "the peers are not installed; `make test-slow` does, by scripts/peers"
+    assert (PEER.parents[1] / ".stamp").exists(), "the peers are not installed; `make test-long` does, by scripts/peers"
     network = Network()
     yield network
     network.close()

@@ -36,6 +36,7 @@ from agentrob.forums.protocol import EventKind
 from agentrob.model import Account, AccountKind, Post, Primitive, Role
 from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.agent.laws.machine_scene import TIME_SCALE, GatedClient, GatedMind, Gates, Stand, robot_stand
+from tests.sizes import size
 
 #: How often it is looked whether the agent came to rest, and how often at most. Looks are counted and not seconds: a
 #: process that a busy machine lets run rarely is late, and not wrong.
@@ -605,7 +606,7 @@ def test_laws_4_5_6_13_14_hold_under_any_order_of_events(stand: Stand, tmp_path:
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 def test_laws_4_5_6_13_14_hold_under_many_orders_of_events(stand: Stand, tmp_path: Path) -> None:
-    prove(stand, tmp_path, max_examples=150, stateful_step_count=40, print_blob=True)
+    prove(stand, tmp_path, max_examples=size(30, 150), stateful_step_count=40, print_blob=True)
 
 
 @pytest.mark.slow

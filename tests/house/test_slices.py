@@ -1,0 +1,71 @@
+"""Every slow test is in exactly one slice, and the slices take about the same time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from tests.slices import DEFAULT_S, ROOT, SLOW_FILES, durations, files_of, parse, slow_files, split
+
+COUNT = 12
+#: Of one slice in one process; `.ci/run` runs it in two, except for what needs a simulated world.
+MOST_S = 600.0
+
+
+@pytest.mark.parametrize("count", [1, 3, COUNT])
+def test_every_slow_file_is_in_exactly_one_slice(count: int) -> None:
+    found = [file for number in range(1, count + 1) for file in files_of(f"{number}/{count}")]
+    assert sorted(found) == slow_files()
+    assert len(found) > 30
+
+
+def test_every_slow_test_that_was_collected_is_in_a_slow_file(request: pytest.FixtureRequest) -> None:
+    assert request.config.stash[SLOW_FILES] <= set(slow_files())
+
+
+def test_no_slice_takes_longer_than_the_limit() -> None:
+    seconds = durations()
+    totals = [sum(seconds.get(file, DEFAULT_S) for file in part) for part in split(slow_files(), COUNT, seconds)]
+    assert max(totals) <= MOST_S, totals
+
+
+def test_the_durations_name_files_that_exist() -> None:
+    assert set(durations()) <= set(slow_files())
+
+
+def test_a_new_file_counts_with_the_default() -> None:
+    assert split(["new", "long", "short"], 2, {"long": 2 * DEFAULT_S, "short": 1.0}) == [["long"], ["new", "short"]]
+
+
+@pytest.mark.parametrize("text", ["0/8", "9/8", "3", "a/b", "1/0", "-1/8"])
+def test_what_is_not_a_slice_is_refused(text: str) -> None:
+    with pytest.raises(pytest.UsageError, match=r"valid: NUMBER/COUNT"):
+        parse(text)
+
+
+def test_a_slice_collects_the_slow_tests_of_its_files_only() -> None:
+    file = "tests/kill/test_kill_points.py"
+    number = next(n for n in range(1, COUNT + 1) if file in files_of(f"{n}/{COUNT}"))
+
+    def collected(text: str) -> list[str]:
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "--collect-only",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            "--slice",
+            text,
+            file,
+        ]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=100, check=False)
+        return [line for line in done.stdout.splitlines() if "::" in line]
+
+    ours = collected(f"{number}/{COUNT}")
+    assert len(ours) > 60
+    assert not [line for line in ours if "agent, walking" in line], "it is fast, so `make test` runs it"
+    assert collected(f"{number % COUNT + 1}/{COUNT}") == []

@@ -1,0 +1,84 @@
+"""Slices of the slow tests: `pytest --slice 3/12` runs the slow tests in the third of twelve groups of files.
+
+`.ci/run` runs one slice for each commit, chosen by the commit's hash, so that over commits all are run; `make test-long`
+runs all of them. A file is in one slice. `durations.toml` says how long each file takes, so that slices are about equal.
+
+    python -m tests.slices 3/12      print the files of a slice and the command that runs it
+"""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+#: Seconds of a file that `durations.toml` does not name.
+DEFAULT_S = 30.0
+SLOW_FILES = pytest.StashKey[set[str]]()
+
+
+def durations() -> dict[str, float]:
+    """Seconds that the slow tests of a file take in one process at their CI size, by path."""
+    return dict(tomllib.loads((Path(__file__).parent / "durations.toml").read_text(encoding="utf-8")))
+
+
+def slow_files() -> list[str]:
+    """Every test file with the marker `slow`, relative to the repository."""
+    files = sorted((ROOT / "tests").rglob("test_*.py"))
+    return [str(path.relative_to(ROOT)) for path in files if "mark.slow" in path.read_text(encoding="utf-8")]
+
+
+def split(files: list[str], count: int, seconds: dict[str, float]) -> list[list[str]]:
+    """The files in `count` slices: the longest file first, each into the shortest slice so far."""
+    slices: list[list[str]] = [[] for _ in range(count)]
+    total = [0.0] * count
+    for file in sorted(files, key=lambda file: (-seconds.get(file, DEFAULT_S), file)):
+        shortest = total.index(min(total))
+        slices[shortest].append(file)
+        total[shortest] += seconds.get(file, DEFAULT_S)
+    return slices
+
+
+def parse(text: str) -> tuple[int, int]:
+    """`3/12` as (3, 8). Raises `UsageError`."""
+    number, _, count = text.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise pytest.UsageError(f"{text!r} is not a slice; valid: NUMBER/COUNT, as 3/12")
+    return int(number), int(count)
+
+
+def files_of(text: str) -> list[str]:
+    """The files of a slice such as `3/12`."""
+    number, count = parse(text)
+    return sorted(split(slow_files(), count, durations())[number - 1])
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--slice", metavar="NUMBER/COUNT", help="run only the slow tests of this slice, as 3/12")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    slow = {item: str(item.path.relative_to(ROOT)) for item in items if item.get_closest_marker("slow")}
+    config.stash[SLOW_FILES] = set(slow.values())
+    if text := config.getoption("--slice"):
+        chosen = set(files_of(text))
+        config.hook.pytest_deselected(items=[item for item in items if slow.get(item) not in chosen])
+        items[:] = [item for item in items if slow.get(item) in chosen]
+
+
+def main() -> None:
+    (text,) = sys.argv[1:]
+    files, seconds = files_of(text), durations()
+    expected_s = sum(seconds.get(file, DEFAULT_S) for file in files)
+    print(f"slice {text} of the slow tests, about {expected_s:.0f} s in one process:")  # noqa: T201
+    for file in files:
+        print(f"  {file}")  # noqa: T201
+    print(f"again: make test-slice SLICE={text}")  # noqa: T201
+
+
+if __name__ == "__main__":
+    main()
