@@ -1,8 +1,7 @@
 """Slices of the slow tests: `pytest --slice 3/12` runs the slow tests in the third of twelve groups of files.
 
 `.ci/run` runs one slice for each commit, chosen by the commit's hash, so that over commits all are run;
-`make test-long` runs all of them. A file is in one slice. `durations.toml` says how long each file takes, so that slices
-are about equal.
+`make test-long` runs all of them. A file is in one slice. Slices take about the same time, by `durations.toml`.
 
     python -m tests.slices 3/12      print the files of a slice and the command that runs it
 """
