@@ -34,7 +34,7 @@ from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
 from agentrob.board.search import fulltext, search, semantic
-from agentrob.board.search.embeddings import Meanings
+from agentrob.board.search.embeddings import EmbeddingIndex
 from agentrob.board.settings import BoardSettings
 from agentrob.config.load import BoardConfig
 from agentrob.errors import BoardError
@@ -167,7 +167,7 @@ def by_index(settings: BoardSettings, trials: int) -> None:
 def by_meaning(vectors: int, trials: int) -> None:
     """Comparing alone, on vectors of chance, which are as long to compare as any."""
     made = np.random.default_rng(7).integers(-127, 128, (10_000, SIZE), np.int8)
-    meanings = Meanings(Encoder())
+    meanings = EmbeddingIndex(Encoder())
     for n in range(vectors):
         meanings.put(n + 1, 1, made[n % len(made)].tobytes())
     wanted = made[1234].tobytes()

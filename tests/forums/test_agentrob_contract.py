@@ -15,7 +15,7 @@ from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.contract import ForumContract, World
-from agentrob.forums.protocol import Event, EventKind, Forum, Stage
+from agentrob.forums.protocol import Event, EventKind, Forum, RobotPages
 from agentrob.model import AccountKind, Role
 from tests.board.running_board import RunningBoard, running_board
 
@@ -82,7 +82,7 @@ async def test_a_wrong_token_is_denied(world: BoardWorld) -> None:
 
 async def test_the_robot_page_shows_card_and_picture_and_counts_viewers(world: BoardWorld) -> None:
     robot = await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
-    assert isinstance(robot, Stage)
+    assert isinstance(robot, RobotPages)
     await robot.publish_robot("quadruped", {"model": "fake", "state": "idle"})
     picture = io.BytesIO()
     Image.new("RGB", (64, 48), "grey").save(picture, "JPEG")

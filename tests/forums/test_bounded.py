@@ -17,7 +17,7 @@ from agentrob.forums.nodebb import accounts
 from agentrob.forums.nodebb import forum as nodebb
 from agentrob.forums.nodebb import posts as nodebb_posts
 from agentrob.forums.nodebb.clock import HeaderClock
-from agentrob.forums.nodebb.markers import Marked, mark
+from agentrob.forums.nodebb.markers import MarkedText, mark
 from agentrob.forums.nodebb.settings import Credentials
 from tests.forums.discourse.discourse_world import DiscourseWorld, Double, begin, texts
 
@@ -69,7 +69,7 @@ async def test_law_6_what_a_discourse_adapter_forgot_of_its_own_posts_it_finds_a
     topics = [await begin(robot, f"begin {n}") for n in range(3 * KEPT)]
     for topic in topics:
         await robot.reply(topic, "Done.", key=f"reply:{topic}")
-    assert too_many(robot, robot._desk, robot._versions) == {}
+    assert too_many(robot, robot._writer, robot._versions) == {}
     again = await robot.reply(topics[0], "Done.", key=f"reply:{topics[0]}")
     assert not again.created
     assert await texts(robot, topics[0]) == ["hello there", "Done."]
@@ -77,7 +77,7 @@ async def test_law_6_what_a_discourse_adapter_forgot_of_its_own_posts_it_finds_a
 
 
 # ---------------------------------------------------------------------- NodeBB
-class Wire:
+class DiscourseClient:
     """As much of a NodeBB as what is remembered needs; it counts what is sent and asked."""
 
     url, credentials, clock = "http://127.0.0.1", Credentials.of("login:quadruped:secret"), HeaderClock()
@@ -92,7 +92,7 @@ class Wire:
 
     async def get_v3(self, path: str) -> dict[str, Any]:
         self.asked[path] += 1
-        return {"content": mark(Marked("Done.", f"key of {path}"))}
+        return {"content": mark(MarkedText("Done.", f"key of {path}"))}
 
     async def ask(self, method: str, path: str, files: Any) -> httpx2.Response:
         self.asked[path] += 1
@@ -104,8 +104,8 @@ async def test_what_a_nodebb_adapter_remembers_of_accounts_keys_posts_and_pictur
 ) -> None:
     for module in (nodebb, accounts, nodebb_posts):
         monkeypatch.setattr(module, "MOST_KNOWN", KEPT)
-    wire, many = Wire(), range(3 * KEPT)
-    monkeypatch.setattr(nodebb, "NodeBBWire", lambda url, credentials: wire)
+    client, many = DiscourseClient(), range(3 * KEPT)
+    monkeypatch.setattr(nodebb, "NodeBBClient", lambda url, credentials: client)
     forum = nodebb.NodeBBForum(ForumConfig(kind="nodebb"), "login:quadruped:secret")
     monkeypatch.setattr(forum, "post", lambda pid: asyncio.sleep(0, pid))
     places = await forum._upload([b"\x89PNG %d" % n for n in many])
@@ -113,9 +113,9 @@ async def test_what_a_nodebb_adapter_remembers_of_accounts_keys_posts_and_pictur
     assert await forum._upload([b"\x89PNG %d" % many[-1]]) == places[-1:], "sent once"
     for n in many:
         await forum._written({"pid": n}, f"key {n}", "pid")
-        await forum._shelf._key_of(str(n))
-        await forum._registry.by_slug(f"name-{n}")
-    assert too_many(forum, forum._shelf, forum._registry) == {}
+        await forum._reader._key_of(str(n))
+        await forum._admin.by_slug(f"name-{n}")
+    assert too_many(forum, forum._reader, forum._admin) == {}
     for n in (0, many[-1]):
-        assert await forum._shelf._key_of(str(n)) == f"key of /posts/{n}"
-    assert (wire.asked["/posts/0"], wire.asked[f"/posts/{many[-1]}"]) == (2, 1)
+        assert await forum._reader._key_of(str(n)) == f"key of /posts/{n}"
+    assert (client.asked["/posts/0"], client.asked[f"/posts/{many[-1]}"]) == (2, 1)

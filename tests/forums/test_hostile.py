@@ -75,8 +75,8 @@ def test_whatever_a_mark_says_the_text_is_read(word: str, ours: bool) -> None:
 
 
 def test_the_mark_of_a_stranger_is_never_decoded() -> None:
-    ours = nodebb_markers.mark(nodebb_markers.Marked("words", "key", None, ("/assets/uploads/1.png",)))
-    assert nodebb_markers.unmark(ours, ours=False) == nodebb_markers.Marked(
+    ours = nodebb_markers.mark(nodebb_markers.MarkedText("words", "key", None, ("/assets/uploads/1.png",)))
+    assert nodebb_markers.unmark(ours, ours=False) == nodebb_markers.MarkedText(
         "words", None, None, ("/assets/uploads/1.png",)
     )
 
@@ -146,7 +146,7 @@ class NodeBBDouble:
 
 async def _nodebb_hears(double: NodeBBDouble) -> None:
     forum = double.forum()
-    before, _ = await forum._ledger.newest(), double.until
+    before, _ = await forum._tracker.newest(), double.until
     double.until = len(double.stored)
     await hears_a_stop(forum, before)
     await hears_a_stop(double.forum(), before)  # and so does an agent that was started anew

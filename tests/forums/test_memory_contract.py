@@ -6,7 +6,7 @@ import pytest
 
 from agentrob.forums.contract import ForumContract, World
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.forums.protocol import Forum, Stage
+from agentrob.forums.protocol import Forum, RobotPages
 from agentrob.model import AccountKind, Role
 
 
@@ -39,4 +39,4 @@ class TestMemoryForum(ForumContract):
 
 
 def test_the_memory_forum_is_a_stage_too() -> None:
-    assert isinstance(MemoryForum.world().sign_in("quadruped"), Stage)
+    assert isinstance(MemoryForum.world().sign_in("quadruped"), RobotPages)

@@ -17,7 +17,7 @@ from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig
 from agentrob.errors import ConfigError
 from agentrob.semantic import encoder as meaning
-from agentrob.semantic.encoder import LEAST, SIZE, Encoder, MeaningError, alike
+from agentrob.semantic.encoder import MIN_SIMILARITY, SIZE, Encoder, EncoderError, cosine_similarity
 
 #: Stands for the model: a text's vector is its length everywhere; one text ends it, one makes it wait for ever.
 DOUBLE = """
@@ -42,7 +42,7 @@ def test_texts_get_their_vectors_in_order_however_many() -> None:
 
 def test_a_process_that_dies_is_said_and_started_again() -> None:
     encoder = Encoder(COMMAND)
-    with pytest.raises(MeaningError, match="ended"):
+    with pytest.raises(EncoderError, match="ended"):
         encoder.encode(["one", "die"])
     assert encoder.encode(["one"]) == [bytes([3]) * SIZE]
     assert encoder._process is not None
@@ -55,7 +55,7 @@ def test_a_process_that_dies_is_said_and_started_again() -> None:
 def test_a_process_that_does_not_answer_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(meaning, "MOST_S", 0.1)
     encoder = Encoder(COMMAND)
-    with pytest.raises(MeaningError, match="longer"):
+    with pytest.raises(EncoderError, match="longer"):
         encoder.encode(["wait"])
     assert encoder._process is None
     encoder.close()
@@ -70,7 +70,7 @@ def test_closing_waits_for_nobody_and_ends_the_process() -> None:
     def ask() -> None:
         try:
             encoder.encode(["wait"])
-        except MeaningError as e:
+        except EncoderError as e:
             said.append(str(e))
 
     asking = threading.Thread(target=ask)
@@ -79,7 +79,7 @@ def test_closing_waits_for_nobody_and_ends_the_process() -> None:
     asking.join(60)
     assert said
     assert process.poll() is not None
-    with pytest.raises(MeaningError, match="ended"):
+    with pytest.raises(EncoderError, match="ended"):
         encoder.encode(["x"])
 
 
@@ -103,7 +103,7 @@ def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.Mon
             started.append(self)
 
     monkeypatch.setattr(subprocess, "Popen", Late)
-    with pytest.raises(MeaningError, match="ended"):
+    with pytest.raises(EncoderError, match="ended"):
         encoder.encode(["wait"])
     closing.join(60)
     assert not closing.is_alive()
@@ -112,9 +112,9 @@ def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.Mon
 
 def test_vectors_are_as_alike_as_their_directions() -> None:
     one, other = bytes([10] * SIZE), bytes([120] * SIZE)
-    assert alike(one, other) == pytest.approx(1.0)
-    assert alike(one, bytes([246] * SIZE)) == pytest.approx(-1.0)
-    assert alike(one, bytes(SIZE)) == 0.0
+    assert cosine_similarity(one, other) == pytest.approx(1.0)
+    assert cosine_similarity(one, bytes([246] * SIZE)) == pytest.approx(-1.0)
+    assert cosine_similarity(one, bytes(SIZE)) == 0.0
 
 
 def test_a_forum_that_wants_it_without_the_extra_does_not_start(
@@ -144,9 +144,9 @@ def test_the_real_model_knows_english_and_chinese_offline() -> None:
     kept = dict(zip(said, encoder.encode(list(said.values())), strict=True))
     for thing, queries in asked.items():
         for query, vector in zip(queries, encoder.encode(queries), strict=True):
-            likeness = {other: alike(vector, kept[other]) for other in kept}
+            likeness = {other: cosine_similarity(vector, kept[other]) for other in kept}
             assert max(likeness, key=likeness.__getitem__) == thing, (query, likeness)
-            assert likeness[thing] >= LEAST, (query, likeness)
+            assert likeness[thing] >= MIN_SIMILARITY, (query, likeness)
     assert encoder.encode(["", " \n"]) == [bytes(SIZE)] * 2
     hostile = ["\0", "\ud800", "𝕏" * 3000, "\u202e", "a" * 70_000]
     assert all(len(v) == SIZE for v in encoder.encode(hostile))

@@ -47,7 +47,7 @@ from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
-from agentrob.forums.protocol import BEFORE_ALL, Event, EventKind, Forum, Stage
+from agentrob.forums.protocol import BEFORE_ALL, Event, EventKind, Forum, RobotPages
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.protocol import ManagedMind, Mind
 from agentrob.model import Account, Command, Decision, Post, Report, StopResult
@@ -112,7 +112,7 @@ class RobotAgent:
         self.owner = OwnerActions(
             name, settings, forum, driver, self.stops, self.brake, self.channel.now, self._line_changed
         )  # fmt: skip
-        stage = forum if isinstance(forum, Stage) else None
+        stage = forum if isinstance(forum, RobotPages) else None
         self.presence = Presence(stage, driver, name, settings, lambda: self.line.posts, self.owner) if stage else None
         seen_by = settings.room_camera
         live, view = stage is not None and bool(seen_by), settings.recording.view

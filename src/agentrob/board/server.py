@@ -33,13 +33,13 @@ from agentrob.board.api.models import Problem
 from agentrob.board.api.problem import of_http, of_validation, problem
 from agentrob.board.content import unread, uploads
 from agentrob.board.content.store import Store
-from agentrob.board.db.serving_lock import to_serve
+from agentrob.board.db.serving_lock import serve_database
 from agentrob.board.events import webhooks
-from agentrob.board.events.cluster import Peers
+from agentrob.board.events.cluster import Cluster
 from agentrob.board.events.hub import Hub
 from agentrob.board.middleware import SecurityMiddleware
 from agentrob.board.response_cache import ResponseCache
-from agentrob.board.robots.presence import Stage
+from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings, address_of
 from agentrob.errors import BoardError
@@ -60,11 +60,11 @@ def create_app(settings: BoardSettings) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         await asyncio.to_thread(bootstrap, settings)
-        hub, stage, me = Hub(settings.base_url), Stage(), secrets.token_hex(8)
+        hub, presence, me = Hub(settings.base_url), PresenceTracker(), secrets.token_hex(8)
         store = Store(settings, hub.published, me)
         try:
             hub.start(store.everything)
-            app.state.services = parts = Services(settings, store, hub, stage)
+            app.state.services = parts = Services(settings, store, hub, presence)
             beside = asyncio.create_task(await _beside(parts, me, told))
             try:
                 yield
@@ -105,7 +105,7 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
         await asyncio.gather(*letting_go, webhooks.run(parts.hub, told, taken_over))
 
     if parts.settings.shared:
-        peers = Peers(parts.settings, me, parts.hub, parts.stage, duties)
+        peers = Cluster(parts.settings, me, parts.hub, parts.presence, duties)
         parts.store.reader.gone = parts.store.everything.gone = lambda: peers.cut_off
         await peers.begin()
         uploads.check_folder(parts)
@@ -114,9 +114,9 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
         following = _alone(parts.hub, duties)
 
     async def work() -> None:  # each process keeps by itself what the posts mean, and what its readers have read
-        marking = unread.keep_writing(parts.marks, parts.store, parts.settings.shared)
+        marking = unread.run_flush_loop(parts.marks, parts.store, parts.settings.shared)
         proving = parts.hub.prove_writing(parts.store.writer.prove)
-        await asyncio.gather(following, parts.store.follow_meanings(), marking, proving)
+        await asyncio.gather(following, parts.store.run_embedding_worker(), marking, proving)
 
     return work()
 
@@ -129,7 +129,7 @@ def end_streams(app: FastAPI) -> None:
     """End event and camera streams, which would otherwise keep the server from ending."""
     services: Services = app.state.services
     services.hub.close()
-    services.stage.close()
+    services.presence.close()
 
 
 def _add_pages(app: FastAPI) -> None:
@@ -256,7 +256,7 @@ def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None
         if settings.port == 0:
             host, port = listener.getsockname()[:2]
             settings = replace(settings, port=port, base_url=address_of(host, port))
-        with to_serve(settings):
+        with serve_database(settings):
             Server(create_app(settings), settings, ready).run(sockets=[listener])
             log.info("board.ended")
     finally:

@@ -9,10 +9,10 @@ from typing import cast
 from starlette.requests import HTTPConnection
 
 from agentrob.board.content.store import Store
-from agentrob.board.content.unread import Marks
+from agentrob.board.content.unread import ReadPositions
 from agentrob.board.events.hub import Hub
 from agentrob.board.response_cache import TopicCache
-from agentrob.board.robots.presence import Stage
+from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.settings import BoardSettings
 
 
@@ -23,9 +23,9 @@ class Services:
     settings: BoardSettings
     store: Store
     hub: Hub
-    stage: Stage
+    presence: PresenceTracker
     topic_cache: TopicCache = field(default_factory=TopicCache)
-    marks: Marks = field(default_factory=Marks)
+    marks: ReadPositions = field(default_factory=ReadPositions)
     hashing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
 

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from agentrob.config.board import BoardConfig, BoardLimitsConfig, BoardRetentionConfig
 from agentrob.config.service import HookOutConfig
 from agentrob.errors import ConfigError
-from agentrob.semantic.encoder import Encoder, Encodes
+from agentrob.semantic.encoder import Encoder, TextEncoder
 
 PROPOSED_PORT = 8088
 NO_LIMITS = BoardLimitsConfig(posts=0, commands=0, uploads=0, sign_ups=0)
@@ -38,7 +38,7 @@ class BoardSettings:
     busy_timeout_s: float = 2.0
     hooks: Mapping[str, HookOutConfig] = field(default_factory=dict)
     retention: BoardRetentionConfig = field(default_factory=BoardRetentionConfig)
-    encoder: Callable[[], Encodes] | None = None
+    encoder: Callable[[], TextEncoder] | None = None
 
     @classmethod
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:

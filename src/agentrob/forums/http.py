@@ -19,7 +19,7 @@ LONGEST_RETRY_S = 3600.0
 
 
 @contextmanager
-def translated(forum: str = "the forum") -> Iterator[None]:
+def translate_errors(forum: str = "the forum") -> Iterator[None]:
     """Nothing of the transport gets out: no answer is `ForumUnreachable`, nonsense is `ForumError`."""
     try:
         yield

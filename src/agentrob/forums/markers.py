@@ -1,7 +1,7 @@
 """What we write into a post besides its text where a forum has neither idempotency keys nor cards (pure).
 
-Key, card and the number of pictures are coded into one word, which stands at the end of the raw text in a form that
-readers do not see; that form is the platform's. A mark proves nothing: whoever reads it asks whose post it is.
+Key, card and the number of pictures are encoded as one word at the end of the raw text,
+hidden from readers in a way that each platform defines. A mark proves nothing: whoever reads it asks whose post it is.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from dataclasses import dataclass
 from agentrob.forums.cards import card_of, facts_of
 from agentrob.model import StatusCard
 
-#: What `coded` makes, as a group of a platform's pattern of its mark.
+#: What `encode_marker` makes, as a group of a platform's pattern of its mark.
 CODE = r"([A-Za-z0-9_=-]{1,8192})"
 #: So many pictures stand below a text at most.
 MOST_PICTURES = 50
 
 
 @dataclass(frozen=True, slots=True)
-class Marked:
+class MarkedText:
     """A raw post taken apart. `pictures` stand below the text, put there by us: addresses, or a platform's lines."""
 
     text: str
@@ -30,7 +30,7 @@ class Marked:
     pictures: tuple[str, ...] = ()
 
 
-def coded(marked: Marked) -> str:
+def encode_marker(marked: MarkedText) -> str:
     """Key, card and the number of pictures, as one word."""
     facts = {
         "k": marked.key,
@@ -41,7 +41,7 @@ def coded(marked: Marked) -> str:
     return base64.urlsafe_b64encode(told.encode()).decode()
 
 
-def taken_apart(raw: str, mark: re.Pattern[str], picture: re.Pattern[str], ours: bool = True) -> Marked:
+def split_marker(raw: str, mark: re.Pattern[str], picture: re.Pattern[str], ours: bool = True) -> MarkedText:
     """Of a text without a mark, or with one that is not ours, everything is text. The first group of `mark` is the
     code, that of `picture` what is kept of the line of a picture.
 
@@ -50,16 +50,16 @@ def taken_apart(raw: str, mark: re.Pattern[str], picture: re.Pattern[str], ours:
     """
     found = mark.search(raw)
     if found is None:
-        return Marked(raw)
+        return MarkedText(raw)
     facts = _decoded(found[1]) if ours else _Facts(pictures=MOST_PICTURES)
     if facts is None:
-        return Marked(raw)
+        return MarkedText(raw)
     lines = raw[: found.start()].rstrip().split("\n\n")
     pictures = _pictures(lines, picture, facts.pictures)
     if ours and len(pictures) != facts.pictures:
         pictures = ()
     text = "\n\n".join(lines[: len(lines) - len(pictures)])
-    return Marked(text, facts.key, facts.card, pictures)
+    return MarkedText(text, facts.key, facts.card, pictures)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class _Facts:
 
 
 def _decoded(code: str) -> _Facts | None:
-    """What a code says; None when it is not as `coded` makes it."""
+    """What a code says; None when it is not as `encode_marker` makes it."""
     try:
         facts = json.loads(base64.urlsafe_b64decode(code), parse_constant=_no_number)
     except (ValueError, RecursionError):

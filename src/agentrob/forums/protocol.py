@@ -1,9 +1,8 @@
-"""What an agent needs of a forum: small protocols that every adapter fulfils.
+"""The protocols that a forum adapter implements.
 
-A forum is a `Reader`, a `Writer`, `Accounts` and `Events`; one that also has pages for robots is a `Stage`. What not
-every forum has are protocols of their own (`Roster`, `Searcher`, `MeaningSearcher`, `Registrar`, `Permissions`,
-`Notifications`): one that lacks it has no such method, or raises `ForumUnoffered`. All calls are asynchronous and raise
-`agentrob.errors.ForumError` subclasses, never the transport's own.
+Every forum is a `Reader`, a `Writer`, `Accounts` and `Events`. The other protocols are optional: a forum without such a
+feature has no such method, or its method raises `ForumUnoffered`. All calls are asynchronous and raise subclasses of
+`agentrob.errors.ForumError`, never exceptions of the transport.
 """
 
 from __future__ import annotations
@@ -182,7 +181,7 @@ class Events(Protocol):
 
 
 @runtime_checkable
-class Stage(Protocol):
+class RobotPages(Protocol):
     """A forum that has a page per robot with its state and a live picture."""
 
     async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
@@ -195,7 +194,7 @@ class Stage(Protocol):
 
 
 @runtime_checkable
-class Panel(Protocol):
+class RobotControls(Protocol):
     """A forum whose page of a robot has buttons: emergency stop for everybody, release and home for its owner. They
     come as events."""
 
@@ -205,7 +204,7 @@ class Panel(Protocol):
 
 
 @runtime_checkable
-class Keeper(Protocol):
+class RobotRightsSource(Protocol):
     """A forum that keeps who may do what with each robot, besides the roles of accounts."""
 
     async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
@@ -214,7 +213,7 @@ class Keeper(Protocol):
 
 
 @runtime_checkable
-class Archive(Protocol):
+class CommandPages(Protocol):
     """A forum that has a page per command."""
 
     async def command_page(self, post_id: str) -> str:
@@ -246,7 +245,7 @@ class Notification:
 
 
 @runtime_checkable
-class Roster(Protocol):
+class RobotDirectory(Protocol):
     """A forum that lists the accounts of robots."""
 
     async def robot_names(self) -> tuple[str, ...]:
@@ -266,14 +265,14 @@ class Searcher(Protocol):
 
 
 @runtime_checkable
-class MeaningSearcher(Protocol):
+class SemanticSearcher(Protocol):
     """A forum that finds posts by what they mean, where it has a model that knows it."""
 
-    async def finds_meaning(self) -> bool:
+    async def has_semantic_search(self) -> bool:
         """Whether it has one now."""
         ...
 
-    async def search_meaning(
+    async def search_semantic(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
         """Posts that say something like the query, most alike first. `ForumUnoffered` without a model."""

@@ -18,7 +18,7 @@ _P = ParamSpec("_P")
 _log = structlog.get_logger()
 
 
-class FailingPosts:
+class PostRetries:
     """Which posts could not be read, and how often."""
 
     def __init__(self) -> None:

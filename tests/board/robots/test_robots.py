@@ -286,7 +286,7 @@ def test_viewers_are_counted_and_see_each_new_picture(fresh_board: Callable[...,
             assert next(shown) == first
             assert robot.put(path, content=second).json() == {"viewers": 2}
             assert (next(shown), next(other)) == (second, second), "the other came after the first"
-    wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
+    wait_for(lambda: board.services.presence.robot("quadruped").viewers == 0)
 
 
 def told_of_viewers(board: RunningBoard) -> tuple[Listener, Callable[[], list[str]]]:
@@ -313,7 +313,7 @@ def test_whoever_opens_and_drops_the_camera_writes_nothing(fresh_board: Callable
     for _ in range(100):
         with stranger.stream("GET", "/robots/quadruped/camera.mjpg") as response:
             assert response.status_code == 200
-        wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
+        wait_for(lambda: board.services.presence.robot("quadruped").viewers == 0)
     assert op.get("/changes", params={"after": before}).json()["items"] == [], "reading leaves no events"
     told = len(heard())
     assert 1 <= told <= 1 + (time.monotonic() - begun_s) / presence.WATCH_EVERY_S
@@ -325,7 +325,7 @@ def test_an_agent_that_missed_a_viewer_is_told_when_it_next_tells_of_its_robot(
     board = fresh_board()
     robot = board.client("quadruped")
     with board.client("op").stream("GET", "/robots/quadruped/camera.mjpg") as shown:
-        wait_for(lambda: board.services.stage.robot("quadruped").viewers == 1)
+        wait_for(lambda: board.services.presence.robot("quadruped").viewers == 1)
         _, heard = told_of_viewers(board)  # only now does the agent begin to listen
         monkeypatch.setattr(presence, "WATCH_EVERY_S", 0.0)
         robot.put("/robots/quadruped", json={"card": {}}).raise_for_status()
@@ -341,7 +341,7 @@ def test_an_old_picture_is_nobodys_to_see(fresh_board: Callable[..., RunningBoar
     board.client("quadruped").put("/robots/quadruped/frame", content=picture())
     op = board.client("op")
     assert op.get("/robots/quadruped/frame.jpg").status_code == 200
-    board.services.stage.robot("quadruped").frame_s -= LIVE_FOR.total_seconds()
+    board.services.presence.robot("quadruped").frame_s -= LIVE_FOR.total_seconds()
     assert op.get("/robots/quadruped/frame.jpg").json()["code"] == "no_such_picture"
     assert op.get("/robots/quadruped").json()["has_frame"] is False
 
@@ -352,7 +352,7 @@ def test_a_lost_right_ends_the_live_picture(board: RunningBoard, monkeypatch: py
     with board.client("onlooker").stream("GET", "/robots/quadruped/camera.mjpg") as response:
         local_admin.change_account(board.settings, account, suspended=True)
         assert list(pictures(response)) == [], "it ends, and whole"
-    wait_for(lambda: board.services.stage.robot("quadruped").viewers == 0)
+    wait_for(lambda: board.services.presence.robot("quadruped").viewers == 0)
 
 
 def test_a_robot_speaks_for_no_other_robot(board: RunningBoard) -> None:
@@ -406,7 +406,7 @@ def test_a_lost_right_to_the_camera_ends_the_live_picture(
     monkeypatch.setattr("agentrob.board.events.streams.RECHECK_S", 0.05)
     robot, path = board.client("quadruped"), "/robots/quadruped/camera.mjpg"
     with board.client("admin").stream("GET", path) as other, board.client("onlooker").stream("GET", path) as response:
-        wait_for(lambda: board.services.stage.robot("quadruped").viewers == 2)
+        wait_for(lambda: board.services.presence.robot("quadruped").viewers == 2)
         if lost == "camera_role raised":
             change_robot(board, camera_role=Role.MODERATOR)
         elif lost == "viewer demoted":

@@ -7,7 +7,7 @@ import threading
 import zlib
 from collections.abc import Sequence
 
-from agentrob.semantic.encoder import SIZE, MeaningError
+from agentrob.semantic.encoder import SIZE, EncoderError
 
 THINGS = (
     ("dog", "dogs", "puppy", "hound", "狗"),
@@ -30,7 +30,7 @@ class Concepts:
 
     def encode(self, texts: Sequence[str]) -> list[bytes]:
         if self.out.is_set() or self.closed:
-            raise MeaningError("the model is out")
+            raise EncoderError("the model is out")
         self.asked += texts
         return [_vector(text) for text in texts]
 

@@ -21,7 +21,7 @@ import uvicorn
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumNotFound
 from agentrob.forums.discourse.forum import DiscourseForum
-from agentrob.forums.discourse.http import Wire
+from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.discourse.settings import Credentials
 from agentrob.forums.protocol import Event, EventKind
 from agentrob.model import AccountKind, Role
@@ -54,25 +54,25 @@ class DiscourseWorld:
     def __init__(self, url: str, key: str, admin: str = "system", **options: Any) -> None:
         self.url, self.key, self.admin = url, key, admin
         self.options = {**GROUPS, "requests_per_minute": 100_000, **options}
-        self.wire = Wire(url, Credentials.of(f"{admin}:{key}"))
+        self.client = DiscourseClient(url, Credentials.of(f"{admin}:{key}"))
         self.forums: list[DiscourseForum] = []
         self.groups: dict[str, int] = {}
 
     async def prepare(self) -> None:
         for name, value in SITE_SETTINGS.items():
-            await self.wire.ask("PUT", f"/admin/site_settings/{name}.json", json={name: value})
-        listed = (await self.wire.get("/categories.json"))["category_list"]["categories"]
+            await self.client.ask("PUT", f"/admin/site_settings/{name}.json", json={name: value})
+        listed = (await self.client.get("/categories.json"))["category_list"]["categories"]
         if "robots" not in [c["slug"] for c in listed]:
-            await self.wire.ask("POST", "/categories.json", json={"name": "Robots", "slug": "robots"})
+            await self.client.ask("POST", "/categories.json", json={"name": "Robots", "slug": "robots"})
         for names in GROUPS.values():
             for name in names:
                 self.groups[name] = await self._group(name)
 
     async def _group(self, name: str) -> int:
         try:
-            found = (await self.wire.get(f"/groups/{name}.json"))["group"]
+            found = (await self.client.get(f"/groups/{name}.json"))["group"]
         except ForumNotFound:
-            found = (await self.wire.ask("POST", "/admin/groups.json", json={"group": {"name": name}}))["basic_group"]
+            found = (await self.client.ask("POST", "/admin/groups.json", json={"group": {"name": name}}))["basic_group"]
         return int(found["id"])
 
     # ---------------------------------------------------------------- the contract's World
@@ -80,10 +80,10 @@ class DiscourseWorld:
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER
     ) -> DiscourseForum:
         try:
-            user = (await self.wire.get(f"/u/{name}.json"))["user"]
+            user = (await self.client.get(f"/u/{name}.json"))["user"]
         except ForumNotFound:
             about = {"name": name, "username": name, "email": f"{name}@example.com", "password": PASSWORD}
-            made = await self.wire.ask("POST", "/users.json", json={**about, "active": True, "approved": True})
+            made = await self.client.ask("POST", "/users.json", json={**about, "active": True, "approved": True})
             user = {"id": made["user_id"], "groups": []}
             wanted = {_OF_KIND.get(kind), _OF_ROLE.get(role)} - {None}
             for group in wanted:
@@ -91,7 +91,7 @@ class DiscourseWorld:
             if role is Role.ADMIN:
                 self.grant(name)
         if user.get("suspended_till"):
-            await self.wire.ask("PUT", f"/admin/users/{user['id']}/unsuspend.json", json={})
+            await self.client.ask("PUT", f"/admin/users/{user['id']}/unsuspend.json", json={})
         return self.at(self.url, f"{name}:{self.key}")
 
     def grant(self, name: str) -> None:
@@ -104,19 +104,19 @@ class DiscourseWorld:
             await self._member(method, group, name)
 
     async def _member(self, method: str, group: str, name: str) -> None:
-        await self.wire.ask(method, f"/groups/{self.groups[group]}/members.json", json={"usernames": name})
+        await self.client.ask(method, f"/groups/{self.groups[group]}/members.json", json={"usernames": name})
 
     def at(self, url: str, token: str, **options: Any) -> DiscourseForum:
         self.forums.append(DiscourseForum(ForumConfig(url=url, options={**self.options, **options}), token))
         return self.forums[-1]
 
     async def suspend(self, name: str) -> None:
-        number = (await self.wire.get(f"/u/{name}.json"))["user"]["id"]
+        number = (await self.client.get(f"/u/{name}.json"))["user"]["id"]
         about = {"suspend_until": "2121-02-22", "reason": "a test"}
-        await self.wire.ask("PUT", f"/admin/users/{number}/suspend.json", json=about)
+        await self.client.ask("PUT", f"/admin/users/{number}/suspend.json", json=about)
 
     async def remove(self, post_id: str) -> None:
-        await self.wire.ask("DELETE", f"/posts/{post_id}.json")
+        await self.client.ask("DELETE", f"/posts/{post_id}.json")
 
     async def unreachable(self) -> DiscourseForum:
         return self.at("http://127.0.0.1:9", "lost:token")
@@ -124,7 +124,7 @@ class DiscourseWorld:
     async def close(self) -> None:
         for forum in self.forums:
             await forum.close()
-        await self.wire.close()
+        await self.client.close()
 
 
 class LiveWorld(DiscourseWorld):

@@ -98,15 +98,15 @@ async def test_what_leaves_the_document_is_noticed() -> None:
     async with double_world() as (world, double):
         alice = await world.sign_in("alice")
         assert double.violations == []
-        await alice._wire.ask("GET", "/user_actions.json", params={"username": "alice", "filter": "4", "offset": 0})
+        await alice._client.ask("GET", "/user_actions.json", params={"username": "alice", "filter": "4", "offset": 0})
         topic = await alice.create_topic("robots", "A topic", "hello there", key="1")
         with pytest.raises(ForumError):
-            await alice._wire.ask("POST", "/posts.json", json={"topic_id": int(topic.post.topic_id), "raw": ""})
+            await alice._client.ask("POST", "/posts.json", json={"topic_id": int(topic.post.topic_id), "raw": ""})
         about = {"upload_type": "composer", "colour": "red"}
         files_ = {"file": ("1.png", b"a picture", "image/png")}
-        await alice._wire.ask("POST", "/uploads.json", data=about, files=files_)
+        await alice._client.ask("POST", "/uploads.json", data=about, files=files_)
         body = {"raw": "some words here", "topic_id": int(topic.post.topic_id), "colour": "red"}
-        await alice._wire.ask("POST", "/posts.json", json=body)
+        await alice._client.ask("POST", "/posts.json", json=body)
         assert [v.partition(":")[0] for v in double.violations] == [
             "post /uploads.json request",
             "post /posts.json request",

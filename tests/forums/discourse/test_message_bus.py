@@ -13,8 +13,8 @@ import pytest
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumLimited, ForumUnreachable
 from agentrob.forums.discourse.forum import DiscourseForum
-from agentrob.forums.discourse.http import Wire
-from agentrob.forums.discourse.message_bus import Bus
+from agentrob.forums.discourse.http import DiscourseClient
+from agentrob.forums.discourse.message_bus import MessageBusClient
 from agentrob.forums.discourse.settings import Credentials
 from agentrob.forums.protocol import EventKind
 from agentrob.model import AccountKind
@@ -149,15 +149,15 @@ async def test_a_stream_ends_when_the_forum_goes_away(robot: DiscourseForum, dou
     after, _ = await robot.now()
     stream = robot.stream(after, 0.05)
     await anext(stream)
-    robot._wire._http.base_url = "http://127.0.0.1:9"
+    robot._client._http.base_url = "http://127.0.0.1:9"
     with pytest.raises(ForumUnreachable):
         await first(stream, CREATED)
 
 
 async def test_the_bus_is_read_in_pieces_as_they_come() -> None:
     """Proxies cut pieces anew; a separator within a message is doubled; places that we were ahead of are put right."""
-    wire = Wire("http://127.0.0.1:9", Credentials.of("alice:key"))
-    bus = Bus(wire)
+    client = DiscourseClient("http://127.0.0.1:9", Credentials.of("alice:key"))
+    bus = MessageBusClient(client)
     bus.listen_to(["7"])
     message = {"channel": "/topic/7", "message_id": 5, "data": {"id": 12, "type": "revised", "by": "a\r\n|\r\nb"}}
     status = {"channel": "/__status", "message_id": -1, "data": {"/latest": 40, "/topic/7": 4}}
@@ -186,7 +186,7 @@ async def test_the_bus_is_read_in_pieces_as_they_come() -> None:
         asked.append(body)
         return Pieces()
 
-    wire.stream = stream  # type: ignore[method-assign, assignment]
+    client.stream = stream  # type: ignore[method-assign, assignment]
     held = asyncio.create_task(bus.hold())
     async with asyncio.timeout(60):
         await bus.rang.wait()
@@ -194,7 +194,7 @@ async def test_the_bus_is_read_in_pieces_as_they_come() -> None:
     assert bus.hints() == {12}
     assert bus._asked() == {"/latest": 40, "/topic/7": 5, "__seq": 2}
     held.cancel()
-    await wire.close()
+    await client.close()
 
 
 def test_a_forum_is_found_by_its_kind() -> None:

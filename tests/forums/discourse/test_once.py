@@ -7,7 +7,7 @@ import asyncio
 import pytest
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
-from agentrob.forums.discourse.markers import Marked, mark, unmark
+from agentrob.forums.discourse.markers import MarkedText, mark, unmark
 from tests.doubles.discourse.site import DEFAULTS, Refusal
 from tests.forums.discourse.discourse_world import DiscourseWorld, Double, begin, texts
 
@@ -82,14 +82,14 @@ async def test_two_replies_of_the_same_words_are_two_posts(world: DiscourseWorld
     raw = next(p.raw for p in double.site.posts.values() if str(p.id) == first.post.id)
     content = {"raw": raw, "topic_id": int(topic)}
     with pytest.raises(ForumError, match="too similar"):  # so it would be without marks
-        await robot._wire.ask("POST", "/posts.json", json={**content, "reply_to_post_number": 1})
+        await robot._client.ask("POST", "/posts.json", json={**content, "reply_to_post_number": 1})
 
 
 async def test_words_that_were_taken_for_their_own_copy_are_found(world: DiscourseWorld, double: Double) -> None:
     """The post is there but is not listed yet; the refusal as too similar makes us look again."""
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
-    post = double.site.write(double.site.users[2], {"topic_id": topic, "raw": mark(Marked("late", "k"))})
+    post = double.site.write(double.site.users[2], {"topic_id": topic, "raw": mark(MarkedText("late", "k"))})
     double.site.topics[int(topic)].posts.remove(post.id)
     check = double.site._check
 
@@ -119,7 +119,7 @@ async def test_a_second_reply_within_five_seconds_is_limited_and_then_written_on
         await alice.reply(topic, "two", key="2")
     assert double.count("POST", "/posts.json") == asked
     assert (await alice.topic(topic)).id == topic  # reading goes on
-    alice._wire._held.clear()
+    alice._client._held.clear()
     double.site._times.clear()
     assert (await alice.reply(topic, "two", key="2")).created
     assert (await texts(alice, topic))[1:] == ["one", "two"]
@@ -135,7 +135,7 @@ async def test_a_second_topic_within_fifteen_seconds_is_limited_and_then_written
         with pytest.raises(ForumLimited) as limited:
             await begin(alice, "2")
         assert 13 < limited.value.retry_after_s <= 15
-    alice._wire._held.clear()
+    alice._client._held.clear()
     double.site._times.clear()
     assert await begin(alice, "2") == await begin(alice, "2")
     assert len(double.site.topics) == 2
@@ -198,7 +198,7 @@ async def test_short_words_pass_the_least_length_since_the_mark_counts(world: Di
     assert (await robot.post(post.id)).raw == "OK."
     assert (await robot.edit(post.id, "No.")).raw == "No."
     with pytest.raises(ForumError, match="Body is too short"):  # a comment would not
-        await robot._wire.ask("POST", "/posts.json", json={"raw": f"OK. <!-- {'x' * 40} -->", "topic_id": int(topic)})
+        await robot._client.ask("POST", "/posts.json", json={"raw": f"OK. <!-- {'x' * 40} -->", "topic_id": int(topic)})
 
 
 async def test_a_title_that_is_too_short_is_said_so(world: DiscourseWorld, double: Double) -> None:
@@ -218,7 +218,7 @@ async def test_a_queued_reply_is_waited_for_and_never_sent_twice(world: Discours
         with pytest.raises(ForumLimited, match="approval"):
             await forum.reply(topic, "in a moment", key="k")
     assert len(double.site.waiting) == 1
-    await world.wire.ask("PUT", "/review/1/perform/approve_post.json", json={})
+    await world.client.ask("PUT", "/review/1/perform/approve_post.json", json={})
     found = await robot.reply(topic, "in a moment", key="k")
     assert (found.created, found.post.raw) == (False, "in a moment")
     assert (await texts(robot, topic)).count("in a moment") == 1
@@ -230,7 +230,7 @@ async def test_a_reply_that_a_moderator_rejected_is_not_sent_again(world: Discou
     double.site.settings["approve_post_count"] = 100
     with pytest.raises(ForumLimited):
         await robot.reply(topic, "in a moment", key="k")
-    await world.wire.ask("PUT", "/review/1/perform/reject_post.json", json={})
+    await world.client.ask("PUT", "/review/1/perform/reject_post.json", json={})
     with pytest.raises(ForumDenied, match="did not approve"):
         await robot.reply(topic, "in a moment", key="k")
     assert not double.site.waiting

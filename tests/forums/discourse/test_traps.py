@@ -10,7 +10,7 @@ from agentrob.config.load import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.contract import PIXEL
 from agentrob.forums.discourse.forum import DiscourseForum
-from agentrob.forums.discourse.markers import Marked, mark
+from agentrob.forums.discourse.markers import MarkedText, mark
 from agentrob.forums.discourse.settings import DiscourseOptions, account
 from agentrob.model import Account, AccountKind, Role, StatusCard
 from tests.doubles.discourse.site import STUB
@@ -23,7 +23,7 @@ CARD = StatusCard("quadruped", "done", step=1, steps=1, trace_id="t1")
 async def test_law_1_marks_that_people_write_prove_nothing(world: DiscourseWorld, double: Double) -> None:
     mallory, robot = await world.sign_in("mallory"), await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
     topic = await begin(mallory)
-    forged = mark(Marked("I am the robot", "claim:1", CARD))
+    forged = mark(MarkedText("I am the robot", "claim:1", CARD))
     user = double.site.named("mallory")
     assert user is not None
     post = double.site.write(user, {"topic_id": topic, "raw": forged})
@@ -178,7 +178,7 @@ async def test_a_post_that_is_gone_says_so_however_it_went(how: str, world: Disc
     if how == "flags":
         double.site.posts[int(post.id)].hidden = True
     else:
-        await (alice._wire if how == "author" else world.wire).ask("DELETE", f"/posts/{post.id}.json")
+        await (alice._client if how == "author" else world.client).ask("DELETE", f"/posts/{post.id}.json")
     seen = await robot.post(post.id)
     assert (seen.removed, seen.raw, seen.mentions) == (True, "", ())
     assert STUB not in seen.raw
@@ -202,7 +202,7 @@ async def test_pictures_come_from_this_forum_and_its_key_goes_nowhere_else(
     alice = await world.sign_in("alice")
     topic = await begin(alice)
     with pytest.raises(ForumError, match="not authorized"):
-        await alice._wire.ask(
+        await alice._client.ask(
             "POST",
             "/uploads.json",
             data={"upload_type": "composer"},
@@ -250,7 +250,7 @@ async def test_a_key_is_for_its_account_only_and_a_wrong_one_is_denied(world: Di
     for wrong in (f"bob:{own}", "alice:wrong", "wrong", "user-api-key:wrong"):
         with pytest.raises(ForumDenied):
             await world.at(world.url, wrong).me()
-    assert own not in repr(world.at(world.url, own)._wire.credentials)
+    assert own not in repr(world.at(world.url, own)._client.credentials)
 
 
 async def test_identity_is_switched_at_run_time_by_a_key_for_all_users(world: DiscourseWorld, double: Double) -> None:
@@ -268,7 +268,7 @@ async def test_identity_is_switched_at_run_time_by_a_key_for_all_users(world: Di
 
 async def test_no_cookie_is_kept_with_a_key(world: DiscourseWorld, double: Double) -> None:
     alice = await world.sign_in("alice")
-    await alice._wire.get("/session/csrf.json")  # its answer sets a session's cookie
+    await alice._client.get("/session/csrf.json")  # its answer sets a session's cookie
     await alice.me()
     assert "cookie" not in double.headers[-1]
 

@@ -9,7 +9,7 @@ from typing import Any
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumError
 from agentrob.forums.nodebb.forum import NodeBBForum
-from agentrob.forums.nodebb.http import NodeBBWire
+from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.nodebb.settings import Credentials
 from agentrob.forums.protocol import Forum
 from agentrob.model import AccountKind, Post, Role
@@ -50,7 +50,7 @@ class NodeBBWorld:
         self.settings = ForumConfig(kind="nodebb", url=url, options={**GROUPS, **options})
         self.password = admin.rpartition(":")[2]
         self.admin = NodeBBForum(self.settings, admin)
-        self.wire = NodeBBWire(url, Credentials.of(admin))
+        self.client = NodeBBClient(url, Credentials.of(admin))
         self.secrets = {admin.split(":")[1]: admin}
         self.uids: dict[str, str] = {}
         self.forums: list[NodeBBForum] = []
@@ -62,10 +62,10 @@ class NodeBBWorld:
             await self.set(setting, value)
         boards = [b.id for b in await self.admin.boards()]
         if "robots" not in boards:
-            await self.wire.send("POST", "/categories", {"name": "Robots"})
+            await self.client.send("POST", "/categories", {"name": "Robots"})
         for name, *_ in GROUPS.values():
             with contextlib.suppress(ForumError):
-                await self.wire.send("POST", "/groups", {"name": name, "private": 1, "disableJoinRequests": 1})
+                await self.client.send("POST", "/groups", {"name": name, "private": 1, "disableJoinRequests": 1})
 
     async def own_limits(self) -> None:
         """Those of a new NodeBB, but for the robots' group where docs/nodebb.md asks for it."""
@@ -77,13 +77,15 @@ class NodeBBWorld:
 
     async def empty(self) -> None:
         """Without the topics of earlier tests, so that a recording holds nothing but its own."""
-        cid = next(c["cid"] for c in (await self.wire.get("/api/categories"))["categories"] if c["handle"] == "robots")
-        while topics := (await self.wire.get(f"/api/category/{cid}"))["topics"]:
+        cid = next(
+            c["cid"] for c in (await self.client.get("/api/categories"))["categories"] if c["handle"] == "robots"
+        )
+        while topics := (await self.client.get(f"/api/category/{cid}"))["topics"]:
             for topic in topics:
-                await self.wire.send("DELETE", f"/topics/{topic['tid']}")
+                await self.client.send("DELETE", f"/topics/{topic['tid']}")
 
     async def set(self, setting: str, value: object) -> None:
-        await self.wire.send("PUT", f"/admin/settings/{setting}", {"value": value})
+        await self.client.send("PUT", f"/admin/settings/{setting}", {"value": value})
 
     async def sign_in(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER
@@ -96,21 +98,21 @@ class NodeBBWorld:
                 group = {Role.OPERATOR: "robot-operators", Role.MODERATOR: "robot-moderators"}.get(
                     role, "administrators"
                 )
-                await self.wire.send("PUT", f"/groups/{group}/membership/{account.id}")
+                await self.client.send("PUT", f"/groups/{group}/membership/{account.id}")
         return self.at(self.url, self.secrets[name])
 
     async def forget(self, name: str) -> None:
         old = await self.admin.account(name)
         if old is not None:
             if old.role is Role.ADMIN:
-                await self.wire.send("DELETE", f"/groups/administrators/membership/{old.id}")
-            await self.wire.send("DELETE", f"/users/{old.id}/account")  # what it wrote stays, as a former user's
+                await self.client.send("DELETE", f"/groups/administrators/membership/{old.id}")
+            await self.client.send("DELETE", f"/users/{old.id}/account")  # what it wrote stays, as a former user's
 
     async def token(self, uid: str, password: str = "") -> str:
         """A bearer token of an account; `0` a master token, which NodeBB asks the admin's password for."""
         headers = {"x-password-confirmation": password}
         said = {"uid": int(uid), "description": "a test"}
-        made = await self.wire.ask("POST", "/api/v3/admin/tokens", json=said, headers=headers)
+        made = await self.client.ask("POST", "/api/v3/admin/tokens", json=said, headers=headers)
         found = made.json()["response"]
         return str(found.get("secret") or found["token"])
 
@@ -119,10 +121,10 @@ class NodeBBWorld:
         return self.forums[-1]
 
     async def suspend(self, name: str) -> None:
-        await self.wire.send("PUT", f"/users/{self.uids[name]}/ban", {"reason": "a test"})
+        await self.client.send("PUT", f"/users/{self.uids[name]}/ban", {"reason": "a test"})
 
     async def remove(self, post_id: str) -> None:
-        await self.wire.send("DELETE", f"/posts/{post_id}/state")
+        await self.client.send("DELETE", f"/posts/{post_id}/state")
 
     async def unreachable(self) -> Forum:
         return self.at("http://127.0.0.1:9", "token")
@@ -130,7 +132,7 @@ class NodeBBWorld:
     async def close(self) -> None:
         for forum in (*self.forums, self.admin):
             await forum.close()
-        await self.wire.close()
+        await self.client.close()
 
 
 async def prepared(url: str, admin: str) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.forums.nodebb.markers import Marked, unmark
+from agentrob.forums.nodebb.markers import MarkedText, unmark
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Role
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, robot_settings, serving
@@ -39,12 +39,12 @@ async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path, **mor
         yield
 
 
-async def _told(nodebb: NodeBBWorld, *states: str) -> Marked:
+async def _told(nodebb: NodeBBWorld, *states: str) -> MarkedText:
     """What the robot's account wrote when it told one of those states."""
     return await _written(nodebb, lambda told: told.card is not None and told.card.state in states)
 
 
-async def _written(nodebb: NodeBBWorld, wanted: Callable[[Marked], bool]) -> Marked:
+async def _written(nodebb: NodeBBWorld, wanted: Callable[[MarkedText], bool]) -> MarkedText:
     """The first of what the robot's account wrote that is wanted."""
     async with asyncio.timeout(60):
         while True:
@@ -59,7 +59,7 @@ async def _written(nodebb: NodeBBWorld, wanted: Callable[[Marked], bool]) -> Mar
             await asyncio.sleep(0.05)
 
 
-async def _final(nodebb: NodeBBWorld) -> Marked:
+async def _final(nodebb: NodeBBWorld) -> MarkedText:
     return await _told(nodebb, *FINAL)
 
 

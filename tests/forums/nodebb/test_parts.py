@@ -15,8 +15,8 @@ from agentrob.config.load import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.nodebb.clock import HeaderClock
 from agentrob.forums.nodebb.forum import NodeBBForum
-from agentrob.forums.nodebb.http import NodeBBWire
-from agentrob.forums.nodebb.markers import Marked, mark, pictures_in, unmark
+from agentrob.forums.nodebb.http import NodeBBClient
+from agentrob.forums.nodebb.markers import MarkedText, mark, pictures_in, unmark
 from agentrob.forums.nodebb.posts import mentions_in
 from agentrob.forums.nodebb.settings import Credentials, NodeBBOptions, account
 from agentrob.model import AccountKind, Role, StatusCard
@@ -32,7 +32,7 @@ CARD = StatusCard("quadruped", "running", step=1, steps=2, doing="move", trace_i
     st.lists(st.from_regex(r"/assets/uploads/files/[a-z0-9-]{1,20}\.png", fullmatch=True), max_size=3),
 )
 def test_what_is_marked_is_taken_apart_again(text: str, key: str, card: StatusCard | None, pictures: list[str]) -> None:
-    wanted = Marked(text.rstrip(), key, card, tuple(pictures))
+    wanted = MarkedText(text.rstrip(), key, card, tuple(pictures))
     assert unmark(mark(wanted)) == wanted
 
 
@@ -41,7 +41,7 @@ def test_what_is_marked_is_taken_apart_again(text: str, key: str, card: StatusCa
     ["plain", "[//]: # (agentrob:!!!)", "[//]: # (agentrob:e30)\nafter it", "text [//]: # (agentrob:e30=)", ""],
 )
 def test_of_a_text_without_a_mark_everything_is_text(raw: str) -> None:
-    assert unmark(raw) == Marked(raw)
+    assert unmark(raw) == MarkedText(raw)
 
 
 def test_pictures_in_code_are_none() -> None:
@@ -187,6 +187,6 @@ async def test_a_number_that_is_none_never_gets_into_an_address() -> None:
 
 
 async def test_the_wire_under_a_path_stays_under_it() -> None:
-    wire = NodeBBWire("http://127.0.0.1:9/forum/", Credentials.of("token"))
-    assert wire.url == "http://127.0.0.1:9/forum"
-    await wire.close()
+    client = NodeBBClient("http://127.0.0.1:9/forum/", Credentials.of("token"))
+    assert client.url == "http://127.0.0.1:9/forum"
+    await client.close()

@@ -18,7 +18,7 @@ async def test_moderators_come_from_groups_also_from_nodebbs_own(nodebb: NodeBBW
     bob = await nodebb.sign_in("bob")
     carol = await nodebb.sign_in("carol", role=Role.MODERATOR)
     await nodebb.sign_in("dave")
-    await nodebb.wire.send("PUT", f"/groups/global-moderators/membership/{nodebb.uids['dave']}")
+    await nodebb.client.send("PUT", f"/groups/global-moderators/membership/{nodebb.uids['dave']}")
     dave = await bob.account("dave")
     assert dave is not None
     assert ((await carol.me()).role, dave.role) == (Role.MODERATOR, Role.MODERATOR)
@@ -26,9 +26,9 @@ async def test_moderators_come_from_groups_also_from_nodebbs_own(nodebb: NodeBBW
 
 async def test_law_2_a_group_of_moderators_that_anybody_may_join_approves_nothing(nodebb: NodeBBWorld) -> None:
     carol = await nodebb.sign_in("carol", role=Role.MODERATOR)
-    await nodebb.wire.send("PUT", "/groups/robot-moderators", {"private": 0})
+    await nodebb.client.send("PUT", "/groups/robot-moderators", {"private": 0})
     open_to_all = (await carol.me()).role
-    await nodebb.wire.send("PUT", "/groups/robot-moderators", {"private": 1})
+    await nodebb.client.send("PUT", "/groups/robot-moderators", {"private": 1})
     assert (open_to_all, (await carol.me()).role) == (Role.MEMBER, Role.MODERATOR)
 
 
@@ -38,7 +38,7 @@ async def test_an_admin_gives_and_takes_each_role_and_nobody_keeps_the_one_befor
     for role in (Role.OPERATOR, Role.MODERATOR, Role.ADMIN, Role.MODERATOR, Role.MEMBER):
         assert (await nodebb.admin.set_rights("alice", role=role)).role is role
         assert (await alice.me()).role is role
-    groups = (await nodebb.wire.get("/api/user/alice/groups"))["groups"]
+    groups = (await nodebb.client.get("/api/user/alice/groups"))["groups"]
     assert not {g["slug"] for g in groups} & {"robot-operators", "robot-moderators", "administrators"}
 
 
@@ -47,7 +47,7 @@ async def test_who_is_suspended_is_let_in_again_also_when_he_was_muted(nodebb: N
     changed = await nodebb.admin.set_rights("alice", suspended=True)
     assert (changed.role, changed.suspended) == (Role.OPERATOR, True)
     assert not (await nodebb.admin.set_rights("alice", suspended=False)).suspended
-    await nodebb.wire.send("PUT", f"/users/{nodebb.uids['alice']}/mute", {"reason": "a test"})
+    await nodebb.client.send("PUT", f"/users/{nodebb.uids['alice']}/mute", {"reason": "a test"})
     muted = await nodebb.admin.account("alice")
     assert muted is not None
     assert muted.suspended
@@ -73,10 +73,10 @@ async def test_rights_that_cannot_be_given_are_said_so(nodebb: NodeBBWorld) -> N
 
 async def test_law_2_a_right_by_a_group_that_is_open_is_not_said_to_be_given(nodebb: NodeBBWorld) -> None:
     await nodebb.sign_in("alice")
-    await nodebb.wire.send("PUT", "/groups/robot-operators", {"private": 0})
+    await nodebb.client.send("PUT", "/groups/robot-operators", {"private": 0})
     with pytest.raises(ForumError, match="open to anybody"):
         await nodebb.admin.set_rights("alice", role=Role.OPERATOR)
-    await nodebb.wire.send("PUT", "/groups/robot-operators", {"private": 1})
+    await nodebb.client.send("PUT", "/groups/robot-operators", {"private": 1})
 
 
 # ---------------------------------------------------------------------- notifications
@@ -110,7 +110,7 @@ async def test_a_reply_is_a_notice_one_that_mentions_is_one_only_page_by_page(
 
 async def test_a_notice_of_what_may_not_be_read_any_more_hides_no_other(nodebb: NodeBBWorld) -> None:
     alice, bob = await nodebb.sign_in("alice"), await nodebb.sign_in("bob")
-    room = (await nodebb.wire.send("POST", "/categories", {"name": "Back room"}))["cid"]
+    room = (await nodebb.client.send("POST", "/categories", {"name": "Back room"}))["cid"]
     topic = (await alice.create_topic(str(room), "A topic", "hello there", key="1")).post
     first = await begin(alice)
     await bob.reply(topic.topic_id, "@alice in the back room", key="1")
@@ -118,7 +118,7 @@ async def test_a_notice_of_what_may_not_be_read_any_more_hides_no_other(nodebb: 
     await told(alice, 2)
     for privilege in ("groups:find", "groups:read", "groups:topics:read"):
         for group in ("registered-users", "guests"):
-            await nodebb.wire.send("DELETE", f"/categories/{room}/privileges/{privilege}", {"member": group})
+            await nodebb.client.send("DELETE", f"/categories/{room}/privileges/{privilege}", {"member": group})
     left = (await alice.notifications()).items
-    await nodebb.wire.send("DELETE", f"/categories/{room}")
+    await nodebb.client.send("DELETE", f"/categories/{room}")
     assert [n.post.id for n in left] == [seen.id]

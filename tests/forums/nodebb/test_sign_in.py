@@ -17,7 +17,7 @@ from tests.forums.nodebb.nodebb_world import PASSWORD, NodeBBWorld, begin, repli
 # ---------------------------------------------------------------------- signing in
 async def test_programs_that_nodebb_takes_for_spiders_get_no_csrf_token(nodebb: NodeBBWorld) -> None:
     forum = nodebb.at(nodebb.url, "login:alice:whatever")
-    forum._wire._http.headers["User-Agent"] = "python-requests/2.32"
+    forum._client._http.headers["User-Agent"] = "python-requests/2.32"
     with pytest.raises(ForumError, match="spider"):
         await forum.me()
 
@@ -35,7 +35,7 @@ async def test_a_wrong_password_is_denied_and_not_tried_again_at_once(nodebb: No
 async def test_a_lapsed_csrf_token_is_made_anew_and_the_write_is_done_once(nodebb: NodeBBWorld) -> None:
     alice = await nodebb.sign_in("alice")
     post = await begin(alice)
-    alice._wire.csrf = "lapsed"
+    alice._client.csrf = "lapsed"
     assert (await alice.reply(post.topic_id, "after all", key="1")).created
     assert await texts(alice, post.topic_id) == ["hello there", "after all"]
     assert replies(nodebb, "alice", post) == 2, "refused once for want of a token, then taken"
@@ -45,9 +45,9 @@ async def test_a_lapsed_session_is_begun_anew_when_writing_and_while_listening(n
     alice, bob = await nodebb.sign_in("alice"), await nodebb.sign_in("bob")
     post = await begin(alice)
     after, _ = await bob.now()
-    alice._wire.cookie = bob._wire.cookie = "express.sid=s%3Agone.forever"
+    alice._client.cookie = bob._client.cookie = "express.sid=s%3Agone.forever"
     assert (await alice.me()).name == "alice"
-    alice._wire.cookie = "express.sid=s%3Agone.forever"
+    alice._client.cookie = "express.sid=s%3Agone.forever"
     assert (await alice.reply(post.topic_id, "still me", key="1")).post.author.name == "alice"
     async with asyncio.timeout(60):
         async for event in bob.stream(after, 0.25):
@@ -140,9 +140,9 @@ async def test_the_public_form_makes_an_account_that_only_looks_and_stops(nodebb
 async def test_law_2_a_group_that_anybody_may_join_gives_no_rights(nodebb: NodeBBWorld) -> None:
     alice = await nodebb.sign_in("alice", role=Role.OPERATOR)
     assert (await alice.me()).role is Role.OPERATOR
-    await nodebb.wire.send("PUT", "/groups/robot-operators", {"private": 0})
+    await nodebb.client.send("PUT", "/groups/robot-operators", {"private": 0})
     open_to_all = (await alice.me()).role
-    await nodebb.wire.send("PUT", "/groups/robot-operators", {"private": 1})
+    await nodebb.client.send("PUT", "/groups/robot-operators", {"private": 1})
     assert open_to_all is Role.MEMBER
     assert (await alice.me()).role is Role.OPERATOR
 

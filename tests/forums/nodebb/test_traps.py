@@ -10,8 +10,8 @@ import pytest
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.nodebb.forum import NodeBBForum
-from agentrob.forums.nodebb.http import NodeBBWire
-from agentrob.forums.nodebb.markers import Marked, mark
+from agentrob.forums.nodebb.http import NodeBBClient
+from agentrob.forums.nodebb.markers import MarkedText, mark
 from agentrob.forums.nodebb.socket import Push
 from agentrob.forums.protocol import EventKind
 from agentrob.model import AccountKind, Role, StatusCard
@@ -44,10 +44,10 @@ async def test_a_reply_in_the_queue_is_waited_for_and_not_written_again(nodebb: 
         await other.reply(post.topic_id, "to be looked at", key="1")
     assert replies(nodebb, "alice", post) == 1, "written once, waited for since"
     await nodebb.set("postQueue", 0)
-    waiting = (await nodebb.wire.get("/api/post-queue"))["posts"]
+    waiting = (await nodebb.client.get("/api/post-queue"))["posts"]
     ours = [q["id"] for q in waiting if str(q["data"].get("tid")) == post.topic_id]
     assert len(ours) == 1
-    await nodebb.wire.send("POST", f"/posts/queue/{ours[0]}")
+    await nodebb.client.send("POST", f"/posts/queue/{ours[0]}")
     accepted = await alice.reply(post.topic_id, "to be looked at", key="1")
     assert (accepted.created, accepted.post.raw) == (False, "to be looked at")
     assert await texts(alice, post.topic_id) == ["hello there", "to be looked at"]
@@ -95,7 +95,7 @@ async def test_short_words_are_long_enough(nodebb: NodeBBWorld) -> None:
 async def test_a_muted_or_banned_account_is_denied_and_shown_as_suspended(nodebb: NodeBBWorld) -> None:
     alice, bob = await nodebb.sign_in("alice"), await nodebb.sign_in("bob")
     post = await begin(alice)
-    await nodebb.wire.send("PUT", f"/users/{nodebb.uids['alice']}/mute", {"reason": "a test"})
+    await nodebb.client.send("PUT", f"/users/{nodebb.uids['alice']}/mute", {"reason": "a test"})
     with pytest.raises(ForumDenied, match="muted"):
         await alice.reply(post.topic_id, "words", key="1")
     assert (await bob.post(post.id)).author.suspended
@@ -107,14 +107,14 @@ async def test_a_lost_answer_costs_nothing_and_doubles_nothing(
 ) -> None:
     alice = await nodebb.sign_in("alice")
     post = await begin(alice)
-    send = NodeBBWire.send
+    send = NodeBBClient.send
 
-    async def lost(self: NodeBBWire, method: str, path: str, body: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    async def lost(self: NodeBBClient, method: str, path: str, body: Mapping[str, Any] | None = None) -> dict[str, Any]:
         await send(self, method, path, body)
         raise ForumUnreachable("the answer was lost")
 
     with monkeypatch.context() as patch:
-        patch.setattr(NodeBBWire, "send", lost)
+        patch.setattr(NodeBBClient, "send", lost)
         with pytest.raises(ForumUnreachable):
             await alice.reply(post.topic_id, "once", key="1", reply_to=post.id)
     again = await nodebb.at(nodebb.url, nodebb.secrets["alice"]).reply(post.topic_id, "once", key="1", reply_to=post.id)
@@ -140,9 +140,9 @@ async def test_law_1_a_mark_that_somebody_copies_is_nobody_elses_key_or_card(nod
     alice = await nodebb.sign_in("alice")
     post = await begin(alice)
     status = (await robot.reply(post.topic_id, "mine", key="claim:1")).post
-    raw = (await alice._wire.get_v3(f"/posts/{status.id}"))["content"]
-    await alice._wire.send("POST", f"/topics/{post.topic_id}", {"content": raw})
-    await alice._wire.send("POST", f"/topics/{post.topic_id}", {"content": _forged_card()})
+    raw = (await alice._client.get_v3(f"/posts/{status.id}"))["content"]
+    await alice._client.send("POST", f"/topics/{post.topic_id}", {"content": raw})
+    await alice._client.send("POST", f"/topics/{post.topic_id}", {"content": _forged_card()})
     fresh = nodebb.at(nodebb.url, nodebb.secrets["quadruped"])
     read = (await fresh.posts(post.topic_id)).items
     assert [p.key for p in read] == [None, "claim:1", None, None]
@@ -150,7 +150,7 @@ async def test_law_1_a_mark_that_somebody_copies_is_nobody_elses_key_or_card(nod
 
 
 def _forged_card() -> str:
-    return mark(Marked("believe me", "claim:1", StatusCard("quadruped", "done")))
+    return mark(MarkedText("believe me", "claim:1", StatusCard("quadruped", "done")))
 
 
 # ---------------------------------------------------------------------- reading
@@ -195,7 +195,7 @@ async def test_law_4_a_post_that_a_moderator_gave_away_is_its_new_owners(nodebb:
     alice, bob = await nodebb.sign_in("alice", role=Role.OPERATOR), await nodebb.sign_in("bob")
     post = await begin(alice)
     after, _ = await bob.now()
-    await nodebb.wire.send("PUT", f"/posts/{post.id}/owner", {"uid": int(nodebb.uids["bob"])})
+    await nodebb.client.send("PUT", f"/posts/{post.id}/owner", {"uid": int(nodebb.uids["bob"])})
     assert await bob.changes(after) == ()
     now = await bob.post(post.id)
     assert (now.author.name, now.author.role, now.content_hash) == ("bob", Role.MEMBER, post.content_hash)
@@ -234,7 +234,7 @@ async def test_the_socket_needs_the_session_and_says_at_once_that_something_happ
     alice, bob = await nodebb.sign_in("alice"), await nodebb.sign_in("bob")
     post = await begin(alice)
     await bob.me()
-    async with asyncio.timeout(60), Push(bob._wire) as push:
+    async with asyncio.timeout(60), Push(bob._client) as push:
         await push.connected.wait()
         await push.wait(1)  # it says so once when it is there
         await alice.reply(post.topic_id, "listen", key="1")

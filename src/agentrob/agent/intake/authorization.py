@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
-from agentrob.forums.protocol import Forum, Keeper
+from agentrob.forums.protocol import Forum, RobotRightsSource
 from agentrob.language.messages.catalog import say
 from agentrob.language.visible_text import mentions
 from agentrob.model import (
@@ -76,7 +76,7 @@ async def rights_on(forum: Forum, command: Command, terms: CommandTerms) -> Robo
 
     A forum that should know and does not grants nothing. Raises `ForumError`; then nothing is granted either.
     """
-    if not isinstance(forum, Keeper) or not terms.robot:
+    if not isinstance(forum, RobotRightsSource) or not terms.robot:
         return terms.rights
     try:
         post = await forum.post(command.post_id)  # a moderator may have moved its topic to another board

@@ -13,7 +13,7 @@ import httpx2
 import structlog
 
 from agentrob.errors import ForumError
-from agentrob.forums.protocol import Stage
+from agentrob.forums.protocol import RobotPages
 
 FPS = 10.0
 #: The picture goes on for a moment after the last motion, so that the end is seen.
@@ -36,7 +36,7 @@ class Camera:
 
     def __init__(
         self,
-        stage: Stage,
+        stage: RobotPages,
         robot: str,
         url: str,
         moving: Callable[[], bool],

@@ -14,7 +14,7 @@ import structlog
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.reporting.status_post import insist
 from agentrob.errors import ForumError
-from agentrob.forums.protocol import Archive
+from agentrob.forums.protocol import CommandPages
 
 #: A forum that fails so often is left without the record, which stays on the robot's machine.
 TRIES = 4
@@ -48,7 +48,7 @@ def public(facts: Mapping[str, Any], pictures: Sequence[Picture]) -> dict[str, A
 async def page_of(forum: object, post_id: str, *, hurry: bool = False) -> str:
     """The address of a command's page; empty where the forum has none or does not say it at once. Never raises a
     `ForumError`. `hurry`: the agent is being ended."""
-    if hurry or not isinstance(forum, Archive):
+    if hurry or not isinstance(forum, CommandPages):
         return ""
     try:
         async with asyncio.timeout(PAGE_S):
@@ -63,7 +63,7 @@ async def publish(
     forum: object, post_id: str, reply_id: str | None, facts: Mapping[str, Any] | None, pictures: Sequence[Picture]
 ) -> None:
     """Send it where the forum keeps records. Never raises a `ForumError`."""
-    if facts is None or not isinstance(forum, Archive):
+    if facts is None or not isinstance(forum, CommandPages):
         return
     try:
         await insist(partial(forum.publish_record, post_id, reply_id, public(facts, pictures)), TRIES)

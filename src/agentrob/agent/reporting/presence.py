@@ -14,7 +14,7 @@ import structlog
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, RobotError
-from agentrob.forums.protocol import Stage
+from agentrob.forums.protocol import RobotPages
 from agentrob.model import Capabilities, Lock, RobotState
 from agentrob.robots.driver.client import DriverClient
 
@@ -34,7 +34,7 @@ class Presence:
 
     def __init__(
         self,
-        stage: Stage,
+        stage: RobotPages,
         driver: DriverClient,
         name: str,
         settings: RobotConfig,

@@ -15,7 +15,7 @@ from typing import Any
 import structlog
 
 from agentrob.forums.bounded import BoundedDict
-from agentrob.forums.protocol import Forum, Roster
+from agentrob.forums.protocol import Forum, RobotDirectory
 from agentrob.model import Account, AccountKind
 
 #: So many names are remembered, those of robots and those that were asked about.
@@ -43,7 +43,7 @@ class KnownRobots:
 
     async def list_robots(self) -> None:
         """Learn the forum's robots, where it lists them. Whatever it answers, the agent starts."""
-        if isinstance(self._forum, Roster):
+        if isinstance(self._forum, RobotDirectory):
             try:
                 async with asyncio.timeout(LIST_S):
                     for name in await self._forum.robot_names():

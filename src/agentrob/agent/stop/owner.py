@@ -18,7 +18,7 @@ from agentrob.agent.stop.replies import StopReplies
 from agentrob.agent.stop.stop_handler import StopHandler
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
-from agentrob.forums.protocol import Event, EventKind, Forum, Keeper, Panel
+from agentrob.forums.protocol import Event, EventKind, Forum, RobotControls, RobotRightsSource
 from agentrob.language.messages.catalog import quote, say
 from agentrob.model import EMERGENCY_STOP, Account, Decision, Language, Lock, Report, RobotRights, RobotState
 from agentrob.robots.driver.client import DriverClient
@@ -98,7 +98,7 @@ class OwnerActions:
         return "" if verdict.decision is Decision.ALLOW else verdict.reason
 
     async def _rights(self) -> RobotRights:
-        if not isinstance(self._forum, Keeper) or not self._settings.boards:
+        if not isinstance(self._forum, RobotRightsSource) or not self._settings.boards:
             return own_rights(self._settings)
         try:
             return await self._forum.robot_rights(self._name, self._settings.boards[0])
@@ -126,7 +126,7 @@ class OwnerActions:
     # ------------------------------------------------------------------ what a thread is told
     async def learn_page(self) -> None:
         """Ask the forum once where the robot's page is, for links to it."""
-        if isinstance(self._forum, Panel) and not self._page:
+        if isinstance(self._forum, RobotControls) and not self._page:
             with contextlib.suppress(ForumError, TimeoutError):
                 async with asyncio.timeout(ASK_S):
                     self._page = await self._forum.robot_page(self._name)
@@ -140,7 +140,7 @@ class OwnerActions:
     def _how(self, deed: Deed, language: Language) -> str:
         owner = self._settings.owner
         who = say("agent.owner.named", language, owner=quote(owner)) if owner else say("agent.owner.any", language)
-        if not isinstance(self._forum, Panel):
+        if not isinstance(self._forum, RobotControls):
             return say(f"agent.how.{deed}.shell", language, robot=self._name)
         page = say("agent.owner.page", language)
         page = f"[{page}]({self._page})" if self._page else page

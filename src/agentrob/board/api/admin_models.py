@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, StringConstraints
 from agentrob.board.admin import audit, management
 from agentrob.board.api.models import PostOut, Time, _In, _Out, time_out, whole
 from agentrob.board.db import records
-from agentrob.board.robots.rights import WHO, Closed, RobotSettings, closed_out
+from agentrob.board.robots.rights import WHO, MaintenanceWindow, RobotSettings, closed_out
 from agentrob.model import AccountKind, ActionClass, Role
 
 #: Strict models take enums from JSON by value only where they are told to.
@@ -136,8 +136,8 @@ class Hours(_In):
     until: Annotated[datetime | None, Field(strict=False)] = None
     note: Line = ""
 
-    def record(self) -> Closed:
-        return Closed(tuple(self.days), self.start, self.end, self.zone, self.until, self.note)
+    def record(self) -> MaintenanceWindow:
+        return MaintenanceWindow(tuple(self.days), self.start, self.end, self.zone, self.until, self.note)
 
 
 class RobotChange(_Change):

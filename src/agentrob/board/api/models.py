@@ -8,7 +8,7 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
-from agentrob.board.content.unread import News
+from agentrob.board.content.unread import UnreadCount
 from agentrob.board.db import records
 from agentrob.board.robots.rights import RobotSettings
 from agentrob.model import Account, AccountKind, Role
@@ -336,7 +336,7 @@ class Serializer:
             tags=t.tags,
         )
 
-    def unread(self, t: records.Topic, news: News | None) -> UnreadOut:
+    def unread(self, t: records.Topic, news: UnreadCount | None) -> UnreadOut:
         return UnreadOut(topic=self.topic(t), new=news.count if news else 0, first=news.first if news else None)
 
     def image(self, i: records.Image) -> ImageOut:

@@ -74,7 +74,7 @@ async def publish(request: Request, name: str, told: RobotIn, by: Member) -> Res
     parts = get_services(request)
     _own(by, name)
     _check_card(told.card)
-    if parts.stage.publish(name, told.card).kept_waiting:
+    if parts.presence.publish(name, told.card).kept_waiting:
         actions.watch(parts, name)
     return out(_robot(parts, by))
 
@@ -90,7 +90,7 @@ async def show(request: Request, name: str, by: Member) -> Response:
     _own(by, name)
     jpeg = await request.body()
     images.check_frame(jpeg)
-    return out(Viewers(viewers=get_services(request).stage.show(name, jpeg)))
+    return out(Viewers(viewers=get_services(request).presence.show(name, jpeg)))
 
 
 @router.get("/robots/{name}/frame.jpg", response_class=Response, responses={200: _JPEG | {"description": "JPEG"}})
@@ -98,7 +98,7 @@ async def frame(request: Request, name: str, who: Reading) -> Response:
     """The last live picture."""
     parts = get_services(request)
     actions.check_camera(parts, name, who.account)
-    jpeg = parts.stage.live_frame(actions.known_robot(parts, name).name)
+    jpeg = parts.presence.live_frame(actions.known_robot(parts, name).name)
     if jpeg is None:
         raise not_found("picture", name, "there is one while somebody looks at the camera")
     return Response(jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
@@ -118,9 +118,9 @@ async def camera(request: Request, name: str, who: Reading) -> Response:
         actions.check_camera(parts, name, account)
 
     check(who.account)
-    if parts.stage.robot(name).viewers == 0:
+    if parts.presence.robot(name).viewers == 0:
         actions.watch(parts, name)
-    return CameraStream(parts.stage, name, still_allowed(parts, who, check))
+    return CameraStream(parts.presence, name, still_allowed(parts, who, check))
 
 
 @router.post("/robots/{name}/stop", response_model=EventOut)
@@ -154,8 +154,8 @@ async def reset(request: Request, name: str, by: Member, key: Key = None) -> Res
 
 
 def _robot(parts: Services, account: Account) -> RobotOut:
-    now = parts.stage.robot(account.name)
-    url, shown = f"{parts.settings.base_url}/robots/{now.name}", parts.stage.live_frame(account.name) is not None
+    now = parts.presence.robot(account.name)
+    url, shown = f"{parts.settings.base_url}/robots/{now.name}", parts.presence.live_frame(account.name) is not None
     return robot_out(now.name, url, now.card, now.seen_at, now.watched, shown)
 
 

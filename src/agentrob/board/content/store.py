@@ -59,9 +59,9 @@ class Store:
         self._searches, self._searching = 0, ThreadPoolExecutor(1, "board-search")
         self._follower = None
         if settings.encoder is not None:
-            from agentrob.board.search.embeddings import Follower  # numpy, for those who want it
+            from agentrob.board.search.embeddings import EmbeddingWorker  # numpy, for those who want it
 
-            self._follower = Follower(settings.encoder(), Reader(self._engines[0].connect()))
+            self._follower = EmbeddingWorker(settings.encoder(), Reader(self._engines[0].connect()))
         self.writer = Writer(self._engines[1], published)
         self.renderer = Renderer(self.everything.names)
 
@@ -179,7 +179,7 @@ class Store:
 
         return partial(semantic.find, self._finder, self._follower.meanings)
 
-    async def follow_meanings(self) -> None:
+    async def run_embedding_worker(self) -> None:
         """Keep up with what the posts mean, where this forum is searched by meaning; until cancelled."""
         if self._follower is not None:
             await self._follower.run(self.do)

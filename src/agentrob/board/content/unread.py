@@ -1,8 +1,8 @@
-"""What each account has read: up to which post of each topic; and what is new there since.
+"""Read positions: the last post of each topic that an account has read, and how many posts are new since.
 
-A page says what it showed by `Marks.showed`, which costs no more than a look into a dictionary. What has changed is
-written in one job every few seconds, so that reading never waits for the writer and seldom voids what others keep. What
-a server that is killed did not write yet is new once more.
+A page calls `ReadPositions.showed`, which updates a dictionary. Changes are written to the database in one job every
+few seconds, so that reading a page never waits for the writer and rarely invalidates caches. If the server is killed,
+posts read in the last few seconds count as unread again.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 #: More new posts of a topic than this are not counted; so many topics are looked through for what is new.
 MOST, LOOKED_AT = 99, 1000
-#: Marks that are kept in memory.
+#: Read positions kept in memory.
 MAX_KEPT = 50_000
 WRITE_EVERY_S = 5.0
 
@@ -57,7 +57,7 @@ _Key = tuple[int, int]  # account, topic
 
 
 @dataclass(frozen=True, slots=True)
-class News:
+class UnreadCount:
     """How many posts of others are new in a topic, at most `MOST` and one more, and the first of them."""
 
     count: int
@@ -67,7 +67,7 @@ class News:
         return f"{MOST}+ new" if self.count > MOST else f"{self.count} new"
 
 
-class Marks:
+class ReadPositions:
     """The marks of all accounts, as far as anybody asked. For the event loop's thread."""
 
     def __init__(self) -> None:
@@ -83,23 +83,23 @@ class Marks:
         if int(post_id) > self._of(reader, key[0], (topic,))[topic.id]:
             self._known[key] = self._pending[key] = int(post_id)
 
-    def news(self, reader: Reader, account: Account | None, topics: Collection[Topic]) -> dict[str, News]:
+    def news(self, reader: Reader, account: Account | None, topics: Collection[Topic]) -> dict[str, UnreadCount]:
         """What is new for an account, by topic; those without anything new are left out."""
         if account is None or not topics:
             return {}
-        marks, found = self._of(reader, int(account.id), topics), dict[str, News]()
+        marks, found = self._of(reader, int(account.id), topics), dict[str, UnreadCount]()
         for topic in topics:
             if int(topic.last_post_id) <= (mark := marks[topic.id]):
                 continue
             asked = {"topic": int(topic.id), "after": mark, "me": int(account.id), "most": MOST + 1}
             row = reader.kept(("news", *asked.values()), lambda asked=asked: reader.rows(_COUNTED, **asked)[0])  # type: ignore[misc]
             if row.new:
-                found[topic.id] = News(row.new, str(row.first))
+                found[topic.id] = UnreadCount(row.new, str(row.first))
         return found
 
     def unread(
         self, reader: Reader, account: Account, cursor: str | None, limit: int, board_id: str | None = None
-    ) -> Page[tuple[Topic, News]]:
+    ) -> Page[tuple[Topic, UnreadCount]]:
         """Topics with something new, latest activity first, of the `LOOKED_AT` that were written in last, on one board
         or on all. 404."""
         t, me = db.topics.c, int(account.id)
@@ -203,7 +203,7 @@ def _marks_of(t: Transaction, board_id: str, base: int, up_to: int) -> dict[int,
     return {row.id: min(up_to, row.last_post_id) for row in rows}
 
 
-async def keep_writing(marks: Marks, store: Store, shared: bool) -> None:
+async def run_flush_loop(marks: ReadPositions, store: Store, shared: bool) -> None:
     """Write what was read every few seconds, until cancelled; where the database is `shared` by several processes, see
     what was read at the others as often."""
     while True:

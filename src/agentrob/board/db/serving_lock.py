@@ -23,7 +23,7 @@ MAX_SKEW_S = 2.0
 
 
 @contextmanager
-def to_serve(settings: BoardSettings) -> Iterator[None]:
+def serve_database(settings: BoardSettings) -> Iterator[None]:
     """The database is made, and this process may serve it. `BoardError` says who stands in the way."""
     if settings.shared:
         local_admin.bootstrap(settings)

@@ -18,9 +18,9 @@ import structlog
 
 from agentrob.board.db.database import CHANNEL, LEADING_LOCK, SERVING_LOCK, connection_words
 from agentrob.board.db.serving_lock import being_changed, check_clock
-from agentrob.board.events.cluster_messages import NOW_US, Teller, event_from_words
+from agentrob.board.events.cluster_messages import NOW_US, ClusterMessenger, event_from_words
 from agentrob.board.events.hub import Hub
-from agentrob.board.robots.presence import Stage
+from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
 
@@ -42,13 +42,13 @@ _PROOF = (
     "(SELECT coalesce(json_object_agg(robot, n), '{}') FROM (SELECT robot, sum(viewers)::int AS n FROM stage_viewers "
     f"WHERE process <> %(me)s AND until_us > {NOW_US} GROUP BY robot) AS looking)"
 )
-_CARDS = f"SELECT robot, card, {NOW_US} - seen_us FROM stage"
-_FRAMES = f"SELECT robot, frame, {NOW_US} - shown_us FROM stage WHERE frame IS NOT NULL"
+_CARDS = f"SELECT robot, card, {NOW_US} - seen_us FROM presence"
+_FRAMES = f"SELECT robot, frame, {NOW_US} - shown_us FROM presence WHERE frame IS NOT NULL"
 
 log = structlog.get_logger(__name__)
 
 
-class Peers:
+class Cluster:
     """`duties` is what only one of the processes does; it is told whether another one may have done it before."""
 
     def __init__(
@@ -56,18 +56,18 @@ class Peers:
         settings: BoardSettings,
         me: str,
         hub: Hub,
-        stage: Stage,
+        presence: PresenceTracker,
         duties: Callable[[bool], Coroutine[Any, Any, None]],
     ) -> None:
-        self.settings, self.me, self._hub, self._stage, self._duties = settings, me, hub, stage, duties
+        self.settings, self.me, self._hub, self._presence, self._duties = settings, me, hub, presence, duties
         self._words = connection_words(settings)
         self._connection: AsyncConnection[Any] | None = None
         self._duty: asyncio.Task[None] | None = None
         self._asked_to_lead = False
         self._proven_s = 0.0
         self._cut_off = False
-        self._teller = Teller(me, stage, self._connect)
-        hub.tell_others, stage.changed = self._teller.announce, self._teller.changed
+        self._teller = ClusterMessenger(me, presence, self._connect)
+        hub.tell_others, presence.changed = self._teller.announce, self._teller.changed
 
     @property
     def cut_off(self) -> bool:
@@ -178,7 +178,7 @@ class Peers:
             newest, clock, leads, viewers = await asked.fetchone() or (0, before, False, {})
         check_clock(before, clock, time.time())
         self._proven_s = time.monotonic()
-        self._stage.hear_viewers(viewers)
+        self._presence.receive_viewers(viewers)
         self._hub.proven(newest)
         if leads and self._duty is None:
             log.info("board.has_the_duties", taken_over=self._asked_to_lead)
@@ -188,11 +188,11 @@ class Peers:
     async def _hear(self, connection: AsyncConnection[Any], said: str) -> None:
         what, _, more = said.partition(" ")
         try:
-            if what == "card" or (what == "frame" and self._stage.wants(more)):
+            if what == "card" or (what == "frame" and self._presence.wants(more)):
                 async with asyncio.timeout(PATIENCE_S):
                     await self._look_around(connection, what, more)
             elif what == "event":
-                self._hub.hear_unwritten(event_from_words(more, self._hub))
+                self._hub.receive_unwritten(event_from_words(more, self._hub))
         except (ValueError, KeyError, TypeError) as e:
             log.warning("board.not_understood", said=said[:200], error=str(e))
 
@@ -202,7 +202,7 @@ class Peers:
         words = [robot] if robot else []
         if what != "frame":
             async for name, card, age_us in await connection.execute(_CARDS + which, words):
-                self._stage.hear_card(name, card, age_us / 1_000_000)
+                self._presence.receive_card(name, card, age_us / 1_000_000)
         if what != "card":
             async for name, frame, age_us in await connection.execute(_FRAMES + which.replace("WHERE", "AND"), words):
-                self._stage.hear_frame(name, frame, age_us / 1_000_000)
+                self._presence.receive_frame(name, frame, age_us / 1_000_000)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from agentrob.board.db.database import CHANNEL
 from agentrob.board.db.records import Event, EventKind, from_us
 from agentrob.board.events.hub import Hub
-from agentrob.board.robots.presence import LIVE_FOR, Stage
+from agentrob.board.robots.presence import LIVE_FOR, PresenceTracker
 from agentrob.errors import BoardError
 
 if TYPE_CHECKING:
@@ -52,11 +52,13 @@ _NOT_LIVE = f"UPDATE stage SET frame = NULL, shown_us = NULL WHERE frame IS NOT 
 _GONE = f"DELETE FROM stage_viewers WHERE until_us < {NOW_US}"
 
 
-class Teller:
+class ClusterMessenger:
     """Never keeps anybody waiting: what there is to tell is noted, and told by `run`."""
 
-    def __init__(self, me: str, stage: Stage, connect: Callable[[], Awaitable[AsyncConnection[Any]]]) -> None:
-        self.me, self._stage, self._connect = me, stage, connect
+    def __init__(
+        self, me: str, presence: PresenceTracker, connect: Callable[[], Awaitable[AsyncConnection[Any]]]
+    ) -> None:
+        self.me, self._presence, self._connect = me, presence, connect
         self._events: deque[tuple[float, str]] = deque(maxlen=1000)
         self._cards: set[str] = set()
         self._frames: set[str] = set()
@@ -74,7 +76,7 @@ class Teller:
         """Something of a robot is another here: its `card`, its `frame` or its `viewers`."""
         if what == "frame":
             rare = time.monotonic() - self._framed_s.get(robot, 0.0) < IDLE_FRAME_S
-            if rare and not self._stage.robot(robot).elsewhere:
+            if rare and not self._presence.robot(robot).elsewhere:
                 return
             self._frames.add(robot)
         elif what == "card":
@@ -108,13 +110,13 @@ class Teller:
         await self._tell_events(connection)
         while self._cards:
             robot = self._cards.pop()
-            await connection.execute(_CARD, [robot, json.dumps(dict(self._stage.robot(robot).card))])
+            await connection.execute(_CARD, [robot, json.dumps(dict(self._presence.robot(robot).card))])
             await self._notify(connection, f"card {robot}")
             await self._tell_events(connection)
         while self._frames:
             robot = self._frames.pop()
             self._framed_s[robot] = time.monotonic()
-            await connection.execute(_FRAME, [robot, self._stage.robot(robot).frame])
+            await connection.execute(_FRAME, [robot, self._presence.robot(robot).frame])
             await self._notify(connection, f"frame {robot}")
             await self._tell_events(connection)
         await self._tell_viewers(connection)
@@ -128,7 +130,7 @@ class Teller:
 
     async def _tell_viewers(self, connection: AsyncConnection[Any]) -> None:
         """Those who look, again and again; and once that nobody does any more."""
-        looking = {robot.name: robot.viewers for robot in self._stage.robots() if robot.viewers}
+        looking = {robot.name: robot.viewers for robot in self._presence.robots() if robot.viewers}
         if looking == self._looking and time.monotonic() - self._renewed_s < RENEW_S:
             return
         for robot in looking.keys() | self._looking.keys():

@@ -42,7 +42,7 @@ log = structlog.get_logger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
+class EncodedEvent:
     """An event, its place in the order, and its encodings for everybody and for the author of its post.
 
     `written`: it is in the database.
@@ -59,11 +59,11 @@ class Happening:
         return self.event.post.topic_id if self.event.post else None
 
 
-def encode(event: Event, base_url: str, written: bool = True) -> Happening:
+def encode(event: Event, base_url: str, written: bool = True) -> EncodedEvent:
     author = event.post.author if event.post and event.post.key is not None else None
     for_all = _frame(Serializer(base_url).event(event))
     for_author = _frame(Serializer(base_url, author).event(event)) if author else for_all
-    return Happening(event, event_number(event.id), for_all, for_author, written)
+    return EncodedEvent(event, event_number(event.id), for_all, for_author, written)
 
 
 def _frame(event: EventOut) -> bytes:
@@ -82,14 +82,14 @@ class Listener:
     ) -> None:
         self.topic_id, self.account_id, self.boards = topic_id, account_id, boards
         self.ended = asyncio.Event()
-        self._pending: deque[Happening] = deque()
+        self._pending: deque[EncodedEvent] = deque()
         self._waiter: asyncio.Future[None] | None = None
 
     @property
     def closed(self) -> bool:
         return self.ended.is_set()
 
-    def offer(self, happening: Happening) -> None:
+    def offer(self, happening: EncodedEvent) -> None:
         if self.closed or self.topic_id not in (None, happening.topic_id):
             return
         post = happening.event.post
@@ -105,7 +105,7 @@ class Listener:
         self.ended.set()
         self._wake()
 
-    async def next(self, timeout_s: float) -> Happening | None:
+    async def next(self, timeout_s: float) -> EncodedEvent | None:
         """The next event, or None when there was none in time or the stream is closed."""
         if not self._pending and not self.closed:
             loop = asyncio.get_running_loop()
@@ -233,7 +233,7 @@ class Hub:
         self._tell(event, written=False)
         self.tell_others(event)
 
-    def hear_unwritten(self, event: Event) -> None:
+    def receive_unwritten(self, event: Event) -> None:
         """Tell all listeners of one that another process could not write."""
         self._tell(event, written=False)
 
@@ -326,7 +326,7 @@ class EventStream(Response):
             elif not self._listener.closed and self._hub.hears:
                 await streams.part(send, _heartbeat())
 
-    def _told_early(self, happening: Happening) -> bool:
+    def _told_early(self, happening: EncodedEvent) -> bool:
         """Whether this was told here before it could be written: then nobody hears it twice."""
         event = happening.event
         if not happening.written:
@@ -334,7 +334,7 @@ class EventStream(Response):
             return False
         return event.robot is not None and (event.kind, event.robot, event.at) in self._early
 
-    def _bytes(self, happening: Happening) -> bytes:
+    def _bytes(self, happening: EncodedEvent) -> bytes:
         post = happening.event.post
         mine = post is not None and self._viewer is not None and post.author.id == self._viewer.id
         return happening.frame_for_author if mine else happening.frame

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 
-from agentrob.board.events.hub import Happening, Hub
+from agentrob.board.events.hub import EncodedEvent, Hub
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
 from agentrob.process.webhooks import Outbox, Receiver, read_secret
@@ -56,7 +56,7 @@ async def _tell(hub: Hub, outbox: Outbox) -> None:
     outbox.tell("board.changed", {})
 
 
-def _ids(happening: Happening) -> dict[str, str]:
+def _ids(happening: EncodedEvent) -> dict[str, str]:
     event = happening.event
     found = {"event": event.id, "robot": event.robot or ""}
     if event.post is not None:

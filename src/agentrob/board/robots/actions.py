@@ -82,7 +82,7 @@ def owner_of(services: Services, robot: str) -> str:
 
 
 def _told_owner(services: Services, robot: str) -> str:
-    told = services.stage.robot(robot).card.get("owner")
+    told = services.presence.robot(robot).card.get("owner")
     return told.lower() if isinstance(told, str) else ""
 
 
@@ -112,7 +112,7 @@ def watch(services: Services, robot: str) -> None:
     It is told and never written: whoever only reads, signed in or not, leaves nothing in the database. An agent that
     did not listen just then is told when it next publishes its card.
     """
-    now = services.stage.robot(robot)
+    now = services.presence.robot(robot)
     wait_s = now.called_s + presence.WATCH_EVERY_S - time.monotonic()
     if wait_s <= 0:
         _tell_agent(services, robot)
@@ -121,12 +121,12 @@ def watch(services: Services, robot: str) -> None:
 
 
 def _tell_agent(services: Services, robot: str) -> None:
-    services.stage.robot(robot).called_s = time.monotonic()
+    services.presence.robot(robot).called_s = time.monotonic()
     services.hub.announce(Event(services.hub.last_id, EventKind.ROBOT_WATCH, from_us(now_us()), robot=robot))
 
 
 def _tell_agent_again(services: Services, robot: str) -> None:
-    now = services.stage.robot(robot)
+    now = services.presence.robot(robot)
     now.call = None
     if now.watched:
         _tell_agent(services, robot)

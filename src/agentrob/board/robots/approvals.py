@@ -25,7 +25,7 @@ _WORDS = {"en": ("approve", "deny"), "zh": ("批准", "拒绝")}
 
 
 @dataclass(frozen=True, slots=True)
-class Waiting:
+class PendingApproval:
     """One robot that waits with the command of a post, as its `answer` says. `may`: whoever looks may approve it."""
 
     robot: str
@@ -34,18 +34,20 @@ class Waiting:
     may: bool
 
 
-def waiting(services: Services, post: Post, robots: Iterable[Account], viewer: Account | None) -> tuple[Waiting, ...]:
+def waiting(
+    services: Services, post: Post, robots: Iterable[Account], viewer: Account | None
+) -> tuple[PendingApproval, ...]:
     """Which of these robots wait with this post's command."""
     store = services.store
     found = [(robot.name, _asks(store, robot, post)) for robot in robots if not post.removed]
     return tuple(
-        Waiting(name, post, asks, _may(store, name, viewer, post))
+        PendingApproval(name, post, asks, _may(store, name, viewer, post))
         for name, asks in found
         if asks and not _decided(store, name, post, asks)
     )
 
 
-def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None) -> dict[str, Waiting]:
+def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None) -> dict[str, PendingApproval]:
     """Which of these posts are of robots that wait with a command which whoever looks may approve, by their ids."""
     asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == WAITING]
     if viewer is None or not asking:
@@ -60,11 +62,11 @@ def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None)
     return {post_id: one for post_id, one in found.items() if one.may}
 
 
-def of_post(services: Services, post: Post, viewer: Account | None) -> tuple[Waiting, ...]:
+def of_post(services: Services, post: Post, viewer: Account | None) -> tuple[PendingApproval, ...]:
     """Which robots wait with this post's command; they are among those whose line it is in."""
-    stage = services.stage
+    presence = services.presence
     robots = [
-        a for a in services.store.robots() if a.name in post.mentions or post.id in _line(stage.robot(a.name).card)
+        a for a in services.store.robots() if a.name in post.mentions or post.id in _line(presence.robot(a.name).card)
     ]
     return waiting(services, post, robots, viewer)
 

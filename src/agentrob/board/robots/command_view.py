@@ -10,7 +10,7 @@ from datetime import datetime, timedelta
 from typing import Any
 
 from agentrob.board.db.records import Image, Post, from_text
-from agentrob.board.robots.commands import Told
+from agentrob.board.robots.commands import CommandRecord
 from agentrob.board.robots.view import op_in_words
 
 _UNITS = {
@@ -87,7 +87,7 @@ class CommandView:
     links: tuple[tuple[str, str, datetime | None], ...]
 
 
-def command_view(post: Post, told: Told) -> CommandView:
+def command_view(post: Post, told: CommandRecord) -> CommandView:
     """The view of one record; fields of the wrong type are left out rather than believed."""
     record = told.record
     verdict = _map(record.get("verdict"))

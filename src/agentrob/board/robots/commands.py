@@ -23,7 +23,7 @@ RECORD_BYTES, RECORD_DEPTH = 64 * 1024, 20
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class CommandRecord:
     """One robot's record of one command. `reply` is the robot's own post that tells it, with the pictures."""
 
     robot: str
@@ -49,7 +49,7 @@ def keep(t: Transaction, by: Account, post_id: str, reply_id: str | None, record
         t.connection.execute(insert(db.commands).values(**key, **values))
 
 
-def of(reader: Reader, post_id: str) -> tuple[Post, tuple[Told, ...]]:
+def of(reader: Reader, post_id: str) -> tuple[Post, tuple[CommandRecord, ...]]:
     """The post of a command and what robots recorded of it, in the order of their names.
 
     Of a removed post nothing is told: a record may repeat its words. 404 when it is not there or not to be seen.
@@ -61,7 +61,7 @@ def of(reader: Reader, post_id: str) -> tuple[Post, tuple[Told, ...]]:
     statement = select(db.commands, a.name).join(db.accounts, a.id == c.robot_id).where(c.post_id == int(post.id))
     rows = reader.rows(statement.order_by(a.name))
     replies = {int(p.id): p for p in reader.posts_by_id([r.reply_id for r in rows if r.reply_id is not None])}
-    return post, tuple(Told(r.name, from_us(r.at_us), replies.get(r.reply_id), r.record) for r in rows)
+    return post, tuple(CommandRecord(r.name, from_us(r.at_us), replies.get(r.reply_id), r.record) for r in rows)
 
 
 def answered(reader: Reader, post_id: str) -> str | None:

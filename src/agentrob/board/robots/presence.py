@@ -29,7 +29,7 @@ SHOWING_S = 1.0
 
 
 @dataclass(slots=True)
-class RobotNow:
+class RobotPresence:
     """One robot as its agent last told. `seen_at` is None before it did; `card_s`, `frame_s` and `called_s`, when its
     agent was last told that somebody looks, are monotonic. `call` is when it will be told again.
 
@@ -60,7 +60,7 @@ class RobotNow:
         return self.watched > 0 and time.monotonic() - self.frame_s > SHOWING_S
 
 
-class Stage:
+class PresenceTracker:
     """All robots that were told of since the server started. Lives on the event loop.
 
     `changed` hears what is to be told to other processes: a robot's name, and `card`, `frame` or `viewers`.
@@ -69,16 +69,16 @@ class Stage:
     def __init__(self) -> None:
         self.closed = asyncio.Event()
         self.changed: Callable[[str, str], None] = lambda robot, what: None
-        self._robots: dict[str, RobotNow] = {}
+        self._robots: dict[str, RobotPresence] = {}
 
-    def robots(self) -> tuple[RobotNow, ...]:
+    def robots(self) -> tuple[RobotPresence, ...]:
         return tuple(self._robots.values())
 
-    def robot(self, name: str) -> RobotNow:
+    def robot(self, name: str) -> RobotPresence:
         """The robot of this name; whether there is such an account is for the caller to know."""
-        return self._robots.setdefault(name, RobotNow(name))
+        return self._robots.setdefault(name, RobotPresence(name))
 
-    def publish(self, name: str, card: Mapping[str, Any]) -> RobotNow:
+    def publish(self, name: str, card: Mapping[str, Any]) -> RobotPresence:
         robot = self.robot(name)
         robot.card, robot.card_s, robot.seen_at = card, time.monotonic(), datetime.now(UTC)
         self.changed(name, "card")
@@ -94,14 +94,14 @@ class Stage:
         return robot.watched
 
     # ---------------------------------------------------------------- from other processes
-    def hear_card(self, name: str, card: Mapping[str, Any], age_s: float) -> None:
+    def receive_card(self, name: str, card: Mapping[str, Any], age_s: float) -> None:
         """A card that another process was told so long ago, unless this one has a newer one."""
         robot, at_s = self.robot(name), time.monotonic() - age_s
         if at_s > robot.card_s:
             robot.card, robot.card_s = card, at_s
         self._seen(robot, age_s)
 
-    def hear_frame(self, name: str, jpeg: bytes, age_s: float) -> None:
+    def receive_frame(self, name: str, jpeg: bytes, age_s: float) -> None:
         """A picture that another process was shown so long ago."""
         robot, at_s = self.robot(name), time.monotonic() - age_s
         if at_s > robot.frame_s:
@@ -115,12 +115,12 @@ class Stage:
         robot = self.robot(name)
         return robot.viewers > 0 or time.monotonic() - robot.frame_s > WANTED_S
 
-    def hear_viewers(self, elsewhere: Mapping[str, int]) -> None:
+    def receive_viewers(self, elsewhere: Mapping[str, int]) -> None:
         """How many look on other processes, by robot."""
         for robot in self._robots.values():
             robot.elsewhere = elsewhere.get(robot.name, 0)
 
-    def _seen(self, robot: RobotNow, age_s: float) -> None:
+    def _seen(self, robot: RobotPresence, age_s: float) -> None:
         at = datetime.now(UTC) - timedelta(seconds=age_s)
         robot.seen_at = max(robot.seen_at or at, at)
 
@@ -155,7 +155,7 @@ class Stage:
                 robot.waiters.discard(waiter)
 
 
-def _wake(robot: RobotNow) -> None:
+def _wake(robot: RobotPresence) -> None:
     for waiter in robot.waiters:
         if not waiter.done():
             waiter.set_result(None)
@@ -166,24 +166,24 @@ class CameraStream(Response):
 
     media_type = "multipart/x-mixed-replace; boundary=" + BOUNDARY.decode()
 
-    def __init__(self, stage: Stage, name: str, allowed: Callable[[], bool]) -> None:
+    def __init__(self, presence: PresenceTracker, name: str, allowed: Callable[[], bool]) -> None:
         super().__init__(headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
         del self.headers["content-length"]
-        self._stage, self._name, self._allowed = stage, name, allowed
+        self._presence, self._name, self._allowed = presence, name, allowed
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        robot = self._stage.robot(self._name)
-        self._stage.look(self._name, 1)
+        robot = self._presence.robot(self._name)
+        self._presence.look(self._name, 1)
         try:
             # Only what comes after the viewer: the last picture may be from hours ago.
-            await streams.run(self._send(send, robot.frames), receive, send, self._allowed, self._stage.closed)
+            await streams.run(self._send(send, robot.frames), receive, send, self._allowed, self._presence.closed)
         finally:
-            self._stage.look(self._name, -1)
+            self._presence.look(self._name, -1)
 
     async def _send(self, send: Send, seen: int) -> None:
         await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
         await streams.part(send, b"--" + BOUNDARY + b"\r\n")
-        async for jpeg in self._stage.frames(self._name, seen):
+        async for jpeg in self._presence.frames(self._name, seen):
             head = b"Content-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg)
             # The boundary right after the picture: a browser shows a part when it sees the next one begin.
             await streams.part(send, head + jpeg + b"\r\n--" + BOUNDARY + b"\r\n")

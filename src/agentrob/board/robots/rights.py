@@ -36,7 +36,7 @@ _ROBOT = (
 
 
 @dataclass(frozen=True, slots=True)
-class Closed:
+class MaintenanceWindow:
     """When a robot is in maintenance: on `days` (none: each day) from `start` to `end` in `zone`, the next day if that
     is earlier; or, with `until`, from now to then. `note` is shown."""
 
@@ -76,7 +76,7 @@ class RobotSettings:
     approve_own: bool = False
     camera_role: Role = Role.GUEST
     camera_days: int = 0
-    closed: tuple[Closed, ...] = ()
+    closed: tuple[MaintenanceWindow, ...] = ()
 
     def closed_until(self, now: datetime) -> datetime | None:
         """The end of its maintenance when it is closed now, over windows that follow each other."""
@@ -171,7 +171,7 @@ def checked(settings: RobotSettings) -> RobotSettings:
     return settings
 
 
-def _check_closed(closed: Closed) -> None:
+def _check_closed(closed: MaintenanceWindow) -> None:
     try:
         ZoneInfo(closed.zone)
     except (ValueError, OSError, KeyError):
@@ -183,10 +183,10 @@ def _check_closed(closed: Closed) -> None:
         raise BoardError(422, "bad_hours", "those are no maintenance hours", hint)
 
 
-def closed_in(data: Mapping[str, Any]) -> Closed:
+def closed_in(data: Mapping[str, Any]) -> MaintenanceWindow:
     """From JSON, of the database or the API."""
     until = data.get("until")
-    return Closed(
+    return MaintenanceWindow(
         days=tuple(data.get("days") or ()),
         start=data.get("from") or "00:00",
         end=data.get("to") or "00:00",
@@ -196,26 +196,28 @@ def closed_in(data: Mapping[str, Any]) -> Closed:
     )
 
 
-def closed_out(closed: Closed) -> dict[str, Any]:
+def closed_out(closed: MaintenanceWindow) -> dict[str, Any]:
     if closed.until is not None:
         return {"until": closed.until.astimezone(UTC).isoformat(), "note": closed.note}
     hours = {"days": list(closed.days), "from": closed.start, "to": closed.end}
     return hours | {"zone": closed.zone, "note": closed.note}
 
 
-def hours_from_words(text: str) -> tuple[Closed, ...]:
+def hours_from_words(text: str) -> tuple[MaintenanceWindow, ...]:
     """Maintenance hours as people write them, one a line or separated by `;`: `mon,fri 09:00-12:00 Europe/Berlin`, or
     `until 2026-12-24T08:00Z`. 422 says what would be valid."""
     return tuple(_hours(line) for line in re.split(r"[;\n]", text) if line.strip())
 
 
-def _hours(line: str) -> Closed:
+def _hours(line: str) -> MaintenanceWindow:
     words = line.split()
     try:
         if words[0] == "until":
-            return Closed(until=datetime.fromisoformat(words[1]).astimezone(UTC), note=" ".join(words[2:])[:200])
+            return MaintenanceWindow(
+                until=datetime.fromisoformat(words[1]).astimezone(UTC), note=" ".join(words[2:])[:200]
+            )
         start, end = words[1].split("-")
-        made = Closed(tuple(_days(words[0])), start, end, words[2] if len(words) > 2 else "UTC")
+        made = MaintenanceWindow(tuple(_days(words[0])), start, end, words[2] if len(words) > 2 else "UTC")
         _check_closed(made)
         return made
     except (IndexError, ValueError):
@@ -230,7 +232,7 @@ def _days(text: str) -> Sequence[str]:
     return [DAYS[DAYS.index(day)] for day in text.split(",")]
 
 
-def hours_in_words(closed: Sequence[Closed]) -> str:
+def hours_in_words(closed: Sequence[MaintenanceWindow]) -> str:
     """As `hours_from_words` reads them."""
     return "\n".join(
         f"until {c.until:%Y-%m-%dT%H:%MZ} {c.note}".strip()

@@ -175,7 +175,7 @@ def owners(services: Services, posts: Iterable[Post]) -> dict[str, str]:
 
 
 def _look(services: Services, account: Account) -> RobotView:
-    now = services.stage.robot(account.name)
+    now = services.presence.robot(account.name)
     return robot_view(account.name, now.card, now.seen_at)
 
 

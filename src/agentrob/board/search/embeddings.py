@@ -22,7 +22,7 @@ from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.writer import Transaction
 from agentrob.errors import BoardError
-from agentrob.semantic.encoder import MODEL, SIZE, Encodes, MeaningError
+from agentrob.semantic.encoder import MODEL, SIZE, EncoderError, TextEncoder
 
 log = structlog.get_logger(__name__)
 #: Characters of a post that count, its topic's title among them.
@@ -54,10 +54,10 @@ _WINDOW = text(_POSTS + "WHERE p.id > :after ORDER BY p.id LIMIT :most")
 _ONE = text(_POSTS + "WHERE p.id = :id")
 
 
-class Meanings:
+class EmbeddingIndex:
     """The vectors in memory, by rising id of post. What may be seen is not known here: whoever asks must look."""
 
-    def __init__(self, encoder: Encodes) -> None:
+    def __init__(self, encoder: TextEncoder) -> None:
         self.encoder = encoder
         self._lock = threading.Lock()
         self._count = 0
@@ -110,11 +110,11 @@ class _Kept:
     vector: bytes
 
 
-class Follower:
+class EmbeddingWorker:
     """Keeps the vectors up with the posts. `reader` is its own, and sees every board."""
 
-    def __init__(self, encoder: Encodes, reader: Reader) -> None:
-        self.meanings, self._reader = Meanings(encoder), reader
+    def __init__(self, encoder: TextEncoder, reader: Reader) -> None:
+        self.meanings, self._reader = EmbeddingIndex(encoder), reader
         self._looking = threading.Lock()
         self._seen = 0  # all posts up to this id were looked at
         self._event: int | None = None
@@ -135,7 +135,7 @@ class Follower:
                 if not rows:
                     await asyncio.sleep(POLL_S)
             except Exception as e:  # it outlives whatever happens: the next try may well succeed
-                known = isinstance(e, BoardError | MeaningError)
+                known = isinstance(e, BoardError | EncoderError)
                 log.warning("board.meanings_wait", error=str(e), again_s=AGAIN_S, exc_info=None if known else e)
                 self._event, self._seen = begun  # look again: what was found may not have been kept
                 await asyncio.sleep(AGAIN_S)

@@ -15,11 +15,11 @@ from sqlalchemy import BindParameter, String, bindparam, text
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import Page, Post
-from agentrob.board.search.embeddings import Meanings
+from agentrob.board.search.embeddings import EmbeddingIndex
 from agentrob.board.search.fulltext import TAGGED
 from agentrob.board.search.search import boards_seen, given_up, in_order, terms
 from agentrob.errors import BoardError
-from agentrob.semantic.encoder import LEAST, MeaningError
+from agentrob.semantic.encoder import MIN_SIMILARITY, EncoderError
 
 #: Posts that are found at most: what comes after so many has little to do with the query.
 MOST = 100
@@ -34,7 +34,7 @@ _VISIBLE = (
 
 def find(
     reader: Reader,
-    meanings: Meanings,
+    meanings: EmbeddingIndex,
     query: str,
     cursor: str | None = None,
     limit: int = 20,
@@ -49,7 +49,7 @@ def find(
         return Page(())
     try:
         (vector,) = meanings.encoder.encode([query])
-    except MeaningError as e:
+    except EncoderError as e:
         raise BoardError(503, "model_out", str(e), "try again in a moment, or search for words", 5.0) from e
     ids, versions, alike = meanings.compared(vector)
     found: list[int] = []
@@ -64,7 +64,7 @@ def find(
 
 def _most_alike_first(alike: NDArray[np.float32]) -> Iterator[NDArray[np.int64]]:
     """The places of what is alike enough, some at a time. Of what is equally alike the newest comes first."""
-    places = np.flatnonzero(alike >= LEAST)
+    places = np.flatnonzero(alike >= MIN_SIMILARITY)
     if len(places) > _ASKED:  # nearly always the first of them are all that is needed
         nearest = np.argpartition(-alike[places], _ASKED)
         first = places[nearest[:_ASKED]]

@@ -121,10 +121,10 @@ async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press:
     known = get_services(request)
     form = await forms.read(request)
     access.check_form(viewer, form.get("csrf"))
-    stage, before = known.stage, known.stage.robot(name).card.get("told")
+    presence, before = known.presence, known.presence.robot(name).card.get("told")
     await press(known, name, access.account_of(viewer))
     for _ in range(HEARD_TRIES):
-        if stage.robot(name).card.get("told") != before:
+        if presence.robot(name).card.get("told") != before:
             return go(f"/robots/{name}")
         await asyncio.sleep(HEARD_S)
     return go(with_receipt(f"/robots/{name}", viewer, deed, name))

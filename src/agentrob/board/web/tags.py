@@ -11,7 +11,7 @@ from starlette.responses import HTMLResponse, Response
 from agentrob.board.auth import access
 from agentrob.board.auth.access import Viewer
 from agentrob.board.content import tags
-from agentrob.board.content.unread import News
+from agentrob.board.content.unread import UnreadCount
 from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.db.records import Topic
 from agentrob.board.services import Services, get_services
@@ -27,7 +27,7 @@ Anybody = Annotated[Viewer, Depends(access.viewer)]
 TOPICS = 20
 
 
-def news(known: Services, viewer: Viewer, topics: Collection[Topic]) -> dict[str, News]:
+def news(known: Services, viewer: Viewer, topics: Collection[Topic]) -> dict[str, UnreadCount]:
     """What is new in topics for whoever looks, by topic."""
     return known.marks.news(known.store.reader, viewer.account, topics)
 

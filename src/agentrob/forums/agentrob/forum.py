@@ -15,7 +15,7 @@ import structlog
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by, card_of, facts_of
-from agentrob.forums.http import USER_AGENT, retry_after_s, same_origin, text_of, translated, where
+from agentrob.forums.http import USER_AGENT, retry_after_s, same_origin, text_of, translate_errors, where
 from agentrob.forums.protocol import TRACE_ID, Board, Event, EventKind, Notification, Page, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
 from agentrob.process.tls import tls
@@ -27,7 +27,7 @@ _log = structlog.get_logger()
 
 
 class BoardForum:
-    """Our board over HTTP, signed in with a bearer token; fulfils `Forum` and `Stage`.
+    """Our board over HTTP, signed in with a bearer token; fulfils `Forum` and `RobotPages`.
 
     Cookies are never kept: they would fight with the token. Nothing is asked of the board before the first call.
     """
@@ -71,7 +71,7 @@ class BoardForum:
         address = self._http.base_url.join(url)
         if not same_origin(address, self._http.base_url):
             raise ForumError(f"{url} is not a picture of this board")
-        with translated("the board"):
+        with translate_errors("the board"):
             response = await self._http.get(address)
             await _raise_for(response)
             return response.content
@@ -130,7 +130,7 @@ class BoardForum:
     async def robot_names(self) -> tuple[str, ...]:
         return await self._call("GET", "/robots", lambda found: tuple(str(r["name"]) for r in found["items"]))
 
-    # ---------------------------------------------------------------- Keeper
+    # ---------------------------------------------------------------- RobotRightsSource
     async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
         path = f"/robots/{quote(robot, safe='')}/rights"
         return await self._call("GET", path, _rights, params={"board": board_id})
@@ -146,7 +146,7 @@ class BoardForum:
         params: dict[str, str | float] = {"after": after, "heartbeat": heartbeat_s}
         # A silent stream is a dead one: several heartbeats must have been missed before it is given up.
         timeout = httpx2.Timeout(10.0, read=max(2.0, 4 * heartbeat_s))
-        with translated("the board"):
+        with translate_errors("the board"):
             request = self._http.stream(
                 "GET", "/events", params=params, timeout=timeout, headers={"Accept": "text/event-stream"}
             )
@@ -159,7 +159,7 @@ class BoardForum:
                         yield event
         raise ForumUnreachable("the board ended the event stream")
 
-    # ---------------------------------------------------------------- Stage
+    # ---------------------------------------------------------------- RobotPages
     async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
         await self._call("PUT", f"/robots/{quote(robot, safe='')}", _nothing, {"card": card})
 
@@ -184,13 +184,13 @@ class BoardForum:
         params = {"q": query, **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
         return await self._call("GET", "/search", partial(_page, _post), params=params)
 
-    async def finds_meaning(self) -> bool:
+    async def has_semantic_search(self) -> bool:
         try:
             return await self._call("GET", "/search/modes", lambda found: "meaning" in found["items"])
         except ForumUnoffered:  # a board of before
             return False
 
-    async def search_meaning(
+    async def search_semantic(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
         params = {"q": query, "mode": "meaning", **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
@@ -249,7 +249,7 @@ class BoardForum:
             headers["Idempotency-Key"] = key
         if trace_id := TRACE_ID.get():
             headers["X-Trace-Id"] = trace_id
-        with translated("the board"):
+        with translate_errors("the board"):
             response = await self._http.request(method, path, json=body, headers=headers, **more)
             await _raise_for(response)
             return read(response.json() if response.content else None)

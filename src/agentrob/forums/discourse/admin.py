@@ -11,11 +11,10 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
-from agentrob.forums.discourse.http import Wire
+from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.discourse.mapping import safe_name
 from agentrob.forums.discourse.settings import DiscourseOptions
-from agentrob.forums.discourse.sign_up import signed_up
-from agentrob.forums.http import translated
+from agentrob.forums.http import translate_errors
 from agentrob.forums.protocol import Notification, Page, Registered
 from agentrob.model import Account, AccountKind, Post, Role
 
@@ -44,13 +43,13 @@ class Forum(Protocol):
     async def by_number(self, topic_id: int, number: int) -> _JSON | None: ...
 
 
-async def notifications_of(forum: Forum, wire: Wire, cursor: str | None, limit: int) -> Page[Notification]:
+async def notifications_of(forum: Forum, client: DiscourseClient, cursor: str | None, limit: int) -> Page[Notification]:
     """Of the signed-in account, newest first. Posts that are gone are left out."""
     at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
     found: list[Notification] = []
     for _ in range(MOST_PAGES):
-        answer = await wire.get("/notifications.json", offset=at, limit=NOTES_A_PAGE)
-        with translated():
+        answer = await client.get("/notifications.json", offset=at, limit=NOTES_A_PAGE)
+        with translate_errors():
             notes, total = answer["notifications"], int(answer["total_rows_notifications"])
         for note in notes:
             at += 1
@@ -64,7 +63,7 @@ async def notifications_of(forum: Forum, wire: Wire, cursor: str | None, limit: 
 
 
 async def _notification(forum: Forum, note: _JSON) -> Notification | None:
-    with translated():
+    with translate_errors():
         kind, topic, number = NOTICE_KINDS.get(note["notification_type"]), note.get("topic_id"), note.get("post_number")
         if kind is None or topic is None or number is None:
             return None
@@ -72,24 +71,41 @@ async def _notification(forum: Forum, note: _JSON) -> Notification | None:
         return None if raw is None else Notification(str(note["id"]), kind, await forum.build(raw), bool(note["read"]))
 
 
-class Admin:
+async def create_account(client: DiscourseClient, name: str, email: str, password: str, display_name: str = "") -> bool:
+    """Create an account: at once with an admin's API key, otherwise as a visitor who must confirm an e-mail.
+
+    Returns whether the account is active. Raises `ForumError` with Discourse's reason when it is refused.
+    """
+    wanted: dict[str, Any] = {"name": display_name or name, "username": name, "email": email, "password": password}
+    if client.credentials.by_api_key:
+        wanted |= {"active": True, "approved": True}
+    else:  # a visitor shows by the honeypot that it has read the form
+        honeypot = await client.get("/session/hp.json")
+        wanted |= {"password_confirmation": honeypot["value"], "challenge": honeypot["challenge"][::-1]}
+    answer = await client.ask("POST", "/users.json", json=wanted)
+    if not answer.get("success"):  # refused with 200
+        raise ForumError(f"the forum does not take the account {name}: {answer.get('message')}")
+    return bool(answer.get("active"))
+
+
+class AccountAdmin:
     """Accounts and rights, for who is an admin of the Discourse itself; `ForumDenied` to all others."""
 
-    def __init__(self, forum: Forum, wire: Wire) -> None:
+    def __init__(self, forum: Forum, client: DiscourseClient) -> None:
         self._forum = forum
-        self._wire = wire
+        self._client = client
 
     async def register(self, name: str, kind: AccountKind, display_name: str) -> Registered:
         """Make an account that works at once, with an API key of its own."""
         await self._allowed("making accounts")
         group = None if kind is AccountKind.HUMAN else await self._group_of(_setting(kind))
         password, email = secrets.token_urlsafe(24), f"{name}@{NO_ADDRESS}"
-        await signed_up(self._wire, name, email, password, display_name)
+        await create_account(self._client, name, email, password, display_name)
         if group is not None:
             await self._member("PUT", group, name)
         wanted = {"key": {"description": "made by AgentRob", "username": name}}
-        made = await self._wire.ask("POST", "/admin/api/keys.json", json=wanted)
-        with translated():
+        made = await self._client.ask("POST", "/admin/api/keys.json", json=wanted)
+        with translate_errors():
             secret = f"{name}:{made['key']['key']}"
         return Registered(await self._there(name), secret)
 
@@ -101,9 +117,9 @@ class Admin:
             await self._set_role(name, role)
         if suspended is True:
             about = {"suspend_until": FOR_EVER, "reason": "suspended through AgentRob"}
-            await self._wire.ask("PUT", f"/admin/users/{number}/suspend.json", json=about)
+            await self._client.ask("PUT", f"/admin/users/{number}/suspend.json", json=about)
         elif suspended is False:
-            await self._wire.ask("PUT", f"/admin/users/{number}/unsuspend.json", json={})
+            await self._client.ask("PUT", f"/admin/users/{number}/unsuspend.json", json={})
         changed = await self._there(name)
         if role is not None and changed.role is not role:
             raise ForumError(f"{name} is {changed.role} still: by a group that Discourse fills itself, or a hidden one")
@@ -134,7 +150,7 @@ class Admin:
         """The first group of an option that can be joined."""
         for name in getattr(self._forum.options, setting):
             try:
-                found = (await self._wire.get(f"/groups/{safe_name(name)}.json"))["group"]
+                found = (await self._client.get(f"/groups/{safe_name(name)}.json"))["group"]
             except ForumNotFound:
                 continue
             if not found.get("automatic"):
@@ -142,10 +158,10 @@ class Admin:
         raise ForumUnoffered(f"forum.options.{setting} names no group that an account can be put into")
 
     async def _member(self, method: str, group: int, name: str) -> None:
-        await self._wire.ask(method, f"/groups/{group}/members.json", json={"usernames": name})
+        await self._client.ask(method, f"/groups/{group}/members.json", json={"usernames": name})
 
     async def _user(self, name: str) -> _JSON:
-        found: _JSON = (await self._wire.get(f"/u/{safe_name(name)}.json"))["user"]
+        found: _JSON = (await self._client.get(f"/u/{safe_name(name)}.json"))["user"]
         return found
 
     async def _there(self, name: str) -> Account:
@@ -156,7 +172,7 @@ class Admin:
     async def _allowed(self, what: str) -> None:
         """Discourse answers those who may not as if nothing were there."""
         me = await self._forum.me()
-        if not self._wire.credentials.by_api_key or not (await self._user(me.name)).get("admin"):
+        if not self._client.credentials.by_api_key or not (await self._user(me.name)).get("admin"):
             raise ForumDenied(f"{what} needs an API key of an admin of the Discourse; we are {me.name}")
 
 

@@ -24,7 +24,7 @@ import structlog
 
 from agentrob.errors import ForumMalformed, ForumNotFound
 from agentrob.forums.protocol import Event, EventKind
-from agentrob.forums.unreadable_posts import FailingPosts
+from agentrob.forums.unreadable_posts import PostRetries
 from agentrob.model import Post
 
 #: Posts of a page of `/posts.json`; the last minutes' are held against what was there before, at most so many pages.
@@ -64,7 +64,7 @@ class _Seen:
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class Watermark:
     """An event's id: newest post and time until which all was delivered; `anchor` is an older post."""
 
     newest: int
@@ -78,14 +78,14 @@ class Mark:
         return "-".join(map(str, (self.newest, self.newest_ms, self.anchor, self.anchor_ms, self.at_ms, self.number)))
 
     @classmethod
-    def parse(cls, text: str) -> Mark:
+    def parse(cls, text: str) -> Watermark:
         parts = text.split("-")
         if len(parts) != 6 or not all(p.isascii() and p.isdigit() and len(p) < 20 for p in parts):
             raise ForumNotFound(f"{text!r} is no event of this forum")
         return cls(*map(int, parts))
 
 
-class Watch:
+class ChangeTracker:
     """Everything that one process saw happen. Calls of several tasks take turns."""
 
     def __init__(self, source: Source) -> None:
@@ -99,7 +99,7 @@ class Watch:
         #: The latest time that a post says of itself. Not the forum's clock: its answers say whole seconds.
         self._until_ms = 0
         self._count = 0
-        self._failing = FailingPosts()
+        self._failing = PostRetries()
         self._turn = asyncio.Lock()
 
     async def now(self) -> tuple[str, datetime]:
@@ -116,7 +116,7 @@ class Watch:
         """Events after one. `hints` are posts that may have changed and be too old for the list of the newest."""
         async with self._turn:
             await self._look(hints)
-            mark = Mark.parse(after)
+            mark = Watermark.parse(after)
             if (place := self._places.get(after)) is not None:
                 return tuple(self._log[max(0, place - self._dropped) :][:limit])
             return (await self._missed(mark))[:limit]
@@ -205,11 +205,11 @@ class Watch:
         self._log.append(event)
         self._places[event.id] = self._dropped + len(self._log)
 
-    def _mark(self) -> Mark:
+    def _mark(self) -> Watermark:
         self._count += 1
         anchors = sorted(self._seen)[-5:-1]
         anchor = (anchors[0], self._seen[anchors[0]].created_ms) if anchors else (0, 0)
-        return Mark(*self._newest, *anchor, self._until_ms, self._count)
+        return Watermark(*self._newest, *anchor, self._until_ms, self._count)
 
     def _forget(self) -> None:
         for post_id in sorted(self._seen)[:-_KEPT_POSTS]:
@@ -222,7 +222,7 @@ class Watch:
             self._places = {k: v for k, v in self._places.items() if v >= self._dropped}
 
     # ---------------------------------------------------------------- after another process
-    async def _missed(self, mark: Mark) -> tuple[Event, ...]:
+    async def _missed(self, mark: Watermark) -> tuple[Event, ...]:
         """Events after a mark of another process: posts that are new or were edited since."""
         posts = {n: s.post for n, s in self._seen.items() if not s.gone}
         while posts and min(posts) > mark.newest and len(posts) < PAGE * _MISSED_PAGES:
@@ -249,7 +249,7 @@ class Watch:
         gone = (e for e in self._log if e.kind is EventKind.POST_REMOVED and _ms(e.at) > mark.at_ms)
         return tuple(sorted((*events, *gone), key=lambda e: e.at))
 
-    async def _recognise(self, mark: Mark, posts: Mapping[int, Post]) -> None:
+    async def _recognise(self, mark: Watermark, posts: Mapping[int, Post]) -> None:
         """`ForumNotFound` when this is another forum, or one put back to before the mark."""
         missing = []
         for number, created_ms in ((mark.newest, mark.newest_ms), (mark.anchor, mark.anchor_ms)):

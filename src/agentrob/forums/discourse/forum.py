@@ -18,17 +18,16 @@ from agentrob.errors import ForumDenied, ForumError, ForumMalformed, ForumNotFou
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.cards import card_by
 from agentrob.forums.discourse import settings as settings_of
-from agentrob.forums.discourse.admin import Admin, notifications_of
-from agentrob.forums.discourse.events import Watch, removed
-from agentrob.forums.discourse.http import Wire
-from agentrob.forums.discourse.mapping import Versions, boards_of, number_of, safe_name, stranger_of, time_of
-from agentrob.forums.discourse.markers import seen_in, unmark
+from agentrob.forums.discourse.admin import AccountAdmin, create_account, notifications_of
+from agentrob.forums.discourse.events import ChangeTracker, removed
+from agentrob.forums.discourse.http import DiscourseClient
+from agentrob.forums.discourse.mapping import VersionTracker, boards_of, number_of, safe_name, stranger_of, time_of
+from agentrob.forums.discourse.markers import mentions_and_images, unmark
 from agentrob.forums.discourse.message_bus import listen
 from agentrob.forums.discourse.search import find_posts
 from agentrob.forums.discourse.settings import Credentials, DiscourseOptions
-from agentrob.forums.discourse.sign_up import signed_up
-from agentrob.forums.discourse.writer import Desk
-from agentrob.forums.http import text_of, translated
+from agentrob.forums.discourse.writer import PostWriter
+from agentrob.forums.http import text_of, translate_errors
 from agentrob.forums.protocol import Board, Event, Notification, Page, Registered, Topic, Written
 from agentrob.language.rendered_text import rendering_differs
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
@@ -52,20 +51,20 @@ class DiscourseForum:
 
     def __init__(self, settings: ForumConfig, token: str) -> None:
         self.options = DiscourseOptions.of(settings.options)
-        self._wire = Wire(settings.url, Credentials.of(token))
+        self._client = DiscourseClient(settings.url, Credentials.of(token))
         self._set_pace()
         self._remembered = BoundedDict[str, tuple[float, Account]](MOST_KNOWN)
         self._numbers = BoundedDict[tuple[int, int], str](_KEPT)
         self._places = BoundedDict[str, int](_KEPT)
-        self._versions = Versions()
+        self._versions = VersionTracker()
         self._boards: dict[int, Board] = {}
         self._topic_boards = BoundedDict[int, int](_KEPT)
         self._me: Account | None = None
-        self._watch = Watch(self)
-        self._desk = Desk(self, self._wire, self.options)
+        self._tracker = ChangeTracker(self)
+        self._writer = PostWriter(self, self._client, self.options)
 
     def _set_pace(self) -> None:
-        user_key = "User-Api-Key" in self._wire.credentials.headers
+        user_key = "User-Api-Key" in self._client.credentials.headers
         usual = settings_of.USER_KEY_REQUESTS_PER_MINUTE if user_key else settings_of.DEFAULT_REQUESTS_PER_MINUTE
         may = self.options.requests_per_minute or usual
         self.live = self.options.push and may >= settings_of.LIVE_REQUESTS_PER_MINUTE
@@ -73,18 +72,18 @@ class DiscourseForum:
         self.fastest_poll_s = 120.0 / may
 
     async def close(self) -> None:
-        await self._wire.close()
+        await self._client.close()
 
     # ---------------------------------------------------------------- Reader
     async def boards(self) -> Sequence[Board]:
-        found = await self._wire.get("/categories.json", include_subcategories="true")
-        with translated():
+        found = await self._client.get("/categories.json", include_subcategories="true")
+        with translate_errors():
             self._boards = dict(boards_of(found["category_list"]["categories"]))
             return tuple(self._boards.values())
 
     async def topic(self, topic_id: str) -> Topic:
-        t = await self._wire.get(f"/t/{number_of(topic_id, 'topic')}.json")
-        with translated():
+        t = await self._client.get(f"/t/{number_of(topic_id, 'topic')}.json")
+        with translate_errors():
             author = await self._known(t["details"]["created_by"]["username"])
             return self._as_topic(t, await self._board_id(int(t["category_id"])), author)
 
@@ -93,8 +92,8 @@ class DiscourseForum:
         number, path = await self.category(board_id)
         start = int(cursor) if cursor and cursor.isdigit() else 0
         page, skip = divmod(start, TOPICS_A_PAGE)
-        found = await self._wire.get(f"/c/{path}/{number}.json", page=page)
-        with translated():
+        found = await self._client.get(f"/c/{path}/{number}.json", page=page)
+        with translate_errors():
             users = {u["id"]: u["username"] for u in found.get("users") or ()}
             topics = [t for t in found["topic_list"]["topics"] if int(t["category_id"]) == number]
             shown = topics[skip : skip + limit]
@@ -119,7 +118,7 @@ class DiscourseForum:
         raw = await self.one(number)
         if raw is not None:
             return await self.build(raw, fresh=True)
-        if (known := self._watch.last_known(number)) is None:
+        if (known := self._tracker.last_known(number)) is None:
             raise ForumNotFound(f"there is no post {post_id}")
         author = await self.account(known.author.name) or known.author
         return Post(known.id, known.topic_id, known.board_id, author, "", known.created_at, known.version, removed=True)
@@ -128,16 +127,16 @@ class DiscourseForum:
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
         """Posts that have all words of the query, newest first."""
-        return await find_posts(self, self._wire, query, board_id, cursor, limit)
+        return await find_posts(self, self._client, query, board_id, cursor, limit)
 
     async def download(self, url: str) -> bytes:
-        return await self._wire.bytes(url)
+        return await self._client.bytes(url)
 
     # ---------------------------------------------------------------- Writer
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
     ) -> Written:
-        return await self._desk.create_topic(board_id, title, body, key, images)
+        return await self._writer.create_topic(board_id, title, body, key, images)
 
     async def reply(
         self,
@@ -149,21 +148,21 @@ class DiscourseForum:
         images: Sequence[bytes] = (),
         card: StatusCard | None = None,
     ) -> Written:
-        return await self._desk.reply(number_of(topic_id, "topic"), body, key, reply_to, images, card)
+        return await self._writer.reply(number_of(topic_id, "topic"), body, key, reply_to, images, card)
 
     async def edit(
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
-        return await self._desk.edit(number_of(post_id, "post"), body, images, card)
+        return await self._writer.edit(number_of(post_id, "post"), body, images, card)
 
     async def find(self, key: str) -> Post | None:
-        return await self._desk.find(key)
+        return await self._writer.find(key)
 
     # ---------------------------------------------------------------- Accounts
     async def me(self) -> Account:
-        name = self._wire.credentials.name
+        name = self._client.credentials.name
         if not name:
-            name = (await self._wire.get("/session/current.json"))["current_user"]["username"]
+            name = (await self._client.get("/session/current.json"))["current_user"]["username"]
         me = await self.account(name)
         if me is None:
             raise ForumDenied(f"the forum has no account {name}")
@@ -172,56 +171,56 @@ class DiscourseForum:
 
     async def account(self, name: str) -> Account | None:
         try:
-            found = await self._wire.get(f"/u/{safe_name(name)}.json")
+            found = await self._client.get(f"/u/{safe_name(name)}.json")
         except ForumNotFound:
             return None
-        with translated():
+        with translate_errors():
             account = settings_of.account(found["user"], self.options)
         self._remembered[account.name] = (time.monotonic(), account)
         return account
 
     async def switch(self, name: str) -> Account:
         """From now on act as this account; needs an API key for all users. `ForumDenied`: it is as before."""
-        before = self._wire.credentials
+        before = self._client.credentials
         if "Api-Key" not in before.headers:
             raise ForumDenied("only an API key for all users can act as another account")
-        self._wire.credentials = before.named(name)
+        self._client.credentials = before.named(name)
         try:
             me = await self.me()
         except ForumError:
-            self._wire.credentials = before
+            self._client.credentials = before
             raise
-        self._desk = Desk(self, self._wire, self.options)
-        self._watch = Watch(self)
+        self._writer = PostWriter(self, self._client, self.options)
+        self._tracker = ChangeTracker(self)
         return me
 
     async def create_account(self, name: str, email: str, password: str, display_name: str = "") -> Account | None:
         """Make an account: with an admin's API key at once, otherwise as visitors do; None when it must first be
         confirmed by e-mail or approved."""
-        if not await signed_up(self._wire, name, email, password, display_name):
+        if not await create_account(self._client, name, email, password, display_name):
             return None
         return await self.account(name)
 
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
-        return await Admin(self, self._wire).register(name, kind, display_name)
+        return await AccountAdmin(self, self._client).register(name, kind, display_name)
 
     async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
-        return await Admin(self, self._wire).set_rights(name, role, suspended)
+        return await AccountAdmin(self, self._client).set_rights(name, role, suspended)
 
     async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
-        return await notifications_of(self, self._wire, cursor, limit)
+        return await notifications_of(self, self._client, cursor, limit)
 
     # ---------------------------------------------------------------- Events
     async def now(self) -> tuple[str, datetime]:
-        return await self._watch.now()
+        return await self._tracker.now()
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
-        return await self._watch.changes(after, limit)
+        return await self._tracker.changes(after, limit)
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         if not self.live:
             raise ForumUnreachable("this key may not ask often enough for push; poll changes()")
-        async for event in listen(self._watch, self._wire, after, heartbeat_s):
+        async for event in listen(self._tracker, self._client, after, heartbeat_s):
             yield event
 
     async def mentions(self, limit: int = 30) -> tuple[Post, ...]:
@@ -230,14 +229,14 @@ class DiscourseForum:
 
     # ---------------------------------------------------------------- what the other parts need
     async def newest(self, before: int | None) -> Sequence[_JSON]:
-        found = await self._wire.get("/posts.json", **({"before": before} if before else {}))
-        with translated():
+        found = await self._client.get("/posts.json", **({"before": before} if before else {}))
+        with translate_errors():
             posts: list[_JSON] = found["latest_posts"]
             return sorted(posts, key=lambda p: -int(p["id"]))
 
     async def one(self, post_id: int) -> _JSON | None:
         try:
-            raw: _JSON = await self._wire.get(f"/posts/{post_id}.json")
+            raw: _JSON = await self._client.get(f"/posts/{post_id}.json")
         except ForumNotFound:
             return None
         except ForumDenied:
@@ -246,17 +245,17 @@ class DiscourseForum:
         return raw
 
     def clock(self) -> datetime:
-        if self._wire.told_at is None:
+        if self._client.told_at is None:
             return datetime.now(UTC)
-        said, then_s = self._wire.told_at
+        said, then_s = self._client.told_at
         return said + timedelta(seconds=time.monotonic() - then_s)
 
     async def myself(self) -> Account:
         return self._me or await self.me()
 
     async def topic_json(self, topic_id: int, **query: Any) -> _JSON:
-        found: _JSON = await self._wire.get(f"/t/{topic_id}.json", **query)
-        with translated():
+        found: _JSON = await self._client.get(f"/t/{topic_id}.json", **query)
+        with translate_errors():
             self._topic_boards[topic_id] = int(found["category_id"])
         return found
 
@@ -271,7 +270,7 @@ class DiscourseForum:
 
     async def by_number(self, topic_id: int, number: int) -> _JSON | None:
         try:
-            raw: _JSON = await self._wire.get(f"/posts/by_number/{topic_id}/{number}.json")
+            raw: _JSON = await self._client.get(f"/posts/by_number/{topic_id}/{number}.json")
         except (ForumNotFound, ForumDenied):
             return None
         return raw
@@ -281,8 +280,8 @@ class DiscourseForum:
         found: dict[int, _JSON] = {}
         for start in range(0, len(post_ids), 50):
             query = {"post_ids[]": list(post_ids[start : start + 50]), "include_raw": "true"}
-            answer = await self._wire.get(f"/t/{topic_id}/posts.json", **query)
-            with translated():
+            answer = await self._client.get(f"/t/{topic_id}/posts.json", **query)
+            with translate_errors():
                 found |= {int(p["id"]): p for p in answer["post_stream"]["posts"]}
         for post_id in [n for n, raw in found.items() if "raw" not in raw]:  # an old Discourse
             if (raw := await self.one(post_id)) is not None:
@@ -303,7 +302,7 @@ class DiscourseForum:
 
     async def build(self, raw: _JSON, fresh: bool = False) -> Post:
         """A post of ours from one of theirs; `fresh`: with its author's rights of this moment."""
-        with translated():
+        with translate_errors():
             name, number, post_id = str(raw["username"]), int(raw["topic_id"]), int(raw["id"])
             author = (await self.account(name) if fresh else await self._known(name)) or stranger_of(raw)
             self._remember(number, int(raw["post_number"]), str(post_id))
@@ -311,7 +310,7 @@ class DiscourseForum:
             me = await self.myself()
             cooked, robots = str(raw["cooked"]), author.kind is AccountKind.ROBOT_AGENT
             ours = author.id == me.id or robots
-            marked, (mentioned, pictures) = unmark(text_of(raw["raw"]), ours), seen_in(cooked)
+            marked, (mentioned, pictures) = unmark(text_of(raw["raw"]), ours), mentions_and_images(cooked)
             return Post(
                 id=str(post_id),
                 topic_id=str(number),
@@ -324,9 +323,9 @@ class DiscourseForum:
                 removed=gone,
                 mentions=() if gone else mentioned,
                 reply_to=await self._answered(number, raw.get("reply_to_post_number")),
-                key=self._desk.own_key(marked.key) if author.id == me.id else None,
-                url=str(self._wire.base.join(f"/t/{raw.get('topic_slug') or '-'}/{number}/{raw['post_number']}")),
-                images=() if gone else tuple(str(self._wire.base.join(p)) for p in pictures),
+                key=self._writer.own_key(marked.key) if author.id == me.id else None,
+                url=str(self._client.base.join(f"/t/{raw.get('topic_slug') or '-'}/{number}/{raw['post_number']}")),
+                images=() if gone else tuple(str(self._client.base.join(p)) for p in pictures),
                 card=None if gone else card_by(author, marked.card),
                 rendering_differs=not gone and not robots and rendering_differs(marked.text, cooked),
             )
@@ -379,5 +378,5 @@ class DiscourseForum:
         return self._numbers[topic_id, int(number)]
 
     def _as_topic(self, t: _JSON, board_id: str, author: Account) -> Topic:
-        url = str(self._wire.base.join(f"/t/{t['slug']}/{t['id']}"))
+        url = str(self._client.base.join(f"/t/{t['slug']}/{t['id']}"))
         return Topic(str(t["id"]), board_id, t["title"], url, author, time_of(t["created_at"]))

@@ -14,7 +14,7 @@ import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.discourse.settings import Credentials
-from agentrob.forums.http import USER_AGENT, asked_wait_s, bounded_s, same_origin, told_time, translated, where
+from agentrob.forums.http import USER_AGENT, asked_wait_s, bounded_s, same_origin, told_time, translate_errors, where
 from agentrob.process.tls import tls
 
 #: A limit that lasts longer (edits of a day, posts of a first day) is not waited for.
@@ -26,7 +26,7 @@ class Refused(ForumError):
     """Discourse understood and refused what was written (422): too short, too similar, closed."""
 
 
-class Wire:
+class DiscourseClient:
     """One signed-in client. After a 429 it holds back what would only be refused again, reading apart from writing."""
 
     def __init__(self, url: str, credentials: Credentials) -> None:
@@ -59,18 +59,18 @@ class Wire:
 
     async def ask(self, method: str, path: str, **more: Any) -> Json:
         """The JSON of the answer, None of an empty one."""
-        with translated():
+        with translate_errors():
             response = await self.send(method, path, **more)
             return response.json() if response.content.strip() else None
 
     async def location(self, path: str) -> str:
         """Where an address leads to (a redirect is the answer)."""
-        with translated():
+        with translate_errors():
             return str((await self.send("GET", path)).headers.get("location", ""))
 
     async def bytes(self, url: str) -> bytes:
         """A file of this forum: the key goes nowhere else."""
-        with translated():
+        with translate_errors():
             address = self.base.join(url)
             if not same_origin(address, self.base):
                 raise ForumError(f"{url} is not a picture of this forum")
@@ -85,7 +85,7 @@ class Wire:
     async def stream(self, path: str, body: Mapping[str, Any]) -> AsyncIterator[AsyncIterator[str]]:
         """An answer that comes in pieces, while it comes."""
         timeout = httpx2.Timeout(10.0, read=40.0)
-        with translated():
+        with translate_errors():
             headers = {**self.credentials.headers, "Accept": "*/*"}
             async with self._http.stream("POST", path, json=body, headers=headers, timeout=timeout) as response:
                 await _raise_for(response)

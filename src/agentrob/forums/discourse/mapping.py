@@ -15,7 +15,7 @@ _JSON = Mapping[str, Any]
 _KEPT = 2_000
 
 
-class Versions:
+class VersionTracker:
     """How often each post was changed. Discourse does not count edits within its grace period (five minutes): what
     changed since it was seen, or was touched after it was written, is no first version (law 4)."""
 

@@ -16,23 +16,23 @@ from contextlib import suppress
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
-from agentrob.forums.markers import CODE, Marked, coded, taken_apart
+from agentrob.forums.markers import CODE, MarkedText, encode_marker, split_marker
 
-__all__ = ["Marked", "external_id", "mark", "picture", "seen_in", "unmark"]
+__all__ = ["MarkedText", "external_id", "mark", "mentions_and_images", "picture", "unmark"]
 
 _MARK = re.compile(rf'<div data-agentrob="{CODE}"></div>\s*\Z')
 _PICTURE = re.compile(r"(!\[[^\[\]\n]*\]\(upload://[A-Za-z0-9_.-]+\))")
 
 
-def mark(marked: Marked) -> str:
+def mark(marked: MarkedText) -> str:
     """The raw text that `unmark` takes apart; pictures are Markdown lines, as `picture` makes them."""
-    return "\n\n".join((marked.text.rstrip(), *marked.pictures, f'<div data-agentrob="{coded(marked)}"></div>'))
+    return "\n\n".join((marked.text.rstrip(), *marked.pictures, f'<div data-agentrob="{encode_marker(marked)}"></div>'))
 
 
-def unmark(raw: str, ours: bool = True) -> Marked:
+def unmark(raw: str, ours: bool = True) -> MarkedText:
     """Of a text without a mark, or with one that is not ours, everything is text. `ours`: the post is by this account
     or by a robot; else the mark is cut off unread."""
-    return taken_apart(raw, _MARK, _PICTURE, ours)
+    return split_marker(raw, _MARK, _PICTURE, ours)
 
 
 def picture(short_url: str, number: int) -> str:
@@ -83,7 +83,7 @@ class _Cooked(HTMLParser):
             self.pictures.append(url)
 
 
-def seen_in(cooked: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def mentions_and_images(cooked: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names that are mentioned (lower case) and addresses of pictures, of a post's HTML; quotes are passed over."""
     reader = _Cooked()
     with suppress(Exception):  # the parser fails on some malformed declarations; what it found before counts

@@ -8,8 +8,8 @@ from collections.abc import AsyncIterator, Iterable
 from typing import Any
 from uuid import uuid4
 
-from agentrob.forums.discourse.events import Watch
-from agentrob.forums.discourse.http import Wire
+from agentrob.forums.discourse.events import ChangeTracker
+from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.protocol import Event
 
 _LATEST = "/latest"
@@ -17,13 +17,13 @@ _BETWEEN = "\r\n|\r\n"
 _AT_ONCE = 100
 
 
-class Bus:
+class MessageBusClient:
     """Where we are in each channel, and whether something came. What came is only a reason to look."""
 
-    def __init__(self, wire: Wire) -> None:
+    def __init__(self, client: DiscourseClient) -> None:
         self.rang = asyncio.Event()
-        self._wire = wire
-        self._client = uuid4().hex
+        self._client = client
+        self._client_id = uuid4().hex
         self._places: dict[str, int] = {_LATEST: -1}
         self._hints: set[int] = set()
         self._number = 0
@@ -43,14 +43,14 @@ class Bus:
 
     async def probe(self) -> None:
         """Ask for what is there, without waiting (`dlp=t`); the answer proves that the channel is alive."""
-        self._take(await self._wire.ask("POST", f"{self._path}?dlp=t", json=self._asked()))
+        self._take(await self._client.ask("POST", f"{self._path}?dlp=t", json=self._asked()))
 
     async def hold(self) -> None:
         """Hold a request open and take what comes, for ever; where requests are not held, wait."""
         while True:
             loop = asyncio.get_running_loop()
             began = loop.time()
-            async with self._wire.stream(self._path, self._asked()) as pieces:
+            async with self._client.stream(self._path, self._asked()) as pieces:
                 rest = ""
                 async for piece in pieces:
                     *whole, rest = (rest + piece).split(_BETWEEN)
@@ -63,7 +63,7 @@ class Bus:
 
     @property
     def _path(self) -> str:
-        return f"/message-bus/{self._client}/poll"
+        return f"/message-bus/{self._client_id}/poll"
 
     def _asked(self) -> dict[str, int]:
         self._number += 1
@@ -87,9 +87,9 @@ class Bus:
             self.rang.set()
 
 
-async def listen(watch: Watch, wire: Wire, after: str, beat_s: float) -> AsyncIterator[Event]:
+async def listen(watch: ChangeTracker, client: DiscourseClient, after: str, beat_s: float) -> AsyncIterator[Event]:
     """Events as they happen, and a heartbeat whenever the channel was proven alive and nothing came."""
-    bus = Bus(wire)
+    bus = MessageBusClient(client)
     await watch.changes(after, 1)
     bus.listen_to(watch.topics())
     await bus.probe()
@@ -117,7 +117,7 @@ async def listen(watch: Watch, wire: Wire, after: str, beat_s: float) -> AsyncIt
         await _end(held)
 
 
-async def _anew(held: asyncio.Task[None], bus: Bus) -> asyncio.Task[None]:
+async def _anew(held: asyncio.Task[None], bus: MessageBusClient) -> asyncio.Task[None]:
     if held.done():
         held.result()
     await _end(held)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from agentrob.forums.discourse.http import Wire
-from agentrob.forums.http import translated
+from agentrob.forums.discourse.http import DiscourseClient
+from agentrob.forums.http import translate_errors
 from agentrob.forums.protocol import Page
 from agentrob.model import Post
 
@@ -15,7 +15,7 @@ RESULTS_A_PAGE = 50
 _JSON = Mapping[str, Any]
 
 
-class Shelves(Protocol):
+class Source(Protocol):
     """The reading side, as far as searching needs it."""
 
     async def category(self, board_id: str) -> tuple[int, str]: ...
@@ -26,7 +26,7 @@ class Shelves(Protocol):
 
 
 async def find_posts(
-    shelves: Shelves, wire: Wire, query: str, board_id: str | None, cursor: str | None, limit: int
+    shelves: Source, client: DiscourseClient, query: str, board_id: str | None, cursor: str | None, limit: int
 ) -> Page[Post]:
     """Posts that have the words, newest first. What would be more than words to Discourse (`in:`, `@`, `#`) is left
     out, so that nobody searches an account's private messages by a query."""
@@ -37,8 +37,8 @@ async def find_posts(
     start = int(cursor) if cursor and cursor.isdigit() else 0
     page, skip = divmod(start, RESULTS_A_PAGE)
     term = " ".join(filter(None, (*words, place, "order:latest")))
-    found = (await wire.get("/search.json", q=term, page=page + 1))["posts"] or []
-    with translated():
+    found = (await client.get("/search.json", q=term, page=page + 1))["posts"] or []
+    with translate_errors():
         hits = [(int(p["topic_id"]), int(p["id"])) for p in found]
     shown = hits[skip : skip + limit]
     posts: dict[int, _JSON] = {}

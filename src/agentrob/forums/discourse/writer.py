@@ -14,9 +14,9 @@ from typing import Any, Protocol
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
 from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.discourse import markers as marks
-from agentrob.forums.discourse.http import Refused, Wire
+from agentrob.forums.discourse.http import DiscourseClient, Refused
 from agentrob.forums.discourse.settings import DiscourseOptions
-from agentrob.forums.http import text_of, translated
+from agentrob.forums.http import text_of, translate_errors
 from agentrob.forums.protocol import Written
 from agentrob.model import Account, Post, StatusCard
 
@@ -29,7 +29,7 @@ _KEPT, _KEPT_TURNS = 2_000, 500
 _KINDS = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}
 
 
-class Library(Protocol):
+class PostSource(Protocol):
     """The reading side, as far as writing needs it."""
 
     async def myself(self) -> Account: ...
@@ -75,12 +75,12 @@ class ReadPosts(BoundedDict[int, str | None]):
             del self._first[value]
 
 
-class Desk:
+class PostWriter:
     """Where one account writes. Writes of the same key take turns."""
 
-    def __init__(self, library: Library, wire: Wire, options: DiscourseOptions) -> None:
+    def __init__(self, library: PostSource, client: DiscourseClient, options: DiscourseOptions) -> None:
         self._library = library
-        self._wire = wire
+        self._client = client
         self._prefix = options.key_prefix
         self._turns: OrderedDict[str, asyncio.Lock] = OrderedDict()
         self._read = ReadPosts(_KEPT)
@@ -99,9 +99,9 @@ class Desk:
                 return Written(old, created=False)
             self._not_rejected(key)
             number, _ = await self._library.category(board_id)
-            raw = marks.mark(marks.Marked(body, self._prefix + key, None, await self._upload(images)))
+            raw = marks.mark(marks.MarkedText(body, self._prefix + key, None, await self._upload(images)))
             content = {"title": title, "raw": raw, "category": number}
-            if self._wire.credentials.by_api_key:
+            if self._client.credentials.by_api_key:
                 content["external_id"] = await self._external_id(key)
             try:
                 sent = await self._create(key, content)
@@ -113,13 +113,13 @@ class Desk:
 
     async def _topic_of(self, key: str) -> Post | None:
         """The first post of the topic with this key's `external_id`, which only API keys may give."""
-        if not self._wire.credentials.by_api_key:
+        if not self._client.credentials.by_api_key:
             return None
         try:
-            led = await self._wire.location(f"/t/external_id/{await self._external_id(key)}.json")
+            led = await self._client.location(f"/t/external_id/{await self._external_id(key)}.json")
         except (ForumNotFound, ForumDenied):
             return None
-        with translated():
+        with translate_errors():
             number = next(int(p) for p in led.partition("?")[0].removesuffix(".json").split("/")[::-1] if p.isdigit())
             first = (await self._library.topic_json(number))["post_stream"]["stream"][0]
             self._read[int(first)] = key
@@ -144,7 +144,7 @@ class Desk:
             if (old := await self._old(key)) is not None:
                 return Written(old, created=False)
             self._not_rejected(key)
-            raw = marks.mark(marks.Marked(body, self._prefix + key, card, await self._upload(images)))
+            raw = marks.mark(marks.MarkedText(body, self._prefix + key, card, await self._upload(images)))
             content: dict[str, Any] = {"raw": raw, "topic_id": topic_id}
             if reply_to is not None and (number := await self._library.number_of(reply_to)) is not None:
                 content["reply_to_post_number"] = number
@@ -159,7 +159,7 @@ class Desk:
             if int(sent["post_number"]) > highest + 1:
                 await self._search(topic_id)
                 if (first := self._read.first(key)) not in (None, int(sent["id"])):
-                    await self._wire.ask("DELETE", f"/posts/{sent['id']}.json")
+                    await self._client.ask("DELETE", f"/posts/{sent['id']}.json")
                     return Written(await self._library.post(str(first)), created=False)
             return Written(await self._noted(key, {**sent, "raw": raw}))
 
@@ -167,7 +167,7 @@ class Desk:
         """Note the keys of the account's own posts in a topic; returns the highest number of a post."""
         me = await self._library.myself()
         topic = await self._library.topic_json(topic_id, username_filters=me.name)
-        with translated():
+        with translate_errors():
             newest = [int(n) for n in topic["post_stream"]["stream"][-SEARCHED_POSTS:]]
             unread = [number for number in newest if number not in self._read]
             for post_id, raw in (await self._library.raw_posts(topic_id, unread)).items():
@@ -192,9 +192,9 @@ class Desk:
         await self._library.build(before)  # so that a change is told from what was there
         was = marks.unmark(before["raw"])
         pictures = (*was.pictures, *await self._upload(images, len(was.pictures) + 1))
-        raw = marks.mark(marks.Marked(body, was.key, card or was.card, pictures))
-        answer = await self._wire.ask("PUT", f"/posts/{post_id}.json", json={"post": {"raw": raw}})
-        with translated():
+        raw = marks.mark(marks.MarkedText(body, was.key, card or was.card, pictures))
+        answer = await self._client.ask("PUT", f"/posts/{post_id}.json", json={"post": {"raw": raw}})
+        with translate_errors():
             edited = {**before, **answer["post"]}
         return await self._library.build(edited)
 
@@ -208,7 +208,7 @@ class Desk:
         if (old := await self._old(key)) is not None:
             return old
         me = await self._library.myself()
-        found = await self._wire.get("/user_actions.json", offset=0, username=me.name, filter="4,5")
+        found = await self._client.get("/user_actions.json", offset=0, username=me.name, filter="4,5")
         topics = list(dict.fromkeys(int(a["topic_id"]) for a in found["user_actions"]))[:SEARCHED_TOPICS]
         for topic_id in topics:
             try:
@@ -242,7 +242,7 @@ class Desk:
         return lock
 
     async def _create(self, key: str, content: Mapping[str, Any]) -> _JSON:
-        sent: _JSON = await self._wire.ask("POST", "/posts.json", json=content)
+        sent: _JSON = await self._client.ask("POST", "/posts.json", json=content)
         if sent.get("action") == "enqueued":
             self._waiting = (self._waiting or set()) | {key}
             raise ForumLimited("the post waits for a moderator's approval", APPROVAL_S)
@@ -267,10 +267,10 @@ class Desk:
         """Keys of own posts that wait for approval."""
         me = await self._library.myself()
         try:
-            found = await self._wire.get(f"/posts/{me.name}/pending.json")
+            found = await self._client.get(f"/posts/{me.name}/pending.json")
         except (ForumNotFound, ForumDenied):  # not every version and key has it
             return set()
-        with translated():
+        with translate_errors():
             keys = (self.own_key(marks.unmark(p["raw_text"]).key) for p in found["pending_posts"])
             return {key for key in keys if key is not None}
 
@@ -281,7 +281,7 @@ class Desk:
             kind = _KINDS.get(image[:2], "jpeg")
             file = {"file": (f"{number}.{kind}", image, f"image/{kind}")}
             about = {"upload_type": "composer", "synchronous": "true"}
-            sent = await self._wire.ask("POST", "/uploads.json", data=about, files=file)
+            sent = await self._client.ask("POST", "/uploads.json", data=about, files=file)
             if not str(sent.get("short_url", "")).startswith("upload://"):
                 raise ForumError(f"the forum did not take picture {number}")
             lines.append(marks.picture(sent["short_url"], number))

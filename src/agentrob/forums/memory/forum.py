@@ -22,7 +22,7 @@ from agentrob.forums.cards import card_by
 from agentrob.forums.memory.world import MemoryRecords
 from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, Post, Role, StatusCard
-from agentrob.semantic.encoder import LEAST, alike
+from agentrob.semantic.encoder import MIN_SIMILARITY, cosine_similarity
 
 if TYPE_CHECKING:
     from agentrob.config.load import ForumConfig
@@ -52,7 +52,7 @@ _named: dict[str, MemoryWorld] = {}
 
 
 class MemoryForum:
-    """One account's view of a `MemoryWorld`; fulfils `Forum`, `Stage` and everything that not every forum has."""
+    """One account's view of a `MemoryWorld`; fulfils `Forum`, `RobotPages` and everything that not every forum has."""
 
     def __init__(self, world: MemoryWorld | ForumConfig, name: str) -> None:
         """From a world, or (as every forum adapter) from settings and a token: `url` names the world, the token the
@@ -199,10 +199,10 @@ class MemoryForum:
         ]
         return _page(found, cursor, limit)
 
-    async def finds_meaning(self) -> bool:
+    async def has_semantic_search(self) -> bool:
         return self._up().encoder is not None
 
-    async def search_meaning(
+    async def search_semantic(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
         """Posts whose vectors are like the query's; they are made anew for each search."""
@@ -213,8 +213,8 @@ class MemoryForum:
             self._board(board_id)
         posts = [p for p in reversed(world.posts.values()) if board_id in (None, p.board_id) and not p.removed]
         wanted, *vectors = await asyncio.to_thread(world.encoder.encode, [query, *(p.raw for p in posts)])
-        likeness = [(alike(wanted, vector), p.id) for p, vector in zip(posts, vectors, strict=True)]
-        found = sorted((entry for entry in likeness if entry[0] >= LEAST), key=lambda entry: -entry[0])
+        likeness = [(cosine_similarity(wanted, vector), p.id) for p, vector in zip(posts, vectors, strict=True)]
+        found = sorted((entry for entry in likeness if entry[0] >= MIN_SIMILARITY), key=lambda entry: -entry[0])
         return _page([self._seen(post_id) for _, post_id in found], cursor, limit)
 
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
@@ -247,7 +247,7 @@ class MemoryForum:
                 found.append(Notification(f"reply-{post.id}", "reply", self._seen(post.id)))
         return _page(found, cursor, limit)
 
-    # ---------------------------------------------------------------- Stage
+    # ---------------------------------------------------------------- RobotPages
     async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
         self._writing().robots[robot] = card
 

@@ -13,7 +13,7 @@ from agentrob.forums.cards import card_by
 from agentrob.forums.protocol import Board, Event, EventKind, Topic
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, AccountKind, Post, Role
-from agentrob.semantic.encoder import Encodes
+from agentrob.semantic.encoder import TextEncoder
 
 
 @dataclass
@@ -25,7 +25,7 @@ class MemoryRecords:
     fastest_poll_s: float = 0.0
     clock_offset_s: float = 0.0
     limited_s: float = 0.0
-    encoder: Encodes | None = None
+    encoder: TextEncoder | None = None
     boards: dict[str, Board] = field(default_factory=lambda: {"robots": Board("robots", "Robots")})
     accounts: dict[str, Account] = field(default_factory=dict)
     topics: dict[str, Topic] = field(default_factory=dict)

@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
-from agentrob.forums.nodebb.http import NodeBBWire
+from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.nodebb.settings import NodeBBOptions, account
 from agentrob.model import Account, AccountKind, Role
 
@@ -18,11 +18,11 @@ LIST_AGE_S = 30.0
 SETTING_AGE_S = 10.0
 
 
-class Registry:
+class AccountAdmin:
     """Accounts as the forum vouches for them, with the groups that say what they are and may do."""
 
-    def __init__(self, wire: NodeBBWire, options: NodeBBOptions) -> None:
-        self._wire = wire
+    def __init__(self, client: NodeBBClient, options: NodeBBOptions) -> None:
+        self._client = client
         self._options = options
         self._me: Account | None = None
         self._lately = BoundedDict[str, tuple[float, Account]](MOST_KNOWN)
@@ -32,7 +32,7 @@ class Registry:
     async def me(self, fresh: bool = False) -> Account:
         """The account that we are signed in as; `fresh` with its rights of now."""
         if self._me is None or fresh:
-            found = await self._wire.get("/api/self")
+            found = await self._client.get("/api/self")
             slug = str(found["userslug"])
             self._me = await self.by_slug(slug)
         return self._me
@@ -41,7 +41,7 @@ class Registry:
         """By the handle after the @. `ForumNotFound` when there is none."""
         path = f"/api/user/{quote(slug, safe='')}/groups"
         try:
-            found = await self._wire.get(path)
+            found = await self._client.get(path)
         except ForumDenied as e:
             raise ForumDenied(f"{e}; our account needs the privileges View Users and View Groups") from None
         if not str(found.get("userslug") or ""):
@@ -56,7 +56,7 @@ class Registry:
         named = self._options.rights_of(groups)
         if not named or time.monotonic() - self._asked_s < SETTING_AGE_S:
             return groups if self._private or not named else [{**g, "private": g.get("system")} for g in groups]
-        found = await self._wire.get(f"/api/groups/{quote(named[0], safe='')}")
+        found = await self._client.get(f"/api/groups/{quote(named[0], safe='')}")
         self._private, self._asked_s = bool(found.get("allowPrivateGroups")), time.monotonic()
         return await self._as_they_are(groups)
 
@@ -77,13 +77,13 @@ class Registry:
         group = self._group(kind)
         more = {"email": email, "fullname": fullname}
         said = {"username": name, "password": password, **{k: v for k, v in more.items() if v}}
-        made = await self._wire.send("POST", "/users", said)
+        made = await self._client.send("POST", "/users", said)
         uid, called, slug = str(made["uid"]), str(made["username"]), str(made["userslug"])
         if called != name:
-            await self._wire.send("DELETE", f"/users/{uid}")
+            await self._client.send("DELETE", f"/users/{uid}")
             raise ForumError(f"the name {name} is taken; choose another one")
         if group:
-            await self._wire.send("PUT", f"/groups/{quote(group, safe='')}/membership/{uid}")
+            await self._client.send("PUT", f"/groups/{quote(group, safe='')}/membership/{uid}")
         return slug
 
     # ---------------------------------------------------------------- rights
@@ -94,14 +94,14 @@ class Registry:
             raise ForumDenied(f"changing rights is for administrators of the forum; we are {me.name}")
         uid = (await self.by_slug(name)).id
         if suspended is False:  # first: nobody who is banned is made an administrator
-            found = await self._wire.get(f"/api/user/{quote(name, safe='')}/groups")
+            found = await self._client.get(f"/api/user/{quote(name, safe='')}/groups")
             for state, call in (("banned", "ban"), ("muted", "mute")):
                 if found.get(state):
-                    await self._wire.send("DELETE", f"/users/{uid}/{call}")
+                    await self._client.send("DELETE", f"/users/{uid}/{call}")
         if role is not None:
             await self._set_role(name, uid, role)
         if suspended is True:
-            await self._wire.send("PUT", f"/users/{uid}/ban", {"reason": "suspended through AgentRob"})
+            await self._client.send("PUT", f"/users/{uid}/ban", {"reason": "suspended through AgentRob"})
         changed = await self.by_slug(name)
         if role is not None and changed.role is not role:
             raise ForumError(f"{name} is {changed.role} still: by a group that is hidden, or open to anybody")
@@ -117,12 +117,12 @@ class Registry:
         slugs = {str(g.get("slug", "")).lower() for g in await self._groups_of(name)}
         giving = {options.spelled(group) for groups in named.values() for group in groups}
         for slug in sorted((slugs & giving) - {wanted}):
-            await self._wire.send("DELETE", f"/groups/{quote(slug, safe='')}/membership/{uid}")
+            await self._client.send("DELETE", f"/groups/{quote(slug, safe='')}/membership/{uid}")
         if wanted and wanted not in slugs:
-            await self._wire.send("PUT", f"/groups/{quote(wanted, safe='')}/membership/{uid}")
+            await self._client.send("PUT", f"/groups/{quote(wanted, safe='')}/membership/{uid}")
 
     async def _groups_of(self, slug: str) -> list[dict[str, Any]]:
-        found: list[dict[str, Any]] = (await self._wire.get(f"/api/user/{quote(slug, safe='')}/groups"))["groups"]
+        found: list[dict[str, Any]] = (await self._client.get(f"/api/user/{quote(slug, safe='')}/groups"))["groups"]
         return found
 
     def _group(self, kind: AccountKind) -> str:

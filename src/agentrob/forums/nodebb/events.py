@@ -18,7 +18,7 @@ from typing import Any
 
 from agentrob.errors import ForumNotFound
 from agentrob.forums.protocol import Event, EventKind
-from agentrob.forums.unreadable_posts import FailingPosts
+from agentrob.forums.unreadable_posts import PostRetries
 from agentrob.model import Post
 
 _ID = re.compile(r"(\d{1,15})\.(\d{1,15})\.(\d{1,15})\.(\d{1,15})")
@@ -43,7 +43,7 @@ class Source:
     clock: Callable[[], datetime]
 
 
-class Ledger:
+class ChangeTracker:
     """Events of one forum as one account sees it."""
 
     def __init__(self, source: Source) -> None:
@@ -57,7 +57,7 @@ class Ledger:
         self._edited_ms = 0
         self._number = 0
         self._looks = 0
-        self._failing = FailingPosts()
+        self._failing = PostRetries()
         self._lock = asyncio.Lock()
 
     async def newest(self) -> str:

@@ -15,13 +15,13 @@ from typing import Any, ParamSpec, TypeVar
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
-from agentrob.forums.http import translated
-from agentrob.forums.nodebb.accounts import Registry
-from agentrob.forums.nodebb.events import Ledger, Source
-from agentrob.forums.nodebb.http import Guest, NodeBBWire
-from agentrob.forums.nodebb.markers import Marked, mark, unmark
+from agentrob.forums.http import translate_errors
+from agentrob.forums.nodebb.accounts import AccountAdmin
+from agentrob.forums.nodebb.events import ChangeTracker, Source
+from agentrob.forums.nodebb.http import GuestClient, NodeBBClient
+from agentrob.forums.nodebb.markers import MarkedText, mark, unmark
 from agentrob.forums.nodebb.notifications import notifications_of
-from agentrob.forums.nodebb.posts import Shelf, own_place
+from agentrob.forums.nodebb.posts import PostReader, own_place
 from agentrob.forums.nodebb.settings import Credentials, NodeBBOptions
 from agentrob.forums.nodebb.socket import Push
 from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Registered, Topic, Written
@@ -43,7 +43,7 @@ def _in_our_errors(call: Callable[P, Awaitable[T]]) -> Callable[P, Coroutine[Any
 
     @wraps(call)
     async def made(*args: P.args, **more: P.kwargs) -> T:
-        with translated():
+        with translate_errors():
             return await call(*args, **more)
 
     return made
@@ -62,14 +62,14 @@ class NodeBBForum:
     def __init__(self, settings: ForumConfig, token: str) -> None:
         self._options = NodeBBOptions.of(settings.options)
         self._settings = settings
-        self._wire = NodeBBWire(settings.url, Credentials.of(token))
+        self._client = NodeBBClient(settings.url, Credentials.of(token))
         self._begin()
 
     def _begin(self) -> None:
-        self._registry = Registry(self._wire, self._options)
-        self._shelf = Shelf(self._wire, self._registry)
-        source = Source(self._shelf.recent, self._shelf.post, self._shelf.stored, self._wire.clock.now)
-        self._ledger = Ledger(source)
+        self._admin = AccountAdmin(self._client, self._options)
+        self._reader = PostReader(self._client, self._admin)
+        source = Source(self._reader.recent, self._reader.post, self._reader.stored, self._client.clock.now)
+        self._tracker = ChangeTracker(source)
         self._writing = asyncio.Lock()
         #: Posts by their keys, pictures by their digests: what was dropped is looked for on the forum, or sent again.
         self._own = BoundedDict[str, str](MOST_KNOWN)
@@ -77,14 +77,14 @@ class NodeBBForum:
         self._checked_s = -CHECK_S
 
     async def close(self) -> None:
-        await self._wire.close()
+        await self._client.close()
 
     # ---------------------------------------------------------------- identity
     @_in_our_errors
     async def switch(self, token: str) -> Account:
         """Be another account from now on; what was noted as the one of before is forgotten."""
         async with self._writing:
-            self._wire.become(Credentials.of(token))
+            self._client.become(Credentials.of(token))
             self._begin()
         return await self.me()
 
@@ -98,20 +98,20 @@ class NodeBBForum:
     ) -> tuple[Account, str]:
         """Make an account, as an admin of the forum; the account and the secret that signs it in."""
         password = secrets.token_urlsafe(24)
-        slug = await self._registry.add(name, password, kind, email, display_name)
-        return await self._registry.by_slug(slug), f"login:{name}:{password}"
+        slug = await self._admin.add(name, password, kind, email, display_name)
+        return await self._admin.by_slug(slug), f"login:{name}:{password}"
 
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
         return Registered(*await self.add_account(name, kind=kind, display_name=display_name))
 
     @_in_our_errors
     async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
-        return await self._registry.set_rights(name, role, suspended)
+        return await self._admin.set_rights(name, role, suspended)
 
     @classmethod
     async def sign_up(cls, settings: ForumConfig, name: str, password: str, email: str) -> NodeBBForum:
         """Make an account by the forum's public form and sign in as it. `ForumDenied` when the forum refuses."""
-        guest = Guest(settings.url)
+        guest = GuestClient(settings.url)
         try:
             await guest.sign_up(name, password, email)
         finally:
@@ -121,58 +121,58 @@ class NodeBBForum:
     # ---------------------------------------------------------------- Reader
     @_in_our_errors
     async def boards(self) -> Sequence[Board]:
-        return await self._shelf.boards()
+        return await self._reader.boards()
 
     @_in_our_errors
     async def topic(self, topic_id: str) -> Topic:
-        return await self._shelf.topic(topic_id)
+        return await self._reader.topic(topic_id)
 
     @_in_our_errors
     async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
-        return await self._shelf.topics(board_id, cursor, limit)
+        return await self._reader.topics(board_id, cursor, limit)
 
     @_in_our_errors
     async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
-        return await self._shelf.posts(topic_id, cursor, limit)
+        return await self._reader.posts(topic_id, cursor, limit)
 
     @_in_our_errors
     async def post(self, post_id: str) -> Post:
-        return await self._shelf.post(post_id)
+        return await self._reader.post(post_id)
 
     @_in_our_errors
     async def download(self, url: str) -> bytes:
-        return await self._wire.fetch(url)
+        return await self._client.fetch(url)
 
     @_in_our_errors
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
         """Posts that have the words, newest first; by the forum's search plugin."""
-        return await self._shelf.search(query, board_id, cursor, limit)
+        return await self._reader.search(query, board_id, cursor, limit)
 
     @_in_our_errors
     async def mentions(self) -> tuple[Post, ...]:
         """Posts whose mention of us the forum still shows as a notification, newest first."""
-        found = await self._wire.get("/api/notifications", filter="mention")
+        found = await self._client.get("/api/notifications", filter="mention")
         pids = [str(n["pid"]) for n in found["notifications"] if n.get("pid")]
         return tuple([await self.post(pid) for pid in dict.fromkeys(pids)])
 
     @_in_our_errors
     async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
-        me = await self._registry.me()
-        return await notifications_of(self._wire, self._shelf.post, me.name, cursor, limit)
+        me = await self._admin.me()
+        return await notifications_of(self._client, self._reader.post, me.name, cursor, limit)
 
     # ---------------------------------------------------------------- Writer
     @_in_our_errors
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
     ) -> Written:
-        cid = await self._shelf.cid(board_id)
+        cid = await self._reader.cid(board_id)
         async with self._writing:
             if old := await self._with_key(key):
                 return Written(old, created=False)
-            raw = mark(Marked(body, key, None, await self._upload(images)))
-            answer = await self._wire.send("POST", "/topics", {"cid": cid, "title": title, "content": raw})
+            raw = mark(MarkedText(body, key, None, await self._upload(images)))
+            answer = await self._client.send("POST", "/topics", {"cid": cid, "title": title, "content": raw})
             return await self._written(answer, key, "mainPid")
 
     @_in_our_errors
@@ -189,10 +189,10 @@ class NodeBBForum:
         async with self._writing:
             if old := await self._with_key(key, topic_id, reply_to):
                 return Written(old, created=False)
-            content: _JSON = {"content": mark(Marked(body, key, card, await self._upload(images)))}
+            content: _JSON = {"content": mark(MarkedText(body, key, card, await self._upload(images)))}
             if reply_to is not None:
                 content["toPid"] = int(reply_to) if reply_to.isdigit() else reply_to
-            answer = await self._wire.send("POST", f"/topics/{own_place(topic_id)}", content)
+            answer = await self._client.send("POST", f"/topics/{own_place(topic_id)}", content)
             written = await self._written(answer, key, "pid")
             return await self._only_one(written, key, topic_id, reply_to)
 
@@ -201,13 +201,13 @@ class NodeBBForum:
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
         async with self._writing:
-            stored = await self._shelf.stored(post_id)
-            if str(stored.get("uid")) != (await self._registry.me()).id:
+            stored = await self._reader.stored(post_id)
+            if str(stored.get("uid")) != (await self._admin.me()).id:
                 raise ForumDenied(f"post {post_id} is not ours to edit")
             old = unmark(str(stored["content"]))
             pictures = (*old.pictures, *await self._upload(images))
-            raw = mark(Marked(body, old.key, card or old.card, pictures))
-            await self._wire.send("PUT", f"/posts/{own_place(post_id)}", {"content": raw})
+            raw = mark(MarkedText(body, old.key, card or old.card, pictures))
+            await self._client.send("PUT", f"/posts/{own_place(post_id)}", {"content": raw})
             return await self.post(post_id)
 
     @_in_our_errors
@@ -226,30 +226,30 @@ class NodeBBForum:
             self._own[key] = pid
         if key in self._own:
             return await self.post(self._own[key])
-        me = await self._registry.me()
-        if (waiting := await self._shelf.waiting(me.id, key)) is not None:
+        me = await self._admin.me()
+        if (waiting := await self._reader.waiting(me.id, key)) is not None:
             raise _queued(waiting)
         return None
 
     async def _search(self, key: str, topic_id: str | None, reply_to: str | None) -> str | None:
-        me = await self._registry.me()
+        me = await self._admin.me()
         if topic_id is None:
-            return await self._shelf.own_with_key(me, key, KEY_PAGES)
-        since_ms = int((await self._shelf.stored(reply_to))["timestamp"]) if reply_to else 0
-        return await self._shelf.own_in_topic(me, key, topic_id, since_ms, KEY_PAGES)
+            return await self._reader.own_with_key(me, key, KEY_PAGES)
+        since_ms = int((await self._reader.stored(reply_to))["timestamp"]) if reply_to else 0
+        return await self._reader.own_in_topic(me, key, topic_id, since_ms, KEY_PAGES)
 
     async def _only_one(self, written: Written, key: str, topic_id: str, reply_to: str | None) -> Written:
         """If somebody signed in as us wrote under this key at the same moment, the earlier post stands."""
         first = await self._search(key, topic_id, reply_to)
         if first is None or int(first) >= int(written.post.id):
             return written
-        await self._wire.send("DELETE", f"/posts/{own_place(written.post.id)}/state")
+        await self._client.send("DELETE", f"/posts/{own_place(written.post.id)}/state")
         self._own[key] = first
         return Written(await self.post(first), created=False)
 
     async def _upload(self, images: Sequence[bytes]) -> tuple[str, ...]:
         """Send pictures first; the text then names them. What was sent before is not sent again."""
-        if images and not self._wire.credentials.by_session:
+        if images and not self._client.credentials.by_session:
             raise ForumError("this forum takes pictures only from who signed in by password: login:name:password")
         places = []
         for number, image in enumerate(images, 1):
@@ -257,7 +257,7 @@ class NodeBBForum:
             if (place := self._uploaded.get(digest)) is None:
                 kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
                 files = {"files[]": (f"{number}.{kind}", image, f"image/{kind}")}
-                answer = await self._wire.ask("POST", "/api/post/upload", files=files)
+                answer = await self._client.ask("POST", "/api/post/upload", files=files)
                 place = self._uploaded[digest] = str(answer.json()["response"]["images"][0]["url"])
             places.append(place)
         return tuple(places)
@@ -265,25 +265,25 @@ class NodeBBForum:
     # ---------------------------------------------------------------- Accounts
     @_in_our_errors
     async def me(self) -> Account:
-        return await self._registry.me(fresh=True)
+        return await self._admin.me(fresh=True)
 
     @_in_our_errors
     async def account(self, name: str) -> Account | None:
         try:
-            return await self._registry.by_slug(name)
+            return await self._admin.by_slug(name)
         except ForumNotFound:
             return None
 
     # ---------------------------------------------------------------- Events
     @_in_our_errors
     async def now(self) -> tuple[str, datetime]:
-        newest = await self._ledger.newest()
-        await self._wire.set_clock()
-        return newest, self._wire.clock.now()
+        newest = await self._tracker.newest()
+        await self._client.set_clock()
+        return newest, self._client.clock.now()
 
     @_in_our_errors
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
-        return await self._ledger.after(after, limit)
+        return await self._tracker.after(after, limit)
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         """By the socket where it can be had, and by asking each `heartbeat_s` besides: a heartbeat says that the latest
@@ -291,14 +291,14 @@ class NodeBBForum:
         async with AsyncExitStack() as stack:
             await self._still_ourselves()
             events, push = await self.changes(after), None
-            if self._options.push and self._wire.credentials.by_session:
-                push = await stack.enter_async_context(Push(self._wire))
+            if self._options.push and self._client.credentials.by_session:
+                push = await stack.enter_async_context(Push(self._client))
             while True:
                 for event in events:
                     after = event.id
                     yield event
                 if not events:
-                    yield Event("", EventKind.HEARTBEAT, self._wire.clock.now())
+                    yield Event("", EventKind.HEARTBEAT, self._client.clock.now())
                     await (push.wait(heartbeat_s) if push else asyncio.sleep(heartbeat_s))
                 await self._still_ourselves()
                 events = await self.changes(after)
@@ -306,7 +306,7 @@ class NodeBBForum:
     async def _still_ourselves(self) -> None:
         """A session that is over reads on as a guest and says nothing; ask now and then."""
         if time.monotonic() - self._checked_s > CHECK_S:
-            await self._wire.check()
+            await self._client.check()
             self._checked_s = time.monotonic()
 
 

@@ -1,4 +1,4 @@
-"""The wire to a NodeBB: one identity over HTTP, by session (with CSRF, signed in again when it lapses) or by token."""
+"""HTTP client for NodeBB: signed in with a session and its CSRF token, or with an API token."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from typing import Any
 import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
-from agentrob.forums.http import USER_AGENT, bounded_s, retry_after_s, same_origin, told_time, translated, where
+from agentrob.forums.http import USER_AGENT, bounded_s, retry_after_s, same_origin, told_time, translate_errors, where
 from agentrob.forums.nodebb.clock import HeaderClock
 from agentrob.forums.nodebb.settings import Credentials
 from agentrob.process.tls import tls
@@ -31,7 +31,7 @@ _MUTED = re.compile(r"You have been muted")
 _GONE = ("Category does not exist", "Topic does not exist", "Post does not exist", "User does not exist")
 
 
-class NodeBBWire:
+class NodeBBClient:
     """Requests of one identity. Nothing is asked before the first call; cookies are kept by hand, or not at all:
     a bearer's answers bring a session cookie, and whoever sends that back fails for want of a CSRF token."""
 
@@ -109,7 +109,7 @@ class NodeBBWire:
             if self.credentials.uid:
                 params["_uid"] = self.credentials.uid
         asked = datetime.now(UTC)
-        with translated():
+        with translate_errors():
             response = await self._http.request(method, path, headers=headers, params=params, **more)
         if (date := told_time(response)) is not None:
             self.clock.heard(date, asked, datetime.now(UTC))
@@ -166,7 +166,7 @@ class NodeBBWire:
     async def _new_csrf(self) -> dict[str, Any]:
         response = await self._request("GET", "/api/config")
         raise_for(response)
-        with translated():
+        with translate_errors():
             config: dict[str, Any] = response.json()
             if not config["csrf_token"]:
                 raise ForumError(f"{self.url} takes {USER_AGENT} for a spider and gives it no CSRF token")
@@ -181,7 +181,7 @@ class NodeBBWire:
         self.cookie = "; ".join(f"{name}={morsel.value}" for name, morsel in kept.items())
 
 
-class Guest(NodeBBWire):
+class GuestClient(NodeBBClient):
     """Nobody yet: asks with a cookie of its own and a CSRF token, which signing up needs."""
 
     def __init__(self, url: str) -> None:
@@ -199,7 +199,7 @@ class Guest(NodeBBWire):
             await self._posted("/register/complete", consent)
         elif answer.get("message"):
             raise ForumDenied(f"the account {name} must be approved first: {answer['message']}")
-        with translated():
+        with translate_errors():
             await self._is_called(name, password)
 
     async def _is_called(self, name: str, password: str) -> None:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import re
 
-from agentrob.forums.markers import CODE, Marked, coded, taken_apart
+from agentrob.forums.markers import CODE, MarkedText, encode_marker, split_marker
 
-__all__ = ["Marked", "mark", "names_in", "pictures_in", "unmark"]
+__all__ = ["MarkedText", "mark", "names_in", "pictures_in", "unmark"]
 
 _MARK = re.compile(rf"^\[//\]: # \(agentrob:{CODE}\)\s*\Z", re.MULTILINE)
 _PICTURE = re.compile(r"!\[[^\[\]\n]*\]\((\S{1,1000}?)\)")
@@ -18,16 +18,16 @@ _CODE = re.compile(r"^(```|~~~).*?(^\1|\Z)|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 _MENTION = re.compile(r"(?<![\w@/.])@([\w-]+(?:\.[\w-]+)*)")
 
 
-def mark(marked: Marked) -> str:
+def mark(marked: MarkedText) -> str:
     """The raw text that `unmark` takes apart; pictures are addresses."""
     shown = (f"![picture {n}]({url})" for n, url in enumerate(marked.pictures, 1))
-    return "\n\n".join((marked.text.rstrip(), *shown, f"[//]: # (agentrob:{coded(marked)})"))
+    return "\n\n".join((marked.text.rstrip(), *shown, f"[//]: # (agentrob:{encode_marker(marked)})"))
 
 
-def unmark(raw: str, ours: bool = True) -> Marked:
+def unmark(raw: str, ours: bool = True) -> MarkedText:
     """Of a text without a mark, or with one that is not ours, everything is text. `ours`: the post is by this account
     or by a robot; else the mark is cut off unread."""
-    return taken_apart(raw, _MARK, _PICTURE, ours)
+    return split_marker(raw, _MARK, _PICTURE, ours)
 
 
 def pictures_in(text: str) -> tuple[str, ...]:

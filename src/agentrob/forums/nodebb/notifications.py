@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from agentrob.errors import ForumNotFound
-from agentrob.forums.nodebb.http import NodeBBWire
+from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.protocol import Notification, Page
 from agentrob.model import Post
 
@@ -17,7 +17,7 @@ NOTES_A_PAGE, MOST_PAGES = 20, 5
 
 
 async def notifications_of(
-    wire: NodeBBWire, read: Callable[[str], Awaitable[Post]], mine: str, cursor: str | None, limit: int
+    client: NodeBBClient, read: Callable[[str], Awaitable[Post]], mine: str, cursor: str | None, limit: int
 ) -> Page[Notification]:
     """Newest first, of the account `mine`. NodeBB makes them half a second after the post, and shows of several replies
     in one topic the latest only. A reply that mentions us is told once, as a mention; posts that are gone, or may not
@@ -26,7 +26,7 @@ async def notifications_of(
     found: list[Notification] = []
     for _ in range(MOST_PAGES):
         page, skip = divmod(at, NOTES_A_PAGE)
-        notes = (await wire.get("/api/notifications", page=page + 1))["notifications"]
+        notes = (await client.get("/api/notifications", page=page + 1))["notifications"]
         for note in notes[skip:]:
             at += 1
             if (notification := await _notification(read, note, mine)) is not None:

@@ -19,8 +19,8 @@ from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.cards import card_by
 from agentrob.forums.http import text_of
-from agentrob.forums.nodebb.accounts import Registry, former
-from agentrob.forums.nodebb.http import NodeBBWire
+from agentrob.forums.nodebb.accounts import AccountAdmin, former
+from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.nodebb.markers import pictures_in, unmark
 from agentrob.forums.protocol import Board, Page, Topic
 from agentrob.language.rendered_text import is_mention, mention_of, rendering_differs
@@ -34,12 +34,12 @@ _UPLOADS = "/assets/uploads/"
 _log = structlog.get_logger()
 
 
-class Shelf:
+class PostReader:
     """Reads as one account."""
 
-    def __init__(self, wire: NodeBBWire, registry: Registry) -> None:
-        self._wire = wire
-        self._registry = registry
+    def __init__(self, client: NodeBBClient, registry: AccountAdmin) -> None:
+        self._client = client
+        self._admin = registry
         self._boards: list[tuple[int, Board]] = []
         self._boards_s = -BOARDS_AGE_S
         self._known = BoundedDict[str, Post](MOST_KNOWN)
@@ -48,7 +48,7 @@ class Shelf:
 
     # ---------------------------------------------------------------- boards
     async def boards(self) -> tuple[Board, ...]:
-        found = await self._wire.get("/api/categories")
+        found = await self._client.get("/api/categories")
         self._boards = [(int(c["cid"]), _board(c)) for c in _flat(found["categories"]) if not c.get("disabled")]
         self._boards_s = time.monotonic()
         return tuple(board for _, board in self._boards)
@@ -71,8 +71,8 @@ class Shelf:
 
     # ---------------------------------------------------------------- topics
     async def topic(self, topic_id: str) -> Topic:
-        found = await self._wire.get_v3(f"/topics/{own_place(topic_id)}")
-        user = await self._wire.get(f"/api/user/uid/{found.get('uid')}")
+        found = await self._client.get_v3(f"/topics/{own_place(topic_id)}")
+        user = await self._client.get(f"/api/user/uid/{found.get('uid')}")
         return await self._topic({**found, "user": user})
 
     async def topics(self, board_id: str, cursor: str | None, limit: int) -> Page[Topic]:
@@ -86,10 +86,10 @@ class Shelf:
 
     async def _topic(self, t: _JSON) -> Topic:
         user = t.get("user") or {}
-        author = await self._registry.writer(t["uid"], str(user.get("userslug") or ""), listed=True)
+        author = await self._admin.writer(t["uid"], str(user.get("userslug") or ""), listed=True)
         title = html.unescape(str(t.get("titleRaw") or t["title"]))
         board = await self._board_of(int(t["cid"]))
-        return Topic(str(t["tid"]), board, title, f"{self._wire.url}/topic/{t['tid']}", author, _time(t["timestamp"]))
+        return Topic(str(t["tid"]), board, title, f"{self._client.url}/topic/{t['tid']}", author, _time(t["timestamp"]))
 
     # ---------------------------------------------------------------- posts
     async def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[Post]:
@@ -120,21 +120,21 @@ class Shelf:
         except ForumNotFound:
             return await self._removed(post_id)
         user = shown.get("user") or {}
-        author = await self._registry.writer(stored["uid"], str(user.get("userslug") or ""), listed)
+        author = await self._admin.writer(stored["uid"], str(user.get("userslug") or ""), listed)
         made = await self._post(stored, shown, author)
         self._known[made.id] = made
         return made
 
     async def stored(self, post_id: str) -> _JSON:
         """What the forum keeps of a post, its raw text too."""
-        return await self._wire.get_v3(f"/posts/{own_place(post_id)}")
+        return await self._client.get_v3(f"/posts/{own_place(post_id)}")
 
     async def _shown(self, post_id: str) -> _JSON:
-        return await self._wire.get_v3(f"/posts/{own_place(post_id)}/summary")
+        return await self._client.get_v3(f"/posts/{own_place(post_id)}/summary")
 
     async def _removed(self, post_id: str) -> Post:
         """A removed topic takes its posts out of sight, and NodeBB says that they never were."""
-        await self._wire.check()  # unless it was only that we were a guest for a moment
+        await self._client.check()  # unless it was only that we were a guest for a moment
         known = self._known.get(post_id)
         if known is None or await self._is_there(post_id):
             raise ForumNotFound(f"there is no post {post_id}")
@@ -148,7 +148,7 @@ class Shelf:
         return True
 
     async def _post(self, stored: _JSON, shown: _JSON, author: Account) -> Post:
-        me = await self._registry.me()
+        me = await self._admin.me()
         ours = author.id == me.id or author.kind is AccountKind.ROBOT_AGENT
         marked = unmark(text_of(stored.get("content") or ""), ours)
         removed, pid, html = bool(stored.get("deleted")), str(stored["pid"]), str(shown.get("content") or "")
@@ -165,7 +165,7 @@ class Shelf:
             mentions=mentions_in(html),
             reply_to=str(stored["toPid"]) if stored.get("toPid") else None,
             key=marked.key if author.id == me.id else None,
-            url=f"{self._wire.url}/post/{pid}",
+            url=f"{self._client.url}/post/{pid}",
             images=tuple(u for u in (*pictures_in(marked.text), *marked.pictures) if _UPLOADS in u),
             card=card_by(author, marked.card),
             rendering_differs=author.kind is not AccountKind.ROBOT_AGENT and rendering_differs(marked.text, html),
@@ -179,7 +179,7 @@ class Shelf:
     async def _version(self, pid: str) -> int:
         """How often it was edited is in the history, where that is kept and shown to us; else it is 2."""
         try:
-            history = await self._wire.get_v3(f"/posts/{pid}/diffs")
+            history = await self._client.get_v3(f"/posts/{pid}/diffs")
             return max(2, len(history.get("timestamps") or ()))
         except (ForumDenied, ForumNotFound):
             return 2
@@ -187,7 +187,7 @@ class Shelf:
     # ---------------------------------------------------------------- latest
     async def recent(self, page: int) -> list[_JSON]:
         """The forum's latest posts that we may read, newest first, 20 a page; deleted ones for moderators only."""
-        found: list[_JSON] = await self._wire.get("/api/recent/posts", page=page)
+        found: list[_JSON] = await self._client.get("/api/recent/posts", page=page)
         if not isinstance(found, list):
             raise TypeError(found)
         told = []
@@ -215,7 +215,7 @@ class Shelf:
         params |= {"itemsPerPage": limit, "page": start // limit + 1}
         if board_id is not None:
             params["categories[]"] = await self.cid(board_id)
-        found = await self._wire.get("/api/search", **params)
+        found = await self._client.get("/api/search", **params)
         posts = [await self.post(str(p["pid"]), listed=True) for p in found["posts"]]
         more = start + limit < int(found["matchCount"])
         return Page(tuple(posts), str(start + limit) if more else None)
@@ -225,7 +225,7 @@ class Shelf:
         """Our post of that key among our latest; of several the earliest."""
         found: list[int] = []
         for page in range(1, pages + 1):
-            listed = (await self._wire.get(f"/api/user/{quote(me.name, safe='')}/posts", page=page))["posts"]
+            listed = (await self._client.get(f"/api/user/{quote(me.name, safe='')}/posts", page=page))["posts"]
             found += [int(p["pid"]) for p in listed if await self._key_of(str(p["pid"])) == key]
             if len(listed) < 20 or found:
                 break
@@ -236,7 +236,7 @@ class Shelf:
         found: list[int] = []
         path, size = f"/api/topic/{own_place(topic_id)}", await self._page_size("posts")
         for page in range(1, pages + 1):
-            listed = await self._wire.get(path, page=page, sort="newest_to_oldest")
+            listed = await self._client.get(path, page=page, sort="newest_to_oldest")
             ours = [p for p in listed["posts"] if str(p["uid"]) == me.id and int(p["timestamp"]) >= since_ms]
             found += [int(p["pid"]) for p in ours if await self._key_of(str(p["pid"])) == key]
             times = [int(p["timestamp"]) for p in listed["posts"] if p.get("index") != 0]
@@ -256,7 +256,7 @@ class Shelf:
     async def waiting(self, my_id: str, key: str) -> str | None:
         """The name of our post of that key in the queue for moderators."""
         try:
-            found = await self._wire.get("/api/post-queue")
+            found = await self._client.get("/api/post-queue")
         except (ForumNotFound, ForumDenied):
             return None
         for queued in found["posts"]:
@@ -274,7 +274,7 @@ class Shelf:
         count = start + 1
         page = start // size + 1
         while (page - 1) * size < min(start + limit, count):
-            found = await self._wire.get(path, page=page, **params)
+            found = await self._client.get(path, page=page, **params)
             count = int(found["postcount" if what == "posts" else "topic_count"])
             rows += found[what]
             page += 1
@@ -283,7 +283,7 @@ class Shelf:
 
     async def _page_size(self, what: str) -> int:
         if not self._sizes:
-            config = await self._wire.get("/api/config")
+            config = await self._client.get("/api/config")
             self._sizes = {k: int(config[f"{k}PerPage"]) for k in ("posts", "topics")}
         return self._sizes[what]
 

@@ -17,7 +17,7 @@ from websockets.exceptions import InvalidHandshake, WebSocketException
 
 from agentrob.errors import ForumError
 from agentrob.forums.http import USER_AGENT
-from agentrob.forums.nodebb.http import NodeBBWire
+from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.process.tls import tls
 
 _BACKOFF_S = (0.5, 30.0)
@@ -30,10 +30,10 @@ _log = structlog.get_logger()
 class Push:
     """Keeps the socket open in the background while it is entered; `news` is set whenever something happened."""
 
-    def __init__(self, wire: NodeBBWire) -> None:
+    def __init__(self, client: NodeBBClient) -> None:
         self.news = asyncio.Event()
         self.connected = asyncio.Event()
-        self._wire = wire
+        self._client = client
         self._task: asyncio.Task[None] | None = None
 
     async def __aenter__(self) -> Push:
@@ -61,7 +61,7 @@ class Push:
         wait_s, longest_s = _BACKOFF_S
         while True:
             try:
-                await self._wire.check()
+                await self._client.check()
                 async with connect(self._address(), **self._options()) as socket:
                     await self._listen(socket)
             except (ForumError, OSError, TimeoutError, InvalidHandshake, WebSocketException, ValueError) as e:
@@ -73,16 +73,16 @@ class Push:
             wait_s = min(longest_s, wait_s * 2)
 
     def _address(self) -> str:
-        home = self._wire.url
-        return f"ws{home.removeprefix('http')}/socket.io/?EIO=4&transport=websocket&_csrf={self._wire.csrf}"
+        home = self._client.url
+        return f"ws{home.removeprefix('http')}/socket.io/?EIO=4&transport=websocket&_csrf={self._client.csrf}"
 
     def _options(self) -> dict[str, Any]:
         return {
-            "additional_headers": {"Cookie": self._wire.cookie},
+            "additional_headers": {"Cookie": self._client.cookie},
             "user_agent_header": USER_AGENT,
-            "origin": self._wire.url,
+            "origin": self._client.url,
             "proxy": None,
-            "ssl": tls() if self._wire.url.startswith("https:") else None,
+            "ssl": tls() if self._client.url.startswith("https:") else None,
             "open_timeout": 5,
             "close_timeout": 1,
             "ping_interval": None,  # Engine.IO has pings of its own

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from agentrob.errors import ForumDenied, ForumError
-from agentrob.forums.protocol import Forum, MeaningSearcher
+from agentrob.forums.protocol import Forum, SemanticSearcher
 from agentrob.mcp.envelope import ToolError
 from agentrob.mcp.forum.event_tail import Feed
 from agentrob.mcp.forum.media import MediaShelf
@@ -51,12 +51,12 @@ class Identity:
             self.name = self._me.name
         return self._me
 
-    async def finds_meaning(self) -> bool:
+    async def has_semantic_search(self) -> bool:
         """Whether this forum is searched by meaning too; what it said first is remembered."""
         if self._meaning is None:
             forum = self.forum
             try:
-                self._meaning = isinstance(forum, MeaningSearcher) and await forum.finds_meaning()
+                self._meaning = isinstance(forum, SemanticSearcher) and await forum.has_semantic_search()
             except ForumError:
                 return False
         return self._meaning

@@ -13,12 +13,12 @@ from agentrob.forums.cards import card_of
 from agentrob.forums.protocol import (
     Event,
     EventKind,
-    MeaningSearcher,
     Notifications,
     Page,
     Permissions,
     Registrar,
     Searcher,
+    SemanticSearcher,
 )
 from agentrob.mcp import results as r
 from agentrob.mcp.envelope import ToolError
@@ -122,8 +122,8 @@ def _next(tool: str, place: str, page: Page[Any]) -> str | None:
 
 async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
     forum, by_meaning = call.who.forum, isinstance(args, a.SearchPostsByMeaning) and args.mode == "meaning"
-    if by_meaning and isinstance(forum, MeaningSearcher):
-        find = forum.search_meaning
+    if by_meaning and isinstance(forum, SemanticSearcher):
+        find = forum.search_semantic
     elif isinstance(forum, Searcher) and not by_meaning:
         find = forum.search
     else:
@@ -278,7 +278,7 @@ _BY_MEANING = replace(BY_NAME["search_posts"], arguments=a.SearchPostsByMeaning)
 
 async def as_offered(tool: Tool, who: Identity) -> Tool:
     """The tool as this account's forum has it."""
-    return _BY_MEANING if tool.name == _BY_MEANING.name and await who.finds_meaning() else tool
+    return _BY_MEANING if tool.name == _BY_MEANING.name and await who.has_semantic_search() else tool
 
 
 def allowed(who: Identity, switching: bool) -> tuple[Tool, ...]:
