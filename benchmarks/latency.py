@@ -20,8 +20,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from agentrob.demo.run import free_port
-from agentrob.forums.protocol import EventKind, Forum
-from agentrob.model import AccountKind, Role
+from agentrob.forums.protocol import Forum
+from agentrob.model import AccountKind, EventKind, Role
 from agentrob.process.child import Child, end_all
 from agentrob.wiring import app
 

@@ -22,8 +22,8 @@ from uuid import uuid4
 from agentrob.config.load import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumNotFound, ForumUnreachable
 from agentrob.forums.cards import card_by
-from agentrob.forums.protocol import Board, Event, EventKind, Page, Topic, Written
-from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+from agentrob.forums.protocol import Board, Event, Topic, Written
+from agentrob.model import Account, AccountKind, EventKind, Page, Post, Role, StatusCard
 
 T = TypeVar("T")
 BOARD = Board("robots", "Robots")

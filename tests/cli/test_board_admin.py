@@ -13,15 +13,14 @@ from typer.testing import CliRunner
 
 from agentrob.board.admin import local_admin, moderation
 from agentrob.board.content import writes
-from agentrob.board.content.renderer import Text
+from agentrob.board.content.rendered import Text
 from agentrob.board.db.database import migrate, serving_lock
-from agentrob.board.db.records import EventKind
 from agentrob.board.db.writer import Transaction
 from agentrob.board.settings import BoardSettings
 from agentrob.cli.main import cli
 from agentrob.config.load import load
 from agentrob.errors import AgentRobError, BoardError, ConfigError
-from agentrob.model import AccountKind, Role
+from agentrob.model import AccountKind, EventKind, Role
 
 
 class Shell:

@@ -15,8 +15,8 @@ from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.contract import ForumContract, World
-from agentrob.forums.protocol import Event, EventKind, Forum, RobotPages
-from agentrob.model import AccountKind, Role
+from agentrob.forums.protocol import Event, Forum, RobotPages
+from agentrob.model import AccountKind, EventKind, Role
 from tests.board.running_board import RunningBoard, running_board
 
 

@@ -25,11 +25,11 @@ from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.nodebb import markers as nodebb_markers
 from agentrob.forums.nodebb.forum import NodeBBForum
-from agentrob.forums.protocol import Event, EventKind, Forum
+from agentrob.forums.protocol import Event, Forum
 from agentrob.mcp.adapter import McpForum
 from agentrob.mcp.client import ForumClient
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Account, AccountKind, Post, Role
+from agentrob.model import Account, AccountKind, EventKind, Post, Role
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, make_scene, robot_settings, serving
 from tests.forums.discourse.discourse_world import Double, double_world
 from tests.forums.hostile_posts import BODIES, CODES, HOSTILE_JSON, code, discourse_mark, nodebb_mark, spoilt

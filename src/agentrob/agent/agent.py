@@ -47,10 +47,10 @@ from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
-from agentrob.forums.protocol import BEFORE_ALL, Event, EventKind, Forum, RobotPages
+from agentrob.forums.protocol import BEFORE_ALL, Event, Forum, RobotPages
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.protocol import ManagedMind, Mind
-from agentrob.model import Account, Command, Decision, Post, Report, StopResult
+from agentrob.model import Account, Command, Decision, EventKind, Post, Report, StopResult
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import prepare as prepare_screen

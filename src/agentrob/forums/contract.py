@@ -17,10 +17,10 @@ from typing import Any, Protocol
 import pytest
 
 from agentrob.errors import ForumDenied, ForumNotFound, ForumUnoffered, ForumUnreachable
-from agentrob.forums.protocol import Event, EventKind, Forum, Notifications, Permissions, Registrar, Searcher
+from agentrob.forums.protocol import Event, Forum, Notifications, Permissions, Registrar, Searcher
 from agentrob.language.rendered_text import text_in
 from agentrob.language.visible_text import OMITTED, mentions
-from agentrob.model import AccountKind, Post, Role, StatusCard
+from agentrob.model import AccountKind, EventKind, Post, Role, StatusCard
 
 #: Ends what hangs, also on a busy machine.
 LIMIT_S = 60.0

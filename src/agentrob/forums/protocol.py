@@ -11,10 +11,9 @@ from collections.abc import AsyncIterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
 from datetime import datetime
-from enum import StrEnum
-from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
-from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
+from agentrob.model import Account, AccountKind, EventKind, Page, Post, RobotRights, Role, StatusCard
 
 T = TypeVar("T")
 
@@ -44,34 +43,11 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
-class Page(Generic[T]):
-    """A page of results; `next` is the opaque cursor of the following page, None at the end."""
-
-    items: tuple[T, ...]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Written:
     """A post that was written. `created` is False when the same key had been used before: then it is the old post."""
 
     post: Post
     created: bool = True
-
-
-class EventKind(StrEnum):
-    """`heartbeat` carries nothing but proves that the channel is alive; its `id` is empty."""
-
-    POST_CREATED = "post.created"
-    POST_EDITED = "post.edited"
-    POST_REMOVED = "post.removed"
-    ROBOT_STOP = "robot.stop"
-    ROBOT_ESTOP = "robot.estop"
-    ROBOT_RELEASE = "robot.release"
-    ROBOT_HOME = "robot.home"
-    ROBOT_RESET = "robot.reset"
-    ROBOT_WATCH = "robot.watch"
-    HEARTBEAT = "heartbeat"
 
 
 @dataclass(frozen=True, slots=True)

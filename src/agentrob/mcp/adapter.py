@@ -30,11 +30,11 @@ from agentrob.errors import (
     McpError,
 )
 from agentrob.forums.cards import facts_of
-from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Topic, Written
+from agentrob.forums.protocol import Board, Event, Notification, Topic, Written
 from agentrob.mcp import mapping, results
 from agentrob.mcp.client import ForumClient, ServerGone, ToolFailed
 from agentrob.mcp.forum.resources import address
-from agentrob.model import Account, Post, Role, StatusCard
+from agentrob.model import Account, EventKind, Page, Post, Role, StatusCard
 
 T = TypeVar("T")
 _STDIO = "stdio:"

@@ -6,10 +6,10 @@ from dataclasses import asdict
 from functools import lru_cache
 
 from agentrob.forums.cards import card_by, card_of
-from agentrob.forums.protocol import Board, Event, EventKind, Topic
+from agentrob.forums.protocol import Board, Event, Topic
 from agentrob.mcp.metadata import untagged
 from agentrob.mcp.results import AccountInfo, BoardInfo, EventInfo, PostInfo, TagInfo, TopicInfo
-from agentrob.model import Account, Post
+from agentrob.model import Account, EventKind, Post
 
 
 @lru_cache(maxsize=512)

@@ -7,8 +7,9 @@ aware UTC datetimes by the forum's clock; times called `*_s` are seconds of the 
 from agentrob.model.accounts import Account, AccountKind, ActionClass, RobotRights, Role
 from agentrob.model.commands import Command, Intent, Language, Understanding
 from agentrob.model.decisions import Decision, Mandate, Verdict
+from agentrob.model.events import EventKind
 from agentrob.model.plans import Direction, Op, Plan, Primitive
-from agentrob.model.posts import Post, StatusCard
+from agentrob.model.posts import Page, Post, StatusCard
 from agentrob.model.results import ActionResult, Outcome, Report, StopResult
 from agentrob.model.robots import EMERGENCY_STOP, Capabilities, Limits, Lock, Pose, RobotState
 
@@ -22,6 +23,7 @@ __all__ = [
     "Command",
     "Decision",
     "Direction",
+    "EventKind",
     "Intent",
     "Language",
     "Limits",
@@ -29,6 +31,7 @@ __all__ = [
     "Mandate",
     "Op",
     "Outcome",
+    "Page",
     "Plan",
     "Pose",
     "Post",

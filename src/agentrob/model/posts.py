@@ -1,12 +1,15 @@
-"""A post as a forum delivers it, and the status card that may stand on it."""
+"""Posts as a forum delivers them, their status cards, and pages of results."""
 
 from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Generic, TypeVar
 
 from agentrob.model.accounts import Account
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,3 +57,11 @@ class Post:
     def content_hash(self) -> str:
         """SHA-256 of the raw text, in hex; what a command is bound to."""
         return hashlib.sha256(self.raw.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[T]):
+    """A page of results; `next` is the opaque cursor of the following page, None at the end."""
+
+    items: tuple[T, ...]
+    next: str | None = None

@@ -18,10 +18,9 @@ from agentrob.agent.store.journal import Journal
 from agentrob.config.load import ForumConfig
 from agentrob.errors import JournalError
 from agentrob.forums.agentrob.forum import BoardForum
-from agentrob.forums.protocol import EventKind
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, ActionResult, Plan, Primitive, Role, StatusCard, Understanding
+from agentrob.model import AccountKind, ActionResult, EventKind, Plan, Primitive, Role, StatusCard, Understanding
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, end_agent, start_agent
 from tests.agent.agent_process import until as until_robot

@@ -32,8 +32,7 @@ from agentrob.agent.agent import RobotAgent
 from agentrob.agent.intake import event_stream
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.forums.protocol import EventKind
-from agentrob.model import Account, AccountKind, Post, Primitive, Role
+from agentrob.model import Account, AccountKind, EventKind, Post, Primitive, Role
 from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.agent.laws.machine_scene import TIME_SCALE, GatedClient, GatedMind, Gates, Stand, robot_stand
 from tests.sizes import size

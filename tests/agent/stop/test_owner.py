@@ -12,10 +12,9 @@ import pytest
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.forums.protocol import EventKind
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, Plan, RobotState, Role, Understanding
+from agentrob.model import AccountKind, EventKind, Plan, RobotState, Role, Understanding
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 

@@ -16,7 +16,8 @@ import pytest
 
 from agentrob.board.auth import access
 from agentrob.board.content.markdown import TOO_COMPLEX
-from agentrob.board.content.renderer import MAX_HTML, MAX_NAMES, Rendered, Renderer
+from agentrob.board.content.rendered import MAX_HTML, Rendered
+from agentrob.board.content.renderer import MAX_NAMES, Renderer
 from agentrob.board.db.writer import Transaction
 from agentrob.config.board import BoardLimitsConfig
 from agentrob.errors import BoardError
@@ -70,7 +71,7 @@ async def test_a_long_text_of_a_person_is_rendered(renderer: Renderer) -> None:
 
 
 async def test_the_process_renders_as_this_one_does(renderer: Renderer) -> None:
-    from agentrob.board.content.renderer import Text
+    from agentrob.board.content.rendered import Text
 
     text = "**@quadruped** and @nobody: go 走路\n\n| a | b |\n|---|---|\n| 1 | @quadruped |\n\n" * 40
     assert await renderer.render(text, WRITER) == Text(text).rendered({"quadruped"})

@@ -18,10 +18,10 @@ import pytest
 from agentrob.board.admin import local_admin
 from agentrob.board.db.database import open_engine
 from agentrob.board.db.reader import Reader, event_number
-from agentrob.board.db.records import EventKind
 from agentrob.board.events import hub as events
 from agentrob.board.events.hub import Hub
 from agentrob.errors import BoardError
+from agentrob.model import EventKind
 from tests.board.running_board import LIMIT_S, RunningBoard, running_board
 
 

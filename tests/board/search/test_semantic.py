@@ -14,9 +14,9 @@ from agentrob.board.api.admin import erase_content
 from agentrob.board.content.writes import add_event, now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.database import open_engine
-from agentrob.board.db.records import EventKind
 from agentrob.board.db.writer import Transaction
 from agentrob.board.search import embeddings
+from agentrob.model import EventKind
 from agentrob.semantic.encoder import MODEL
 from tests.board.running_board import LIMIT_S, RunningBoard, running_board
 from tests.board.search.encoder_double import Concepts

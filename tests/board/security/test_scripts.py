@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 from playwright.async_api import Browser, Page, async_playwright
 
-from agentrob.board.content.renderer import Rendered
+from agentrob.board.content.rendered import Rendered
 from tests.board.auth.test_rights import jpeg
 from tests.board.content import attacks_shown
 from tests.board.content.attacks_shown import LISTS, POSTS, fill, titles

@@ -13,11 +13,11 @@ from sqlalchemy import text
 from agentrob.board.api.admin import erase_content
 from agentrob.board.content.store import MAX_SEARCHES
 from agentrob.board.db.database import open_engine
-from agentrob.board.db.records import Page, Post
+from agentrob.board.db.records import Post
 from agentrob.board.search import search
 from agentrob.board.search.fulltext import create_index, drop_index, expression, indexed
 from agentrob.board.search.search import around, terms
-from agentrob.model import Role
+from agentrob.model import Page, Role
 from tests.board.running_board import LIMIT_S, RunningBoard
 from tests.board.web.page_world import World, running_world
 

@@ -23,8 +23,8 @@ from agentrob.errors import ForumNotFound
 from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.discourse.settings import Credentials
-from agentrob.forums.protocol import Event, EventKind
-from agentrob.model import AccountKind, Role
+from agentrob.forums.protocol import Event
+from agentrob.model import AccountKind, EventKind, Role
 from tests.doubles.discourse.app import create_app
 from tests.doubles.discourse.document import paths
 from tests.doubles.discourse.site import LIFTED, Post, Site

@@ -16,8 +16,7 @@ from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.discourse.message_bus import MessageBusClient
 from agentrob.forums.discourse.settings import Credentials
-from agentrob.forums.protocol import EventKind
-from agentrob.model import AccountKind
+from agentrob.model import AccountKind, EventKind
 from tests.forums.discourse.discourse_world import (
     CREATED,
     EDITED,

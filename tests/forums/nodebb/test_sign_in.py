@@ -9,8 +9,7 @@ import pytest
 from agentrob.errors import ForumDenied, ForumError
 from agentrob.forums.contract import PIXEL
 from agentrob.forums.nodebb.forum import NodeBBForum
-from agentrob.forums.protocol import EventKind
-from agentrob.model import AccountKind, Role
+from agentrob.model import AccountKind, EventKind, Role
 from tests.forums.nodebb.nodebb_world import PASSWORD, NodeBBWorld, begin, replies, texts
 
 

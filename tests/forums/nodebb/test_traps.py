@@ -13,8 +13,7 @@ from agentrob.forums.nodebb.forum import NodeBBForum
 from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.nodebb.markers import MarkedText, mark
 from agentrob.forums.nodebb.socket import Push
-from agentrob.forums.protocol import EventKind
-from agentrob.model import AccountKind, Role, StatusCard
+from agentrob.model import AccountKind, EventKind, Role, StatusCard
 from tests.forums.nodebb.nodebb_world import NodeBBWorld, begin, replies, texts
 
 

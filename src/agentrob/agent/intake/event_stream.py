@@ -13,7 +13,8 @@ from datetime import UTC, datetime, timedelta
 import structlog
 
 from agentrob.errors import ForumError, ForumLimited, ForumNotFound
-from agentrob.forums.protocol import Event, EventKind, Forum
+from agentrob.forums.protocol import Event, Forum
+from agentrob.model import EventKind
 
 #: While a robot moves its stop channel is proven this often, and given up after `SILENCE_S` (law 16).
 BEAT_S = 0.5

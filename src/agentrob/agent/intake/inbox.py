@@ -16,9 +16,9 @@ from agentrob.agent.intake.triage import Route, TriagedPost
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import JournalError
-from agentrob.forums.protocol import Event, EventKind
+from agentrob.forums.protocol import Event
 from agentrob.mcp.metadata import untagged
-from agentrob.model import Command, Post
+from agentrob.model import Command, EventKind, Post
 
 _TO_TAKE = frozenset({Route.READ, Route.STALE})
 _log = structlog.get_logger()

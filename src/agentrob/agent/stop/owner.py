@@ -18,9 +18,9 @@ from agentrob.agent.stop.replies import StopReplies
 from agentrob.agent.stop.stop_handler import StopHandler
 from agentrob.config.load import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
-from agentrob.forums.protocol import Event, EventKind, Forum, RobotControls, RobotRightsSource
+from agentrob.forums.protocol import Event, Forum, RobotControls, RobotRightsSource
 from agentrob.language.messages.catalog import quote, say
-from agentrob.model import EMERGENCY_STOP, Account, Decision, Language, Lock, Report, RobotRights, RobotState
+from agentrob.model import EMERGENCY_STOP, Account, Decision, EventKind, Language, Lock, Report, RobotRights, RobotState
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.safety.lock import held_for
 from agentrob.screening.rights import may

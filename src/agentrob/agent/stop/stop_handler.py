@@ -23,8 +23,8 @@ from agentrob.agent.stop.moderator_alert import ModeratorAlert
 from agentrob.agent.stop.replies import StopReplies, StopReply
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import boot
-from agentrob.forums.protocol import Event, EventKind
-from agentrob.model import Account, Language, StopResult
+from agentrob.forums.protocol import Event
+from agentrob.model import Account, EventKind, Language, StopResult
 
 #: Why a command was ended that had been posted before the robot was released.
 RELEASE = "release"

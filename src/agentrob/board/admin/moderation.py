@@ -19,11 +19,11 @@ from agentrob.board.content.images import path_of
 from agentrob.board.content.writes import add_event, now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import EventKind, Post, Topic, Version, from_us
+from agentrob.board.db.records import Post, Topic, Version, from_us
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots import rights
 from agentrob.errors import BoardError
-from agentrob.model import Account
+from agentrob.model import Account, EventKind
 
 ERASED = "(deleted)"
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstr
 from agentrob.board.content.unread import UnreadCount
 from agentrob.board.db import records
 from agentrob.board.robots.rights import RobotSettings
-from agentrob.model import Account, AccountKind, Role
+from agentrob.model import Account, AccountKind, EventKind, Role
 
 T = TypeVar("T")
 POST_BYTES = 64 * 1024
@@ -219,7 +219,7 @@ class NotificationOut(_Out):
 
 class EventOut(_Out):
     id: str
-    kind: records.EventKind
+    kind: EventKind
     at: Time
     post: PostOut | None = None
     robot: str | None = None

@@ -1,9 +1,9 @@
-"""A process of its own that renders the long and complex texts: the parser holds Python's lock, and so it would hold up
-the event loop of the forum, which tells of stops (law 15).
+"""Render long and complex texts in a separate process, so that the parser does not block the server's event loop.
 
-Both ends speak JSON, a line each: a text, the names in it, which of them are accounts, what was made of it. A text that
-takes more than `LIMIT_S` of processor time is given up, by the process itself; one that does not answer is killed and
-started anew for the next text. It ends when its input does, and so with whoever started it, however that ends.
+Python's interpreter lock would let a long parse delay stops (law 15). Both ends exchange one JSON object per line: the
+text, the names in it, which of them are accounts, and the result. The process gives up a text that takes more than
+`LIMIT_S` of CPU time; a process that does not answer is killed and restarted for the next text. It exits when its
+standard input closes, and so never outlives the server.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from contextlib import suppress
 from typing import IO, Any
 
 import structlog
+
+from agentrob.board.content.rendered import Text
 
 #: Seconds of processor time for one text. Prose of 64 KiB takes about 0.1 s.
 LIMIT_S = 0.25
@@ -110,8 +112,6 @@ def serve() -> None:
 
 def _one(lines: IO[bytes], answers: IO[bytes]) -> bool:
     """One text; False at the end of the input."""
-    from agentrob.board.content.renderer import Text
-
     try:
         if not (line := lines.readline()):
             return False

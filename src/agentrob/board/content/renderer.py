@@ -1,9 +1,8 @@
-"""Everything that follows from the text of a post, made before it is written: neither the event loop nor the one writer
-parses what people wrote, for stops of others would wait for it (law 15).
+"""Render posts before they are written, so that neither the event loop nor the writer thread parses user text.
 
-Short plain texts, and so every stop, are rendered at once. All others go to a process (`render_process`), one after
-another, of each account one at a time; robots have a process of their own. What cannot be rendered within its limits is
-shown as it was typed.
+Parsing a long text would delay everybody's stops (law 15). Short plain texts, and so every stop, are rendered at once.
+All others go to a render process, one at a time per account; robots have a process of their own. A text that exceeds
+the limits is shown as plain text.
 """
 
 from __future__ import annotations
@@ -12,17 +11,14 @@ import asyncio
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
 from typing import Any, TypeVar
 
-from agentrob.board.content.markdown import Parsed, as_plain_text
+from agentrob.board.content.markdown import as_plain_text
 from agentrob.board.content.render_process import RenderProcess, TooSlow
+from agentrob.board.content.rendered import Rendered, Text
 from agentrob.board.search.fulltext import indexed
 from agentrob.errors import BoardError
 from agentrob.language.complexity import parsing_us
-from agentrob.language.stop.at_rest import is_only_stop, stop_intent
-from agentrob.language.stop.while_moving import stop_while_moving
-from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, AccountKind
 
 T = TypeVar("T")
@@ -30,54 +26,12 @@ T = TypeVar("T")
 AT_ONCE_US, AT_ONCE_CHARS = 3_000, 2_000
 #: Shown as it was typed beyond. Prose of 64 KiB is estimated at a quarter of it.
 MOST_US = 1_500_000
-#: And when its HTML has more characters than this, ten times the longest post: a short text can use a long link again
-#: and again or say one name ten thousand times, and a page shows fifty posts. Nothing but links makes seven times.
-MAX_HTML = 10 * 65_536
-#: A longer text that says stop somewhere waits for its turn to be written as any other does.
-STOP_CHARS = 200
 #: Different names after an @ that one text may have: each is looked up.
 MAX_NAMES = 100
 #: Texts of one account that may wait for its first one, and accounts whose texts may wait.
 MAX_OF_ONE, MAX_ACCOUNTS = 4, 64
 #: For so long a text waits until it is its turn.
 PATIENCE_S = 10.0
-
-
-@dataclass(frozen=True, slots=True)
-class Rendered:
-    """A text with what follows from it. `mentions` are accounts that it visibly names, `words` and `chars` what the
-    index of words gets; `stop`: it stops a robot that moves, `only_stop`: it says nothing else."""
-
-    raw: str
-    html: str
-    mentions: tuple[str, ...]
-    words: str
-    chars: str
-    stop: bool = False
-    only_stop: bool = False
-
-    def fields(self) -> dict[str, Any]:
-        return asdict(self)
-
-
-class Text:
-    """A body that is being rendered: first its names, then, when it is known which are accounts, everything else."""
-
-    def __init__(self, raw: str) -> None:
-        self._raw, self._parsed = raw, Parsed(raw)
-        self._visible = visible_text(raw)
-        self._named = mentions(self._visible)
-        self.names = tuple(dict.fromkeys((*self._named, *self._parsed.names())))
-
-    def rendered(self, accounts: Collection[str]) -> Rendered:
-        html = self._parsed.html(accounts.__contains__)
-        named = tuple(name for name in self._named if name in accounts)
-        if len(html) > MAX_HTML:
-            html, named = as_plain_text(self._raw), ()
-        stop = stop_intent(self._visible) is not None
-        only_stop = stop and is_only_stop(self._raw)
-        stop = stop or (len(self._visible) <= STOP_CHARS and stop_while_moving(self._visible) is not None)
-        return Rendered(self._raw, html, named, *indexed(self._raw), stop, only_stop)
 
 
 class Renderer:

@@ -22,12 +22,12 @@ from agentrob.board.content import writes
 from agentrob.board.content.renderer import Renderer
 from agentrob.board.db.database import open_engine, unavailable
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Board, Event, EventKind, Image, Page, Post, Topic, Version, Written
+from agentrob.board.db.records import Board, Event, Image, Post, Topic, Version, Written
 from agentrob.board.db.writer import Job, T, Writer
 from agentrob.board.search import search
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
-from agentrob.model import Account
+from agentrob.model import Account, EventKind, Page
 
 SearchMode = Literal["words", "meaning"]
 #: More searches than this do not wait for the one that runs.

@@ -18,10 +18,10 @@ from sqlalchemy import Integer, and_, bindparam, func, select, text, update
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Page, Topic
+from agentrob.board.db.records import Topic
 from agentrob.board.db.writer import Transaction
 from agentrob.errors import BoardError
-from agentrob.model import Account
+from agentrob.model import Account, Page
 
 if TYPE_CHECKING:
     from agentrob.board.content.store import Store

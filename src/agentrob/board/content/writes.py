@@ -17,17 +17,17 @@ from sqlalchemy import Connection, bindparam, insert, select, update
 from agentrob.board.admin import audit
 from agentrob.board.auth import limits
 from agentrob.board.content import notifications
-from agentrob.board.content.renderer import Rendered
+from agentrob.board.content.rendered import Rendered
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import Board, Event, EventKind, Image, Post, Topic, Written, from_us
+from agentrob.board.db.records import Board, Event, Image, Post, Topic, Written, from_us
 from agentrob.board.db.rows import event_id
 from agentrob.board.db.writer import Transaction
 from agentrob.board.search import fulltext
 from agentrob.board.settings import NO_LIMITS
 from agentrob.config.board import BoardLimitsConfig
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind, Role
+from agentrob.model import Account, AccountKind, EventKind, Role
 
 MAX_IMAGES = 32
 #: Of a topic whose author may not begin one: it is there for the stop in it.

@@ -12,10 +12,10 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import LARGEST_ID, from_cursor, to_cursor
 from agentrob.board.db.database import unavailable
-from agentrob.board.db.records import Board, Event, Image, Page, Post, Topic, Version, from_us
+from agentrob.board.db.records import Board, Event, Image, Post, Topic, Version, from_us
 from agentrob.board.db.rows import account_from, board_from, event_from, event_id, post_from, topic_from
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, Page
 
 T = TypeVar("T")
 #: So much is kept of what was read since the last commit.

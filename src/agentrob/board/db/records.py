@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
-from enum import StrEnum
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
-from agentrob.model import Account, Role
+from agentrob.model import Account, EventKind, Role
 
 T = TypeVar("T")
 #: Pixels of the longer side of a picture on a page.
@@ -32,21 +31,6 @@ def from_text(said: object) -> datetime | None:
 def from_us(us: int) -> datetime:
     """An aware UTC datetime from microseconds since 1970, exact."""
     return _EPOCH + timedelta(microseconds=us)
-
-
-class EventKind(StrEnum):
-    """What can happen on the forum. `heartbeat` is never stored: it only proves that a stream is alive."""
-
-    POST_CREATED = "post.created"
-    POST_EDITED = "post.edited"
-    POST_REMOVED = "post.removed"
-    ROBOT_STOP = "robot.stop"
-    ROBOT_ESTOP = "robot.estop"
-    ROBOT_RELEASE = "robot.release"
-    ROBOT_HOME = "robot.home"
-    ROBOT_RESET = "robot.reset"
-    ROBOT_WATCH = "robot.watch"
-    HEARTBEAT = "heartbeat"
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,14 +130,6 @@ class Version:
     version: int
     raw: str
     until: datetime
-
-
-@dataclass(frozen=True, slots=True)
-class Page(Generic[T]):
-    """A page of results; `next` is the opaque cursor of the following page, None at the end."""
-
-    items: tuple[T, ...]
-    next: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ from typing import Any
 
 from sqlalchemy import Row
 
-from agentrob.board.db.records import Board, Event, EventKind, Image, Post, Topic, from_us
-from agentrob.model import Account, AccountKind, Role
+from agentrob.board.db.records import Board, Event, Image, Post, Topic, from_us
+from agentrob.model import Account, AccountKind, EventKind, Role
 
 
 def account_from(row: Row[Any]) -> Account:

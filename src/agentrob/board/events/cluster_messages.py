@@ -16,10 +16,11 @@ from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 
 from agentrob.board.db.database import CHANNEL
-from agentrob.board.db.records import Event, EventKind, from_us
+from agentrob.board.db.records import Event, from_us
 from agentrob.board.events.hub import Hub
 from agentrob.board.robots.presence import LIVE_FOR, PresenceTracker
 from agentrob.errors import BoardError
+from agentrob.model import EventKind
 
 if TYPE_CHECKING:
     from psycopg import AsyncConnection

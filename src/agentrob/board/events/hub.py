@@ -19,10 +19,10 @@ from starlette.types import Receive, Scope, Send
 
 from agentrob.board.api.models import EventOut, Serializer, time_out
 from agentrob.board.db.reader import BEFORE_ALL, Reader, event_number
-from agentrob.board.db.records import Event, EventKind
+from agentrob.board.db.records import Event
 from agentrob.board.events import streams
 from agentrob.errors import BoardError
-from agentrob.model import Account
+from agentrob.model import Account, EventKind
 
 #: A listener with more than this waiting does not read.
 MAX_PENDING = 1000

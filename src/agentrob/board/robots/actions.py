@@ -11,12 +11,12 @@ import structlog
 
 from agentrob.board.content.writes import now_us
 from agentrob.board.db.reader import not_found
-from agentrob.board.db.records import Event, EventKind, from_us
+from agentrob.board.db.records import Event, from_us
 from agentrob.board.robots import presence, rights
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.language.messages.durations import duration
-from agentrob.model import Account, AccountKind, Role
+from agentrob.model import Account, AccountKind, EventKind, Role
 
 #: A stop is told before it is written when writing takes longer (locked database, full disk): law 15.
 TELL_S = 0.05

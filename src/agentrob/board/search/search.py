@@ -18,10 +18,11 @@ from agentrob.board.content.markdown import unmarked
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Page, Post
+from agentrob.board.db.records import Post
 from agentrob.board.search.fulltext import INDEXED, Where, index_query
 from agentrob.errors import BoardError
 from agentrob.language.complexity import nfkc
+from agentrob.model import Page
 
 T = TypeVar("T")
 #: Characters and words of a query that count.

@@ -14,11 +14,12 @@ from sqlalchemy import BindParameter, String, bindparam, text
 
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Page, Post
+from agentrob.board.db.records import Post
 from agentrob.board.search.embeddings import EmbeddingIndex
 from agentrob.board.search.fulltext import TAGGED
 from agentrob.board.search.search import boards_seen, given_up, in_order, terms
 from agentrob.errors import BoardError
+from agentrob.model import Page
 from agentrob.semantic.encoder import MIN_SIMILARITY, EncoderError
 
 #: Posts that are found at most: what comes after so many has little to do with the query.

@@ -14,7 +14,7 @@ from agentrob.board.auth.access import Viewer
 from agentrob.board.content import notifications, reach, tags
 from agentrob.board.content.store import SearchMode
 from agentrob.board.db import schema as db
-from agentrob.board.db.records import Page, Post, Topic
+from agentrob.board.db.records import Post, Topic
 from agentrob.board.robots import view as robot_view
 from agentrob.board.search import search
 from agentrob.board.services import Services, get_services
@@ -22,7 +22,7 @@ from agentrob.board.web import forms
 from agentrob.board.web.forms import Composed
 from agentrob.board.web.templating import go, show
 from agentrob.errors import BoardError
-from agentrob.model import Account
+from agentrob.model import Account, Page
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 from agentrob.board.auth import visibility
 from agentrob.board.auth.access import Viewer
-from agentrob.board.db.records import Page, Post
+from agentrob.board.db.records import Post
 from agentrob.board.robots import approvals
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import Services
 from agentrob.board.web import forms
 from agentrob.board.web.templating import piece
+from agentrob.model import Page
 
 
 @dataclass(frozen=True, slots=True)

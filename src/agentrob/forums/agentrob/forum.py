@@ -16,8 +16,8 @@ from agentrob.config.load import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by, card_of, facts_of
 from agentrob.forums.http import USER_AGENT, retry_after_s, same_origin, text_of, translate_errors, where
-from agentrob.forums.protocol import TRACE_ID, Board, Event, EventKind, Notification, Page, Registered, Topic, Written
-from agentrob.model import Account, AccountKind, Post, RobotRights, Role, StatusCard
+from agentrob.forums.protocol import TRACE_ID, Board, Event, Notification, Registered, Topic, Written
+from agentrob.model import Account, AccountKind, EventKind, Page, Post, RobotRights, Role, StatusCard
 from agentrob.process.tls import tls
 
 _KINDS = frozenset(EventKind)

@@ -15,8 +15,8 @@ from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.discourse.mapping import safe_name
 from agentrob.forums.discourse.settings import DiscourseOptions
 from agentrob.forums.http import translate_errors
-from agentrob.forums.protocol import Notification, Page, Registered
-from agentrob.model import Account, AccountKind, Post, Role
+from agentrob.forums.protocol import Notification, Registered
+from agentrob.model import Account, AccountKind, Page, Post, Role
 
 _JSON = Mapping[str, Any]
 #: `notification_type`; what else Discourse notifies of (likes, badges, messages) names no post that wants an answer.

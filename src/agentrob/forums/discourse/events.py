@@ -23,9 +23,9 @@ from typing import Any, Protocol
 import structlog
 
 from agentrob.errors import ForumMalformed, ForumNotFound
-from agentrob.forums.protocol import Event, EventKind
+from agentrob.forums.protocol import Event
 from agentrob.forums.unreadable_posts import PostRetries
-from agentrob.model import Post
+from agentrob.model import EventKind, Post
 
 #: Posts of a page of `/posts.json`; the last minutes' are held against what was there before, at most so many pages.
 PAGE = 50

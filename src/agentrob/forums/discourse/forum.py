@@ -28,9 +28,9 @@ from agentrob.forums.discourse.search import find_posts
 from agentrob.forums.discourse.settings import Credentials, DiscourseOptions
 from agentrob.forums.discourse.writer import PostWriter
 from agentrob.forums.http import text_of, translate_errors
-from agentrob.forums.protocol import Board, Event, Notification, Page, Registered, Topic, Written
+from agentrob.forums.protocol import Board, Event, Notification, Registered, Topic, Written
 from agentrob.language.rendered_text import rendering_differs
-from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+from agentrob.model import Account, AccountKind, Page, Post, Role, StatusCard
 
 #: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.
 REMEMBERED_S = 60.0

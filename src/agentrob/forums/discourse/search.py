@@ -7,8 +7,7 @@ from typing import Any, Protocol
 
 from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.http import translate_errors
-from agentrob.forums.protocol import Page
-from agentrob.model import Post
+from agentrob.model import Page, Post
 
 #: Posts of a page of `/search.json`.
 RESULTS_A_PAGE = 50

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by
 from agentrob.forums.memory.world import MemoryRecords
-from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Registered, Topic, Written
-from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+from agentrob.forums.protocol import Board, Event, Notification, Registered, Topic, Written
+from agentrob.model import Account, AccountKind, EventKind, Page, Post, Role, StatusCard
 from agentrob.semantic.encoder import MIN_SIMILARITY, cosine_similarity
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from typing import Any
 
 from agentrob.errors import ForumNotFound
 from agentrob.forums.cards import card_by
-from agentrob.forums.protocol import Board, Event, EventKind, Topic
+from agentrob.forums.protocol import Board, Event, Topic
 from agentrob.language.visible_text import mentions, visible_text
-from agentrob.model import Account, AccountKind, Post, Role
+from agentrob.model import Account, AccountKind, EventKind, Post, Role
 from agentrob.semantic.encoder import TextEncoder
 
 

@@ -17,9 +17,9 @@ from datetime import UTC, datetime
 from typing import Any
 
 from agentrob.errors import ForumNotFound
-from agentrob.forums.protocol import Event, EventKind
+from agentrob.forums.protocol import Event
 from agentrob.forums.unreadable_posts import PostRetries
-from agentrob.model import Post
+from agentrob.model import EventKind, Post
 
 _ID = re.compile(r"(\d{1,15})\.(\d{1,15})\.(\d{1,15})\.(\d{1,15})")
 #: So many pages of latest posts are watched for edits, the first at each look, the others at every fourth.

@@ -24,8 +24,8 @@ from agentrob.forums.nodebb.notifications import notifications_of
 from agentrob.forums.nodebb.posts import PostReader, own_place
 from agentrob.forums.nodebb.settings import Credentials, NodeBBOptions
 from agentrob.forums.nodebb.socket import Push
-from agentrob.forums.protocol import Board, Event, EventKind, Notification, Page, Registered, Topic, Written
-from agentrob.model import Account, AccountKind, Post, Role, StatusCard
+from agentrob.forums.protocol import Board, Event, Notification, Registered, Topic, Written
+from agentrob.model import Account, AccountKind, EventKind, Page, Post, Role, StatusCard
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -7,8 +7,8 @@ from typing import Any
 
 from agentrob.errors import ForumNotFound
 from agentrob.forums.nodebb.http import NodeBBClient
-from agentrob.forums.protocol import Notification, Page
-from agentrob.model import Post
+from agentrob.forums.protocol import Notification
+from agentrob.model import Page, Post
 
 #: By `type`; what else NodeBB notifies of (votes, followers, chats) names no post that wants an answer.
 KINDS = {"mention": "mention", "new-reply": "reply"}

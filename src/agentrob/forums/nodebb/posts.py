@@ -22,9 +22,9 @@ from agentrob.forums.http import text_of
 from agentrob.forums.nodebb.accounts import AccountAdmin, former
 from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.nodebb.markers import pictures_in, unmark
-from agentrob.forums.protocol import Board, Page, Topic
+from agentrob.forums.protocol import Board, Topic
 from agentrob.language.rendered_text import is_mention, mention_of, rendering_differs
-from agentrob.model import Account, AccountKind, Post
+from agentrob.model import Account, AccountKind, Page, Post
 
 _JSON = dict[str, Any]
 BOARDS_AGE_S = 60.0

@@ -11,7 +11,8 @@ from collections.abc import AsyncIterator
 from datetime import datetime
 
 from agentrob.errors import ForumUnreachable
-from agentrob.forums.protocol import Event, EventKind, Forum
+from agentrob.forums.protocol import Event, Forum
+from agentrob.model import EventKind
 
 #: Streams that wait for their reader to come back; beyond, the oldest are closed.
 MAX_OPEN = 16

@@ -10,16 +10,7 @@ from typing import Any
 
 from agentrob.errors import ForumUnoffered
 from agentrob.forums.cards import card_of
-from agentrob.forums.protocol import (
-    Event,
-    EventKind,
-    Notifications,
-    Page,
-    Permissions,
-    Registrar,
-    Searcher,
-    SemanticSearcher,
-)
+from agentrob.forums.protocol import Event, Notifications, Permissions, Registrar, Searcher, SemanticSearcher
 from agentrob.mcp import results as r
 from agentrob.mcp.envelope import ToolError
 from agentrob.mcp.forum import arguments as a
@@ -29,7 +20,7 @@ from agentrob.mcp.forum.manual import manual
 from agentrob.mcp.forum.media import KEEP_S
 from agentrob.mcp.mapping import account_info, board_info, post_info, topic_info
 from agentrob.mcp.metadata import disarmed, tagged
-from agentrob.model import Post, StatusCard
+from agentrob.model import EventKind, Page, Post, StatusCard
 
 #: How often a waiting call proves that its forum still answers.
 WAIT_HEARTBEAT_S = 5.0
