@@ -67,7 +67,7 @@ class Poster:
 
     async def post(self, body: str) -> str:
         """Begin a topic; its id."""
-        content = {"board": "robots", "title": "A topic", "body": body}
+        content = {"board_id": "robots", "title": "A topic", "body": body}
         made = await asyncio.to_thread(self._http.post, "/topics", json=content)
         return str(made.raise_for_status().json()["topic"]["id"])
 

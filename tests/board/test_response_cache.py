@@ -74,7 +74,7 @@ def test_whatever_changes_what_a_topic_shows_is_shown_at_once(board: RunningBoar
         lambda: boss.patch("/admin/accounts/talker", json={"display_name": "Other"}).raise_for_status(),
         lambda: elsewhere(board, promoted),
         lambda: boss.patch("/admin/accounts/talker", json={"suspended": True}).raise_for_status(),
-        lambda: boss.post(f"/topics/{topic}/move", json={"board": "robots"}).raise_for_status(),
+        lambda: boss.post(f"/topics/{topic}/move", json={"board_id": "robots"}).raise_for_status(),
         lambda: boss.patch("/admin/robots/quadruped", json={"camera_days": 1}).raise_for_status(),
         lambda: elsewhere(board, lambda t: moderation.expire_pictures(t, later)),
         lambda: boss.delete("/admin/accounts/talker/content").raise_for_status(),

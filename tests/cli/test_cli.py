@@ -63,7 +63,7 @@ class Lab:
         return agentrob(self.folder, "agent", mode, AGENTROB_TOKEN=self.robot_token, AGENTROB_RUNTIME=self.runtime)
 
     def post(self, text: str) -> str:
-        topic = self.operator.post("/topics", json={"board": "robots", "title": text[:60], "body": text})
+        topic = self.operator.post("/topics", json={"board_id": "robots", "title": text[:60], "body": text})
         assert topic.status_code == 201, topic.text
         return str(topic.json()["topic"]["id"])
 

@@ -184,7 +184,7 @@ class House:
     def ask(self, text: str) -> Asked:
         """Post a command, as a person does who posts again under the same key when the forum does not answer."""
         asked = Asked(f"@{ROBOT} {text}", len(self.ledger()))
-        topic = {"board": "robots", "title": text, "body": asked.text}
+        topic = {"board_id": "robots", "title": text, "body": asked.text}
         asked.thread = threading.Thread(target=self._post, args=(asked, "/topics", topic), daemon=True)
         asked.thread.start()
         return asked

@@ -55,7 +55,7 @@ def serves_as_ever(house: House) -> None:
 
 # -------------------------------------------------------------------- the board of yesterday
 def say(house: House, body: str) -> dict[str, Any]:
-    topic = {"board": "robots", "title": "t", "body": body}
+    topic = {"board_id": "robots", "title": "t", "body": body}
     answer = house._insist("POST", "/topics", json=topic, headers={"Idempotency-Key": secrets.token_hex(8)})
     return dict(answer["post"])
 

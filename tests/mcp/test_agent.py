@@ -124,7 +124,7 @@ def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, t
                 children.append(Child(name, arguments, tmp_path / f"{name}.log", {**os.environ, **env}))
                 children[-1].wait_ready()
             asker = setup.board.client("op")
-            asked = {"board": "robots", "title": "Turn", "body": "@quadruped turn left 30 degrees"}
+            asked = {"board_id": "robots", "title": "Turn", "body": "@quadruped turn left 30 degrees"}
             topic = asker.post("/topics", json=asked).raise_for_status().json()["topic"]["id"]
             said = asyncio.run(_ended(asker, topic))
             shown = ask_for_a_photo(setup, tmp_path / "photo.jpg")

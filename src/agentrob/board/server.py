@@ -23,12 +23,7 @@ from starlette.responses import Response
 from agentrob import __version__
 from agentrob.board.admin import retention
 from agentrob.board.admin.local_admin import bootstrap
-from agentrob.board.api import admin as api_admin
-from agentrob.board.api import commands as api_commands
-from agentrob.board.api import forum as api
-from agentrob.board.api import moderation, tags
-from agentrob.board.api import robots as api_robots
-from agentrob.board.api import unread as api_unread
+from agentrob.board.api import admin, commands, forum, health, moderation, robots
 from agentrob.board.api.models import Problem
 from agentrob.board.api.problem import of_http, of_validation, problem
 from agentrob.board.content import unread, uploads
@@ -47,8 +42,20 @@ from agentrob.process.webhooks import Receiver
 from agentrob.semantic.encoder import Encoder, require_model
 
 log = structlog.get_logger(__name__)
-#: How often pictures are deleted that are older than they are kept.
-EXPIRE_S = 3600.0
+#: Tags of the API document, in the order in which the API page shows them.
+API_TAGS = {
+    "accounts": "Accounts and notifications.",
+    "boards": "Boards.",
+    "topics": "Topics and their tags.",
+    "posts": "Posts and their pictures.",
+    "unread": "What an account has not read.",
+    "search": "Search for posts, by words or by meaning.",
+    "events": "Everything that happens, as a stream or page by page.",
+    "robots": "Robots: cards, rights, cameras, and the buttons of a robot's page.",
+    "commands": "Records of commands, and approvals.",
+    "moderation": "Hide, show, lock and move; for moderators.",
+    "administration": "Accounts, tokens, invites, boards and robots; for admins and robots' owners.",
+}
 
 
 def create_app(settings: BoardSettings) -> FastAPI:
@@ -80,17 +87,17 @@ def create_app(settings: BoardSettings) -> FastAPI:
         title=settings.title,
         version=__version__,
         lifespan=lifespan,
+        generate_unique_id_function=lambda route: route.name,
+        openapi_tags=[{"name": name, "description": text} for name, text in API_TAGS.items()],
         openapi_url="/api/v1/openapi.json",
         docs_url=None,
         redoc_url=None,
     )
     app.add_middleware(ResponseCache)
     app.add_middleware(SecurityMiddleware, settings=settings)
-    for router in (
-        *(api.router, api_robots.router, api_commands.router, api_admin.router, moderation.router),
-        *(tags.router, api_unread.router, api_robots.files),
-    ):
-        app.include_router(router)
+    for module in (forum, robots, commands, moderation, admin, health):
+        app.include_router(module.router)
+    app.include_router(robots.files)
     _add_pages(app)
     _add_errors(app)
     _describe(app, settings)
@@ -101,8 +108,8 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
     """What runs beside the answers, until cancelled. Of several processes one has the duties."""
 
     async def duties(taken_over: bool) -> None:
-        letting_go = api_admin.expire_pictures(parts, EXPIRE_S), retention.keep_pruning(parts)
-        await asyncio.gather(*letting_go, webhooks.run(parts.hub, told, taken_over))
+        pruning = retention.keep_expiring_pictures(parts), retention.keep_pruning(parts)
+        await asyncio.gather(*pruning, webhooks.run(parts.hub, told, taken_over))
 
     if parts.settings.shared:
         peers = Cluster(parts.settings, me, parts.hub, parts.presence, duties)
@@ -187,7 +194,7 @@ def _describe(app: FastAPI, settings: BoardSettings) -> None:
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            document = get_openapi(title=app.title, version=app.version, routes=app.routes)
+            document = get_openapi(title=app.title, version=app.version, routes=app.routes, tags=app.openapi_tags)
             document["paths"] = {k: v for k, v in document["paths"].items() if k.startswith("/api/")}
             components = document.setdefault("components", {})
             components.setdefault("schemas", {})["Problem"] = Problem.model_json_schema()

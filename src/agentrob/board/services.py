@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field
-from typing import cast
+from typing import Annotated, cast
 
+from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from agentrob.board.content.store import Store
@@ -32,3 +33,7 @@ class Services:
 def get_services(request: HTTPConnection) -> Services:
     """The services of the app that handles this request."""
     return cast(Services, request.app.state.services)
+
+
+#: Declares the services as a parameter of an endpoint.
+AppServices = Annotated[Services, Depends(get_services)]

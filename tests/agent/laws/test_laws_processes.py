@@ -42,7 +42,7 @@ async def walking(forum: Forum, driver: Driver, folder: Path) -> AsyncIterator[s
     running = asyncio.create_task(agent.run())
     try:
         await asyncio.wait_for(agent.ready.wait(), 60)
-        content = {"board": "robots", "title": "Walk", "body": f"@{ROBOT} walk forward 4 m, then walk backward 4 m"}
+        content = {"board_id": "robots", "title": "Walk", "body": f"@{ROBOT} walk forward 4 m, then walk backward 4 m"}
         made = await asyncio.to_thread(forum.as_("op", forum.a).post, "/topics", json=content)
         await until(driver, lambda state: state.pose.x_m > 0.5)
         yield str(made.raise_for_status().json()["topic"]["id"])

@@ -147,7 +147,7 @@ async def test_law_7_the_owner_s_settings_let_an_author_approve_alone(
     change(approve="operator", approve_own=True)
     try:
         async with asked(board, driver, tmp_path) as (op, topic, post):
-            rights = (await asyncio.to_thread(op._http.get, f"/robots/{ROBOT}/rights?board=robots")).json()
+            rights = (await asyncio.to_thread(op._http.get, f"/robots/{ROBOT}/rights?board_id=robots")).json()
             assert (rights["approve"], rights["approve_own"]) == ("operator", True)
             own = await asyncio.to_thread(op._http.post, f"/commands/{post}/approve", json={"robot": ROBOT})
             assert own.status_code == 201

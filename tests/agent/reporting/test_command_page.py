@@ -49,7 +49,7 @@ async def test_a_finished_command_has_a_page_with_what_was_asked_and_measured(
             posts = board.client("op").get(f"/topics/{topic}/posts").json()["items"]
             (item,) = await told(board, posts[0]["id"])
     record = item["record"]
-    assert (item["robot"], item["reply"], record["status"]) == (ROBOT, posts[1]["id"], "done")
+    assert (item["robot"], item["reply_id"], record["status"]) == (ROBOT, posts[1]["id"], "done")
     assert record["steps"][0]["asked"]["distance_m"] == 0.5
     assert record["verdict"]["rule"]
     assert record["trace_id"] == posts[1]["card"]["trace_id"]

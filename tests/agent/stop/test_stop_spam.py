@@ -127,7 +127,7 @@ def shout_at_board(board: RunningBoard, name: str, running: str) -> list[httpx2.
         answer: dict[str, Any] = got[-1].json()
         return answer
 
-    topic = send("POST", "/topics", board="robots", title="Mine", body="My own thread")["topic"]["id"]
+    topic = send("POST", "/topics", board_id="robots", title="Mine", body="My own thread")["topic"]["id"]
     for n in range(TIMES):
         match n % 4:
             case 0:
@@ -164,7 +164,7 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
         forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
         async with serving(RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), tmp_path)):
             op = board.client("op")
-            running = op.post("/topics", json={"board": "robots", "title": "Walk", "body": COMMAND}).json()["topic"][
+            running = op.post("/topics", json={"board_id": "robots", "title": "Walk", "body": COMMAND}).json()["topic"][
                 "id"
             ]
             await board_answer(op, running, {"running"})
@@ -172,7 +172,7 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
             answers = await asyncio.gather(*(asyncio.to_thread(shout_at_board, board, name, running) for name in names))
             refused = [answer.text for got in answers for answer in got if answer.status_code not in (200, 201)]
             assert refused == []
-            body = {"board": "robots", "title": "Turn", "body": LATER}
+            body = {"board_id": "robots", "title": "Turn", "body": LATER}
             later = op.post("/topics", json=body).json()["topic"]["id"]
             assert (await board_answer(op, later, FINAL))["card"]["state"] == "done"
             assert (await board_answer(op, running, FINAL))["card"]["state"] == "stopped"
@@ -190,7 +190,7 @@ async def test_law_15_a_board_that_refuses_posts_since_too_many_wait_still_takes
     with running_board(tmp_path) as board:
         client, begun, free = board.client("member"), threading.Event(), threading.Event()
         writer = board.services.store.writer
-        talk = client.post("/topics", json={"board": "robots", "title": "Talk", "body": "Nice weather"}).json()
+        talk = client.post("/topics", json={"board_id": "robots", "title": "Talk", "body": "Nice weather"}).json()
         topic, own = talk["topic"]["id"], talk["post"]["id"]
 
         async def fill() -> None:
@@ -215,7 +215,7 @@ async def test_law_15_a_board_that_refuses_posts_since_too_many_wait_still_takes
             asyncio.create_task(asyncio.to_thread(board.client("op").request, method, path, json=body))
             for method, path, body in (
                 ("POST", f"/topics/{topic}/posts", {"body": "停"}),
-                ("POST", "/topics", {"board": "robots", "title": "Stop", **stop}),
+                ("POST", "/topics", {"board_id": "robots", "title": "Stop", **stop}),
             )
         ]
         sent.append(asyncio.create_task(asyncio.to_thread(client.patch, f"/posts/{own}", json=stop)))

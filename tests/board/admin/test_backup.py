@@ -28,7 +28,7 @@ def fill(board: RunningBoard) -> None:
     """A bit of everything."""
     op, boss = board.client("op"), chief(board)
     image = op.post("/images", files={"file": ("x.jpg", jpeg(33), "image/jpeg")}).json()["id"]
-    body = {"board": "talk", "title": "Ein Titel 机器人", "body": "words \U0001f916", "images": [image]}
+    body = {"board_id": "talk", "title": "Ein Titel 机器人", "body": "words \U0001f916", "images": [image]}
     made = op.post("/topics", json=body, headers={"Idempotency-Key": "k"}).json()
     reply = {"body": "an answer", "reply_to": made["post"]["id"]}
     second = op.post(f"/topics/{made['topic']['id']}/posts", json=reply).json()["post"]["id"]
@@ -48,7 +48,7 @@ def told(board: RunningBoard) -> list[Any]:
     for topic in sorted({e["post"]["topic_id"] for e in events if e["post"]}, key=int)[:2]:
         posts = op.get(f"/topics/{topic}/posts").json()["items"]
         found.append([[p["id"], p["raw"], p["version"], p["removed"], p["created_at"], p["key"]] for p in posts])
-    found.append(op.get("/robots/quadruped/rights", params={"board": "talk"}).json())
+    found.append(op.get("/robots/quadruped/rights", params={"board_id": "talk"}).json())
     for query in ("better", "机器", "Titel"):
         found.append([p["id"] for p in op.get("/search", params={"q": query}).json()["items"]])
         assert len(found[-1]) == 1, query
@@ -73,7 +73,7 @@ def test_a_backup_holds_everything_and_comes_back(tmp_path: Path) -> None:
             "tokens of before are good"
         )
         key = {"Idempotency-Key": "k"} | headers
-        body = {"board": "talk", "title": "x", "body": "y"}
+        body = {"board_id": "talk", "title": "x", "body": "y"}
         again = httpx2.post(board.url + "/api/v1/topics", json=body, headers=key, timeout=60)
         assert (again.status_code, again.json()["post"]["id"]) == (200, "1")
         assert topic_on(board, "talk")[1] == "4", "new ids come after the old ones"

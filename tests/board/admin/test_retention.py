@@ -38,7 +38,7 @@ def at(board: RunningBoard, job: Any, days: float, keep: BoardRetentionConfig = 
 
 def write(board: RunningBoard, times: int, client: str = "op") -> list[dict[str, Any]]:
     op = board.client(client)
-    bodies = [{"board": "talk", "title": "t", "body": f"post {n}"} for n in range(times)]
+    bodies = [{"board_id": "talk", "title": "t", "body": f"post {n}"} for n in range(times)]
     return [op.post("/topics", json=body).json()["post"] for body in bodies]
 
 

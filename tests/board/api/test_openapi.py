@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+
+import httpx2
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, assume, given, settings
@@ -9,6 +12,7 @@ from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 from schemathesis.specs.openapi.checks import positive_data_acceptance
 
+from agentrob.board.events.hub import Hub
 from agentrob.board.server import create_app
 from tests.board.running_board import LIMIT_S, RunningBoard
 
@@ -21,7 +25,7 @@ def document(board: RunningBoard) -> schemathesis.BaseSchema:
     """The document as it is served, and something in the forum that its requests can find."""
     op = board.client("op")
     for n in range(3):
-        op.post("/topics", json={"board": "talk", "title": "t", "body": f"post {n}"})
+        op.post("/topics", json={"board_id": "talk", "title": "t", "body": f"post {n}"})
     board.client("quadruped").put("/robots/quadruped", json={"card": {"model": "go2"}})
     return schemathesis.openapi.from_dict(op.get("/openapi.json").json())
 
@@ -70,6 +74,30 @@ def test_the_document_needs_no_sign_in_and_tells_of_both_ways(board: RunningBoar
     assert set(served["components"]["securitySchemes"]) == {"bearer", "cookie"}
 
 
+def test_every_operation_has_a_readable_id_of_its_own_and_one_documented_tag(board: RunningBoard) -> None:
+    served = board.client().get("/openapi.json").json()
+    operations = [operation for methods in served["paths"].values() for operation in methods.values()]
+    ids = [operation["operationId"] for operation in operations]
+    assert len(set(ids)) == len(ids)
+    assert {"list_topics", "create_post", "approve_command", "deny_command", "stop_robot"} < set(ids)
+    assert all(re.fullmatch(r"[a-z]+(_[a-z]+)+", name) for name in ids)
+    described = {tag["name"] for tag in served["tags"] if tag["description"]}
+    assert {tuple(operation["tags"]) for operation in operations} == {(name,) for name in described}
+
+
+def test_healthz_needs_no_sign_in_and_is_answered_under_any_host_name(board: RunningBoard) -> None:
+    answer = httpx2.get(f"{board.url}/healthz", headers={"Host": "10.0.0.7:8000"})
+    assert (answer.status_code, answer.json()) == (200, {"status": "ok"})
+
+
+def test_healthz_is_503_when_a_stop_could_not_be_delivered(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Hub, "hears", False)
+    answer = board.browser().get("/healthz")
+    assert (answer.status_code, answer.headers["retry-after"]) == (503, "1")
+
+
 @pytest.mark.parametrize(("method", "path"), [("PUT", "/boards"), ("POST", "/me"), ("DELETE", "/topics")])
 def test_other_methods_are_405_and_say_what_is_allowed(board: RunningBoard, method: str, path: str) -> None:
     answer = board.client("op").request(method, path)
@@ -87,6 +115,6 @@ def test_a_body_that_cannot_be_read_is_a_problem(board: RunningBoard, content: b
 
 
 def test_a_wrong_value_is_named_but_not_repeated(board: RunningBoard) -> None:
-    answer = board.client("op").post("/topics", json={"board": "talk", "title": 5, "body": "x", "secret": "hunter2"})
+    answer = board.client("op").post("/topics", json={"board_id": "talk", "title": 5, "body": "x", "secret": "hunter2"})
     assert "body.title" in answer.json()["detail"]
     assert "hunter2" not in answer.text

@@ -14,7 +14,7 @@ from tests.board.running_board import RunningBoard
 
 
 def new_topic(client: httpx2.Client, body: str = "hello", **fields: object) -> dict:
-    answer = client.post("/topics", json={"board": "robots", "title": "A topic", "body": body, **fields})
+    answer = client.post("/topics", json={"board_id": "robots", "title": "A topic", "body": body, **fields})
     assert answer.status_code == 201, answer.text
     return answer.json()
 
@@ -74,7 +74,7 @@ def test_a_key_used_by_many_at_once_is_one_post(board: RunningBoard) -> None:
 
 def test_a_topic_key_used_before_gives_the_old_topic(board: RunningBoard) -> None:
     op, key = board.client("op"), {"Idempotency-Key": "topic-key"}
-    fields = {"board": "talk", "title": "Once", "body": "x"}
+    fields = {"board_id": "talk", "title": "Once", "body": "x"}
     first = op.post("/topics", json=fields, headers=key)
     second = op.post("/topics", json=fields, headers=key)
     assert second.status_code == 200
@@ -163,7 +163,7 @@ def test_the_page_of_a_post_is_found(board: RunningBoard) -> None:
 
 def test_topics_come_by_latest_activity(board: RunningBoard) -> None:
     op = board.client("op")
-    first, second = (new_topic(op, board="talk")["topic"]["id"] for _ in range(2))
+    first, second = (new_topic(op, board_id="talk")["topic"]["id"] for _ in range(2))
     op.post(f"/topics/{first}/posts", json={"body": "up"})
     page = op.get("/boards/talk/topics", params={"limit": 1}).json()
     after = op.get("/boards/talk/topics", params={"limit": 1, "cursor": page["next"]}).json()
@@ -217,7 +217,7 @@ def test_what_is_not_there_is_a_404_that_helps(board: RunningBoard, path: str, c
 
 
 def test_a_missing_board_names_those_that_are_there(board: RunningBoard) -> None:
-    answer = board.client("op").post("/topics", json={"board": "nope", "title": "x", "body": "y"})
+    answer = board.client("op").post("/topics", json={"board_id": "nope", "title": "x", "body": "y"})
     assert answer.json()["hint"] == "there are: robots, talk"
 
 
@@ -241,12 +241,12 @@ def test_a_body_without_length_cannot_be_endless(board: RunningBoard) -> None:
 
 @pytest.mark.parametrize("body", ["", " \n\t", "a\x00b"])
 def test_posts_without_anything_to_read_are_refused(board: RunningBoard, body: str) -> None:
-    answer = board.client("op").post("/topics", json={"board": "talk", "title": "x", "body": body})
+    answer = board.client("op").post("/topics", json={"board_id": "talk", "title": "x", "body": body})
     assert (answer.status_code, answer.json()["code"]) == (422, "not_valid")
 
 
 def test_a_lone_surrogate_is_refused(board: RunningBoard) -> None:
-    raw = b'{"board": "talk", "title": "x", "body": "\\ud800"}'
+    raw = b'{"board_id": "talk", "title": "x", "body": "\\ud800"}'
     answer = board.client("op").post("/topics", content=raw, headers={"Content-Type": "application/json"})
     assert answer.status_code == 422
 
@@ -255,7 +255,7 @@ def test_a_lone_surrogate_is_refused(board: RunningBoard) -> None:
 @given(body=st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=200))
 def test_what_is_posted_comes_back_unchanged(board: RunningBoard, body: str) -> None:
     op = board.client("op")
-    answer = op.post("/topics", json={"board": "talk", "title": "t", "body": body})
+    answer = op.post("/topics", json={"board_id": "talk", "title": "t", "body": body})
     if answer.status_code == 201:
         assert answer.json()["post"]["raw"] == body
     else:

@@ -42,7 +42,7 @@ def test_public_read_opens_reading_only(fresh_board: Callable[..., RunningBoard]
     assert anybody.get("/boards").status_code == 200
     assert anybody.get("/posts", params={"key": "x"}).json() == {"items": []}
     assert anybody.post("/robots/quadruped/stop").status_code == 401
-    assert anybody.post("/topics", json={"board": "talk", "title": "x", "body": "y"}).status_code == 401
+    assert anybody.post("/topics", json={"board_id": "talk", "title": "x", "body": "y"}).status_code == 401
 
 
 @pytest.mark.parametrize("header", ["Bearer wrong", "Bearer", "Basic b3A6", "", "Bearer \xff"])
@@ -98,7 +98,7 @@ def test_revoked_tokens_open_nothing_and_other_tokens_stay(board: RunningBoard) 
 def test_a_cookie_needs_the_csrf_token_to_write(board: RunningBoard) -> None:
     browser = board.browser("op")
     (secret,) = browser.cookies.jar
-    fields = {"board": "talk", "title": "x", "body": "y"}
+    fields = {"board_id": "talk", "title": "x", "body": "y"}
     path = "/api/v1/topics"
     assert browser.get("/api/v1/me").json()["name"] == "op"
     assert browser.post(path, json=fields).json()["code"] == "bad_csrf"
@@ -109,7 +109,7 @@ def test_a_cookie_needs_the_csrf_token_to_write(board: RunningBoard) -> None:
 
 def test_a_token_needs_no_csrf_token_but_must_be_right(board: RunningBoard) -> None:
     client = board.client("op")
-    assert client.post("/topics", json={"board": "talk", "title": "x", "body": "y"}).status_code == 201
+    assert client.post("/topics", json={"board_id": "talk", "title": "x", "body": "y"}).status_code == 201
 
 
 @pytest.mark.parametrize(

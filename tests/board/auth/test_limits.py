@@ -39,7 +39,9 @@ def check_too_many(answer: httpx2.Response, code: str) -> None:
 
 def test_commands_and_posts_per_hour_are_bounded_and_a_stop_is_not(strict: RunningBoard) -> None:
     op = strict.client("op")
-    topic = op.post("/topics", json={"board": "robots", "title": "t", "body": "@quadruped wave"}).json()["topic"]["id"]
+    topic = op.post("/topics", json={"board_id": "robots", "title": "t", "body": "@quadruped wave"}).json()["topic"][
+        "id"
+    ]
     say: Callable[[str], httpx2.Response] = lambda body: op.post(f"/topics/{topic}/posts", json={"body": body})  # noqa: E731
     assert say("@quadruped wave again").status_code == 201
     check_too_many(say("@quadruped and again"), "too_many_commands")
@@ -47,7 +49,7 @@ def test_commands_and_posts_per_hour_are_bounded_and_a_stop_is_not(strict: Runni
     for n in range(3):
         assert say(f"words {n}").status_code == 201
     check_too_many(say("more words"), "too_many_posts")
-    check_too_many(op.post("/topics", json={"board": "talk", "title": "t", "body": "b"}), "too_many_posts")
+    check_too_many(op.post("/topics", json={"board_id": "talk", "title": "t", "body": "b"}), "too_many_posts")
     for stop in ("@quadruped stop", "stop", "停"):
         assert say(stop).status_code == 201
     assert op.post("/robots/quadruped/stop").status_code == 200
@@ -63,11 +65,11 @@ def test_a_robot_s_own_posts_are_not_counted(strict: RunningBoard) -> None:
 def test_a_key_used_before_is_answered_beyond_the_limit_too(strict: RunningBoard) -> None:
     strict.add("repeater")
     client, key = strict.client("repeater"), {"Idempotency-Key": "once"}
-    first = client.post("/topics", json={"board": "talk", "title": "t", "body": "0"}, headers=key).json()
+    first = client.post("/topics", json={"board_id": "talk", "title": "t", "body": "0"}, headers=key).json()
     for n in range(5):
-        client.post("/topics", json={"board": "talk", "title": "t", "body": str(n)}).raise_for_status()
-    assert client.post("/topics", json={"board": "talk", "title": "t", "body": "x"}).status_code == 429
-    again = client.post("/topics", json={"board": "talk", "title": "t", "body": "0"}, headers=key)
+        client.post("/topics", json={"board_id": "talk", "title": "t", "body": str(n)}).raise_for_status()
+    assert client.post("/topics", json={"board_id": "talk", "title": "t", "body": "x"}).status_code == 429
+    again = client.post("/topics", json={"board_id": "talk", "title": "t", "body": "0"}, headers=key)
     assert (again.status_code, again.json()["post"]["id"]) == (200, first["post"]["id"])
 
 
@@ -102,7 +104,7 @@ def test_edits_and_choices_of_tags_are_bounded_together_and_an_edit_into_a_stop_
 
 def test_a_robot_s_own_edits_are_not_counted(strict: RunningBoard) -> None:
     robot = strict.client("quadruped")
-    made = robot.post("/topics", json={"board": "talk", "title": "t", "body": "b"}).json()["post"]["id"]
+    made = robot.post("/topics", json={"board_id": "talk", "title": "t", "body": "b"}).json()["post"]["id"]
     assert {robot.patch(f"/posts/{made}", json={"body": f"{n}"}).status_code for n in range(8)} == {200}
 
 
@@ -138,7 +140,7 @@ def test_the_page_says_the_limit_and_keeps_the_text(strict: RunningBoard) -> Non
     strict.add("writer")
     browser = strict.browser("writer")
     for n in range(6):
-        strict.client("writer").post("/topics", json={"board": "talk", "title": "t", "body": str(n)})
+        strict.client("writer").post("/topics", json={"board_id": "talk", "title": "t", "body": str(n)})
     (secret,) = [c.value for c in browser.cookies.jar]
     form = {"csrf": access.csrf_token(str(secret)), "title": "t", "body": "my long text", "key": "k"}
     page = browser.post("/b/talk/new", data=form)
@@ -172,7 +174,7 @@ def test_what_is_hidden_is_hidden_from_all_and_kept_for_moderators(board: Runnin
 
 
 def test_what_its_author_took_away_is_not_shown_again(board: RunningBoard) -> None:
-    made = board.client("op").post("/topics", json={"board": "talk", "title": "t", "body": "b"}).json()["post"]["id"]
+    made = board.client("op").post("/topics", json={"board_id": "talk", "title": "t", "body": "b"}).json()["post"]["id"]
     board.client("op").delete(f"/posts/{made}").raise_for_status()
     assert chief(board).post(f"/posts/{made}/show", json={}).json()["code"] == "removed"
 
@@ -193,10 +195,10 @@ def test_a_locked_topic_takes_only_stops_robots_and_moderators(board: RunningBoa
 
 def test_a_moved_topic_is_on_its_new_board_with_all_its_posts(board: RunningBoard) -> None:
     topic, post = topic_on(board, "talk")
-    moved = chief(board).post(f"/topics/{topic}/move", json={"board": "robots", "reason": "belongs there"})
-    assert moved.json()["board"] == "robots"
+    moved = chief(board).post(f"/topics/{topic}/move", json={"board_id": "robots", "reason": "belongs there"})
+    assert moved.json()["board_id"] == "robots"
     assert board.client("op").get(f"/posts/{post}").json()["board_id"] == "robots"
-    assert chief(board).post(f"/topics/{topic}/move", json={"board": "nowhere"}).status_code == 404
+    assert chief(board).post(f"/topics/{topic}/move", json={"board_id": "nowhere"}).status_code == 404
 
 
 def test_everything_is_in_the_log(board: RunningBoard) -> None:
@@ -204,7 +206,7 @@ def test_everything_is_in_the_log(board: RunningBoard) -> None:
     boss = chief(board)
     boss.post(f"/posts/{post}/hide", json={"reason": "because"})
     boss.post(f"/topics/{topic}/lock", json={"locked": True})
-    boss.post(f"/topics/{topic}/move", json={"board": "robots"})
+    boss.post(f"/topics/{topic}/move", json={"board_id": "robots"})
     boss.patch("/admin/accounts/member", json={"role": "operator"})
     boss.patch("/admin/accounts/member", json={"role": "member"})
     found = boss.get("/admin/audit", params={"limit": 5}).json()
@@ -230,7 +232,7 @@ def test_erasing_leaves_no_word_and_no_picture_of_a_person(board: RunningBoard) 
         "/images", files={"file": ("x.jpg", jpeg(shade), "image/jpeg")}
     ).json()["id"]
     mine, shared, theirs = send(client, 11), send(client, 12), send(other, 12)
-    body = {"board": "talk", "title": "My private title", "body": "my private words", "images": [mine, shared]}
+    body = {"board_id": "talk", "title": "My private title", "body": "my private words", "images": [mine, shared]}
     made = client.post("/topics", json=body).json()
     topic, post = made["topic"]["id"], made["post"]["id"]
     client.patch(f"/posts/{post}", json={"body": "my later words"}).raise_for_status()

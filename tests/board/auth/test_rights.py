@@ -47,7 +47,7 @@ def topic_on(board: RunningBoard, where: str, body: str = "words") -> tuple[str,
         board.have("author", role=Role.ADMIN)
     made = (
         board.client("author")
-        .post("/topics", json={"board": where, "title": f"About {body}"[:100], "body": body})
+        .post("/topics", json={"board_id": where, "title": f"About {body}"[:100], "body": body})
         .json()
     )
     return made["topic"]["id"], made["post"]["id"]
@@ -91,7 +91,8 @@ def test_law_15_whoever_may_look_may_post_a_stop_and_nothing_else(board: Running
         assert client.post(f"/topics/{topic}/posts", json={"body": "hello"}).status_code == words
         assert client.post(f"/topics/{topic}/posts", json={"body": "@quadruped stop!"}).status_code == 201
     assert (
-        somebody(board, "guest").post("/topics", json={"board": "talk", "title": "x", "body": "y"}).status_code == 403
+        somebody(board, "guest").post("/topics", json={"board_id": "talk", "title": "x", "body": "y"}).status_code
+        == 403
     )
 
 
@@ -154,10 +155,10 @@ def test_a_robot_s_rights_are_told_to_its_agent(board: RunningBoard) -> None:
     board.add("keeper", role=Role.OPERATOR)
     told = {"owner": "keeper", "command": {"risky": "owner"}, "approval": ["move"], "release": "nobody"}
     assert boss.patch("/admin/robots/quadruped", json=told).status_code == 200
-    found = board.client("quadruped").get("/robots/quadruped/rights", params={"board": "robots"}).json()
+    found = board.client("quadruped").get("/robots/quadruped/rights", params={"board_id": "robots"}).json()
     assert found["owner"] == "keeper"
     assert found["command"] == {"photo": "operator", "gesture": "operator", "move": "operator", "risky": "owner"}
-    assert (found["approval"], found["release"], found["board"]) == (["move"], "nobody", "operator")
+    assert (found["approval"], found["release"], found["command_role"]) == (["move"], "nobody", "operator")
     assert board.client("keeper").patch("/admin/robots/quadruped", json={"approval": []}).status_code == 200
     assert board.client("keeper").patch("/admin/robots/quadruped", json={"owner": "op"}).status_code == 403
     assert board.client("op").patch("/admin/robots/quadruped", json={"approval": []}).status_code == 403

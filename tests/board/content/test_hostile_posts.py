@@ -158,7 +158,7 @@ def test_law_15_a_stop_does_not_wait_for_hostile_posts(under_fire: tuple[Running
     op, robot = board.client("op"), board.client("quadruped")
     topic = post_topic(op)["topic"]["id"]
     took_s = []
-    with stream(robot, topic=topic) as of_topic, stream(robot, heartbeat=0.25) as of_all:
+    with stream(robot, topic_id=topic) as of_topic, stream(robot, heartbeat=0.25) as of_all:
         for n in range(5):
             begun_s = time.monotonic()
             op.post(f"/topics/{topic}/posts", json={"body": f"@quadruped stop{'!' * n}"}).raise_for_status()
@@ -192,7 +192,7 @@ def test_law_15_a_stop_is_written_before_all_that_waits(fresh_board: Callable[..
         hold.set()
         await asyncio.gather(*waiting)
 
-    with stream(board.client("quadruped"), topic=topic) as events, ThreadPoolExecutor(1) as pool:
+    with stream(board.client("quadruped"), topic_id=topic) as events, ThreadPoolExecutor(1) as pool:
         blocked = pool.submit(board.run, store.do(block))
         assert held.wait(LIMIT_S)
         board.run(say())
@@ -251,7 +251,7 @@ def strict(fresh_board: Callable[..., RunningBoard]) -> RunningBoard:
 def test_law_15_a_guest_stops_by_a_topic_and_writes_nothing_else(strict: RunningBoard) -> None:
     strict.add("guest", role=Role.GUEST)
     guest = strict.client("guest")
-    topic = {"board": "robots", "title": "Buy this", "tags": ["cheap"]}
+    topic = {"board_id": "robots", "title": "Buy this", "tags": ["cheap"]}
     for body in (STOP_AND_MORE, "stop and buy", "stop ![](http://a/b)"):
         assert guest.post("/topics", json=topic | {"body": body}).json()["code"] == "board_role"
     for _ in range(5):
@@ -264,7 +264,7 @@ def test_law_15_a_guest_stops_by_a_topic_and_writes_nothing_else(strict: Running
 
 
 def test_law_15_beyond_the_limit_only_a_stop_is_taken(strict: RunningBoard) -> None:
-    op, topic = strict.client("op"), {"board": "robots", "title": "Mine", "body": "words"}
+    op, topic = strict.client("op"), {"board_id": "robots", "title": "Mine", "body": "words"}
     made = [op.post("/topics", json=topic).json() for _ in range(3)]
     for body in (STOP_AND_MORE, "stop " * 100):
         assert op.post("/topics", json=topic | {"body": body}).json()["code"] == "too_many_posts"
@@ -287,5 +287,5 @@ def test_law_15_in_a_locked_topic_only_a_stop_is_taken(fresh_board: Callable[...
 
 def test_a_stop_within_what_its_author_may_do_keeps_its_title(board: RunningBoard) -> None:
     op = board.client("op")
-    made = op.post("/topics", json={"board": "robots", "title": "It falls", "body": "@quadruped stop"}).json()
+    made = op.post("/topics", json={"board_id": "robots", "title": "It falls", "body": "@quadruped stop"}).json()
     assert made["topic"]["title"] == "It falls"

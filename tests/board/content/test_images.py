@@ -27,7 +27,7 @@ def posted(board: RunningBoard, who: str, data: bytes) -> str:
     client = board.client(who)
     image = client.post("/images", files={"file": ("x", data, "application/octet-stream")})
     image.raise_for_status()
-    body = {"board": "talk", "title": "A picture", "body": "look", "images": [image.json()["id"]]}
+    body = {"board_id": "talk", "title": "A picture", "body": "look", "images": [image.json()["id"]]}
     client.post("/topics", json=body).raise_for_status()
     return str(image.json()["id"])
 

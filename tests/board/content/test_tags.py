@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from sqlalchemy import func, select, text
 
 from agentrob.board.admin import local_admin
-from agentrob.board.api.admin import erase_content
+from agentrob.board.admin.moderation import erase_content
 from agentrob.board.content import tags, unread
 from agentrob.board.db import schema as db
 from agentrob.board.db.database import migrate, open_engine
@@ -37,7 +37,7 @@ def program(board: RunningBoard, name: str) -> httpx2.Client:
 
 
 def topic(board: RunningBoard, by: str = "op", where: str = "talk", **fields: Any) -> dict[str, Any]:
-    new = {"board": where, "title": "A topic", "body": "words"} | fields
+    new = {"board_id": where, "title": "A topic", "body": "words"} | fields
     answer = program(board, by).post("/topics", json=new)
     assert answer.status_code == 201, answer.text
     made: dict[str, Any] = answer.json()["topic"]

@@ -24,7 +24,7 @@ def newcomer(board: RunningBoard, request: pytest.FixtureRequest) -> httpx2.Clie
 
 
 def topic_on(board: RunningBoard, where: str, by: str = "op") -> tuple[str, str]:
-    made = program(board, by).post("/topics", json={"board": where, "title": "t", "body": "words"}).json()
+    made = program(board, by).post("/topics", json={"board_id": where, "title": "t", "body": "words"}).json()
     return made["topic"]["id"], made["post"]["id"]
 
 
@@ -36,7 +36,7 @@ def more(board: RunningBoard, topic: str, by: str = "op") -> str:
 def new(client: httpx2.Client, **asked: Any) -> dict[str, tuple[int, str]]:
     """By topic: how many are new, and the first of them."""
     page = client.get("/unread", params=asked).raise_for_status().json()
-    return {item["topic"]["id"]: (item["new"], item["first"]) for item in page["items"]}
+    return {item["topic"]["id"]: (item["new"], item["first_post_id"]) for item in page["items"]}
 
 
 def test_what_others_wrote_is_unread_by_topic_and_by_board(board: RunningBoard, newcomer: httpx2.Client) -> None:
@@ -46,11 +46,11 @@ def test_what_others_wrote_is_unread_by_topic_and_by_board(board: RunningBoard, 
     newcomer.post(f"/topics/{robots}/posts", json={"body": "mine"}).raise_for_status()
     assert new(newcomer) == {robots: (1, asked), talk: (2, first)}
     assert list(new(newcomer)) == [robots, talk], "latest activity first"
-    assert new(newcomer, board="talk") == {talk: (2, first)}
+    assert new(newcomer, board_id="talk") == {talk: (2, first)}
     page = newcomer.get("/unread", params={"limit": 1}).json()
     assert [item["topic"]["id"] for item in page["items"]] == [robots]
     assert list(new(newcomer, cursor=page["next"])) == [talk]
-    assert newcomer.get("/unread", params={"board": "nowhere"}).status_code == 404
+    assert newcomer.get("/unread", params={"board_id": "nowhere"}).status_code == 404
 
 
 def test_a_topic_is_read_up_to_a_post_and_never_less(board: RunningBoard, newcomer: httpx2.Client) -> None:
@@ -62,11 +62,11 @@ def test_a_topic_is_read_up_to_a_post_and_never_less(board: RunningBoard, newcom
         return answer
 
     answer = read(up_to=first)
-    assert (answer["topic"]["id"], answer["new"], answer["first"]) == (topic, 2, second)
+    assert (answer["topic"]["id"], answer["new"], answer["first_post_id"]) == (topic, 2, second)
     assert new(newcomer) == {topic: (2, second)}
-    assert read(up_to=second)["first"] == third
-    assert read(up_to=first)["first"] == third, "never less than before"
-    assert (read()["new"], read()["first"], new(newcomer)) == (0, None, {})
+    assert read(up_to=second)["first_post_id"] == third
+    assert read(up_to=first)["first_post_id"] == third, "never less than before"
+    assert (read()["new"], read()["first_post_id"], new(newcomer)) == (0, None, {})
     assert read(up_to="9" * 18)["new"] == 0
     later = more(board, topic)
     assert new(newcomer) == {topic: (1, later)}, "a number of the future hides nothing"
@@ -78,10 +78,10 @@ def test_a_board_or_everything_is_read_as_the_page_that_was_seen(board: RunningB
     up_to = newcomer.get("/unread").json()["up_to"]
     later = more(board, talk)
     assert new(newcomer)[talk][0] == 2
-    still = newcomer.put("/unread", json={"up_to": up_to, "board": "talk"}).raise_for_status().json()
-    assert [(item["topic"]["id"], item["first"]) for item in still["items"]] == [(talk, later)]
+    still = newcomer.put("/unread", json={"up_to": up_to, "board_id": "talk"}).raise_for_status().json()
+    assert [(item["topic"]["id"], item["first_post_id"]) for item in still["items"]] == [(talk, later)]
     assert new(newcomer) == {talk: (1, later), robots: (1, asked)}
-    newcomer.put("/unread", json={"up_to": still["up_to"], "board": "talk"}).raise_for_status()
+    newcomer.put("/unread", json={"up_to": still["up_to"], "board_id": "talk"}).raise_for_status()
     assert new(newcomer) == {robots: (1, asked)}
     newcomer.put("/unread", json={"up_to": "0"}).raise_for_status()
     assert new(newcomer) == {robots: (1, asked)}
@@ -125,10 +125,10 @@ def test_what_may_not_be_read_is_neither_told_nor_marked(board: RunningBoard, ne
     where = new_board(board, "closed-unread", read_role="operator", post_role="operator")
     topic, _ = topic_on(board, where)
     assert new(newcomer) == {}
-    assert newcomer.get("/unread", params={"board": where}).status_code == 404
-    assert newcomer.put("/unread", json={"up_to": "0", "board": where}).status_code == 404
+    assert newcomer.get("/unread", params={"board_id": where}).status_code == 404
+    assert newcomer.put("/unread", json={"up_to": "0", "board_id": where}).status_code == 404
     assert newcomer.put(f"/topics/{topic}/read", json={}).status_code == 404
-    assert list(new(chief(board), board=where)) == [topic]
+    assert list(new(chief(board), board_id=where)) == [topic]
 
 
 def test_a_token_that_only_reads_says_what_was_read_and_a_browser_needs_its_csrf_token(board: RunningBoard) -> None:

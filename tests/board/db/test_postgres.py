@@ -109,7 +109,8 @@ def test_a_forum_moves_from_sqlite_to_postgresql_and_back_with_all_it_has(server
     with running_board(tmp_path / "there", database=there.database) as board:
         assert told(board) == before
         assert (
-            board.client("op").post("/topics", json={"board": "talk", "title": "t", "body": "new"}).status_code == 201
+            board.client("op").post("/topics", json={"board_id": "talk", "title": "t", "body": "new"}).status_code
+            == 201
         )
         backup.backup(board.settings, tmp_path / "two")
     back = replace(BoardSettings.from_config(BoardConfig(), tmp_path / "back"))

@@ -32,7 +32,7 @@ from agentrob.errors import BoardError
 from agentrob.model import AccountKind, Role
 from tests.board.running_board import LIMIT_S, RunningBoard, running_board
 
-TOPIC = {"board": "talk", "title": "t", "body": "b"}
+TOPIC = {"board_id": "talk", "title": "t", "body": "b"}
 
 
 @pytest.fixture

@@ -299,7 +299,7 @@ def test_no_picture_stays_in_the_database_when_it_is_not_live(forum: Forum) -> N
 def test_a_picture_of_a_post_on_one_is_shown_by_the_other(forum: Forum) -> None:
     op = forum.as_("op", forum.a)
     image = op.post("/images", files={"file": ("x.jpg", jpeg(7), "image/jpeg")}).json()["id"]
-    op.post("/topics", json={"board": "talk", "title": "t", "body": "see", "images": [image]}).raise_for_status()
+    op.post("/topics", json={"board_id": "talk", "title": "t", "body": "see", "images": [image]}).raise_for_status()
     headers = {"Authorization": f"Bearer {forum.tokens['member']}"}
     got = [httpx2.get(f"{p.url}/images/{image}", headers=headers, timeout=60) for p in forum.processes]
     assert [g.status_code for g in got] == [200, 200]

@@ -26,7 +26,7 @@ from tests.board.running_board import LIMIT_S, RunningBoard, running_board
 
 
 def post_topic(client: httpx2.Client, body: str = "hello") -> dict:
-    return client.post("/topics", json={"board": "talk", "title": "t", "body": body}).json()
+    return client.post("/topics", json={"board_id": "talk", "title": "t", "body": body}).json()
 
 
 def now(client: httpx2.Client) -> str:
@@ -161,17 +161,17 @@ def test_a_stream_of_one_topic_tells_of_that_topic_only(board: RunningBoard) -> 
     start = now(op)
     op.post("/robots/quadruped/stop")
     post_topic(op, "elsewhere")
-    with stream(op, topic=topic, after=start) as events:
+    with stream(op, topic_id=topic, after=start) as events:
         post_topic(op, "elsewhere again")
         op.post(f"/topics/{topic}/posts", json={"body": "here"})
         assert until(events, 1)[0]["data"]["post"]["raw"] == "here"
-    assert op.get("/events", params={"topic": "99999"}).status_code == 404
+    assert op.get("/events", params={"topic_id": "99999"}).status_code == 404
 
 
 def test_keys_in_events_are_shown_to_their_owner_only(board: RunningBoard) -> None:
     op = board.client("op")
     with stream(op) as mine, stream(board.client("member")) as others:
-        fields = {"board": "talk", "title": "t", "body": "b"}
+        fields = {"board_id": "talk", "title": "t", "body": "b"}
         op.post("/topics", json=fields, headers={"Idempotency-Key": "own-key"})
         assert until(mine, 1)[0]["data"]["post"]["key"] == "own-key"
         assert until(others, 1)[0]["data"]["post"]["key"] is None

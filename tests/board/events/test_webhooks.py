@@ -58,7 +58,9 @@ def board_that_tells(folder: Path, url: str, monkeypatch: pytest.MonkeyPatch) ->
 def test_what_is_written_is_told_signed_by_its_ids_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with receiver(200) as (url, got), board_that_tells(tmp_path, url, monkeypatch) as board:
         op = board.client("op")
-        wrote = op.post("/topics", json={"board": "robots", "title": "T", "body": "@quadruped a private word"}).json()
+        wrote = op.post(
+            "/topics", json={"board_id": "robots", "title": "T", "body": "@quadruped a private word"}
+        ).json()
         headers, body = got.get(timeout=LIMIT_S)
         op.post("/robots/quadruped/stop")
         _, stop = got.get(timeout=LIMIT_S)
@@ -73,7 +75,7 @@ def test_what_is_written_is_told_signed_by_its_ids_only(tmp_path: Path, monkeypa
 def test_what_is_not_taken_is_sent_again_under_the_same_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(webhooks, "PAUSES_S", (0.01, 0.01))
     with receiver(500, 204) as (url, got), board_that_tells(tmp_path, url, monkeypatch) as board:
-        board.client("op").post("/topics", json={"board": "robots", "title": "T", "body": "hello"})
+        board.client("op").post("/topics", json={"board_id": "robots", "title": "T", "body": "hello"})
         (first, body), (second, again) = got.get(timeout=LIMIT_S), got.get(timeout=LIMIT_S)
     assert body == again
     assert first["webhook-id"] == second["webhook-id"]
@@ -83,7 +85,7 @@ def test_a_receiver_that_is_gone_holds_nobody_up(tmp_path: Path, monkeypatch: py
     with board_that_tells(tmp_path, "http://127.0.0.1:9/hook", monkeypatch) as board:
         op = board.client("op")
         for n in range(3):
-            answer = op.post("/topics", json={"board": "robots", "title": f"T{n}", "body": "hello"})
+            answer = op.post("/topics", json={"board_id": "robots", "title": f"T{n}", "body": "hello"})
             assert answer.status_code == 201
 
 

@@ -15,7 +15,9 @@ BUTTON = 'value="approve"'
 
 def waiting(board: RunningBoard, **more: str) -> tuple[str, str, str]:
     """A command of op's that the robot waits with, `more` on its card: topic, post, status."""
-    made = board.client("op").post("/topics", json={"board": "robots", "title": "t", "body": "@quadruped flip"}).json()
+    made = (
+        board.client("op").post("/topics", json={"board_id": "robots", "title": "t", "body": "@quadruped flip"}).json()
+    )
     topic, post = made["topic"]["id"], made["post"]["id"]
     card = {"robot": "quadruped", "state": "waiting"} | more
     told = {"body": "This waits for an approval.", "reply_to": post, "card": card}
@@ -47,6 +49,19 @@ def test_approving_stands_in_the_thread_for_those_who_may_until_it_was_done(boar
     assert (said["raw"], said["reply_to"], said["author"]["name"]) == ("@quadruped approve", post, "admin")
     for gone in (path, f"/c/{post}", f"/p/{status}/fragment"):
         assert BUTTON not in chief.get(gone).text, "it is decided, though its agent has not said so yet"
+
+
+@pytest.mark.parametrize("decision", ["approve", "deny"])
+def test_approving_and_denying_are_two_calls_of_the_api_that_write_the_same_reply(
+    board: RunningBoard, decision: str
+) -> None:
+    topic, post, _ = waiting(board)
+    path, body = f"/commands/{post}/{decision}", {"robot": "quadruped"}
+    assert board.client("op").post(path, json=body).status_code == 403, "op asked for it"
+    chief, key = board.client("admin"), {"Idempotency-Key": decision}
+    assert [chief.post(path, json=body, headers=key).status_code for _ in range(2)] == [201, 200]
+    said = board.client("op").get(f"/topics/{topic}/posts").json()["items"][2:]
+    assert [(p["raw"], p["reply_to"], p["author"]["name"]) for p in said] == [(f"@quadruped {decision}", post, "admin")]
 
 
 def test_until_when_it_may_be_approved_is_shown_as_a_time_of_the_reader_s_zone(board: RunningBoard) -> None:
@@ -125,7 +140,9 @@ def test_reading_a_thread_clears_its_notifications(board: RunningBoard) -> None:
     browser = board.browser("reading")
     topics = []
     for _ in range(2):
-        made = board.client("op").post("/topics", json={"board": "talk", "title": "t", "body": "@reading look"}).json()
+        made = (
+            board.client("op").post("/topics", json={"board_id": "talk", "title": "t", "body": "@reading look"}).json()
+        )
         topics.append(made["topic"]["id"])
     count = lambda: len(board.client("reading").get("/notifications").json()["items"])  # noqa: E731
     fresh = lambda: [n["read"] for n in board.client("reading").get("/notifications").json()["items"]]  # noqa: E731

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from sqlalchemy import text
 
-from agentrob.board.api.admin import erase_content
+from agentrob.board.admin.moderation import erase_content
 from agentrob.board.db.database import open_engine
 from agentrob.board.db.records import Post
 from agentrob.board.robots.command_view import command_view
@@ -55,7 +55,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 
 def asked(world: World) -> tuple[str, str]:
-    body = {"board": "robots", "title": "Go", "body": "@quadruped walk forward 2 m"}
+    body = {"board_id": "robots", "title": "Go", "body": "@quadruped walk forward 2 m"}
     made = world.api("alice").post("/topics", json=body).json()
     return made["topic"]["id"], made["post"]["id"]
 
@@ -67,7 +67,7 @@ def told(world: World, topic: str, command: str, pictures: int = 2) -> str:
     ]
     reply = {"body": "Failed.", "reply_to": command, "images": shown, "card": RUNNING | {"state": "failed"}}
     made = robot.post(f"/topics/{topic}/posts", json=reply).json()["post"]["id"]
-    robot.put(f"/commands/{command}", json={"reply": made, "record": RECORD}).raise_for_status()
+    robot.put(f"/commands/{command}", json={"reply_id": made, "record": RECORD}).raise_for_status()
     return str(made)
 
 
@@ -91,7 +91,7 @@ def test_the_page_of_a_command_shows_what_decided_and_what_was_measured(world: W
     assert f'href="/p/{reply}"' in page
     assert f'href="/c/{command}"' in world.browser("bob").get(f"/p/{reply}").text
     items = world.api("bob").get(f"/commands/{command}").json()["items"]
-    assert [(i["robot"], i["reply"], i["record"]) for i in items] == [("quadruped", reply, RECORD)]
+    assert [(i["robot"], i["reply_id"], i["record"]) for i in items] == [("quadruped", reply, RECORD)]
     assert items[0]["url"] == f"{world.base}/c/{command}"
 
 
@@ -118,12 +118,14 @@ def test_a_record_can_be_sent_again_and_only_by_a_robot_of_its_own_answer(world:
     topic, command = asked(world)
     reply = told(world, topic, command)
     robot = world.api("quadruped")
-    robot.put(f"/commands/{command}", json={"reply": reply, "record": RECORD | {"status": "done"}}).raise_for_status()
+    robot.put(
+        f"/commands/{command}", json={"reply_id": reply, "record": RECORD | {"status": "done"}}
+    ).raise_for_status()
     items = world.api("bob").get(f"/commands/{command}").json()["items"]
     assert [i["record"]["status"] for i in items] == ["done"]
     answers = [
         world.api("alice").put(f"/commands/{command}", json={"record": RECORD}),
-        robot.put(f"/commands/{command}", json={"reply": command, "record": RECORD}),
+        robot.put(f"/commands/{command}", json={"reply_id": command, "record": RECORD}),
         robot.put("/commands/999999", json={"record": RECORD}),
         robot.put(f"/commands/{command}", json={"record": {"a": "x" * 70_000}}),
         robot.put(f"/commands/{command}", json={"record": {"a": 2**60}}),
@@ -171,7 +173,7 @@ def test_erasing_an_account_deletes_the_records_of_its_commands(world: World, wh
     world.board.add(name, kind=AccountKind.HUMAN if whose == "who asked" else AccountKind.ROBOT_AGENT)
     by = name if whose == "who asked" else "alice"
     robot = "quadruped" if whose == "who asked" else name
-    body = {"board": "talk", "title": "Go", "body": f"@{robot} walk on"}
+    body = {"board_id": "talk", "title": "Go", "body": f"@{robot} walk on"}
     command = world.api(by).post("/topics", json=body).json()["post"]["id"]
     kept = asked(world)[1]
     record = RECORD | {"message": "axolotl"}

@@ -130,7 +130,7 @@ def test_law_15_a_stop_that_cannot_be_written_is_told_before_who_pressed_is_answ
         holding.result(LIMIT_S)
         written = lambda: [e["kind"] for e in op.get("/changes", params={"after": newest}).json()["items"]]  # noqa: E731
         wait_for(lambda: written() == ["robot.stop"])
-        op.post("/topics", json={"board": "talk", "title": "t", "body": "b"}).raise_for_status()
+        op.post("/topics", json={"board_id": "talk", "title": "t", "body": "b"}).raise_for_status()
         heard = next(line for line in lines if line.startswith("event") and not line.endswith("heartbeat"))
         assert heard == "event: post.created", "the stop is not told again when it was written after all"
     assert (pressed.status_code, pressed.json()["kind"]) == (200, "robot.stop")
@@ -358,26 +358,28 @@ def test_a_lost_right_ends_the_live_picture(board: RunningBoard, monkeypatch: py
 def test_a_robot_speaks_for_no_other_robot(board: RunningBoard) -> None:
     """A card shows that robot's name and stop button: posted, edited or in a record, it names who sends it."""
     robot, op = board.client("quadruped"), board.client("op")
-    made = op.post("/topics", json={"board": "talk", "title": "t", "body": "go"}).json()
+    made = op.post("/topics", json={"board_id": "talk", "title": "t", "body": "go"}).json()
     path, post = f"/topics/{made['topic']['id']}/posts", made["post"]["id"]
     mine, other = ({"robot": name, "state": "running"} for name in ("quadruped", "humanoid"))
     status = robot.post(path, json={"body": "mine", "card": mine}).json()["post"]["id"]
     refused = [
         robot.post(path, json={"body": "x", "card": other}),
         robot.patch(f"/posts/{status}", json={"body": "x", "card": other}),
-        robot.put(f"/commands/{post}", json={"reply": status, "record": {"robot": "humanoid", "status": "done"}}),
+        robot.put(f"/commands/{post}", json={"reply_id": status, "record": {"robot": "humanoid", "status": "done"}}),
     ]
     assert [(r.status_code, r.json()["code"]) for r in refused] == [(403, "not_this_robot")] * 3
     assert "'humanoid'" in refused[0].json()["detail"]
     assert robot.get(f"/posts/{status}").json()["raw"] == "mine"
-    assert robot.put(f"/commands/{post}", json={"reply": status, "record": {"robot": "quadruped"}}).status_code == 200
+    assert (
+        robot.put(f"/commands/{post}", json={"reply_id": status, "record": {"robot": "quadruped"}}).status_code == 200
+    )
 
 
 @pytest.mark.sqlite
 def test_law_1_a_kept_card_that_names_another_robot_is_not_shown(board: RunningBoard) -> None:
     """A board of before took such cards: they stand in its database."""
     robot, op = board.client("quadruped"), board.client("op")
-    made = op.post("/topics", json={"board": "talk", "title": "t", "body": "go"}).json()["topic"]
+    made = op.post("/topics", json={"board_id": "talk", "title": "t", "body": "go"}).json()["topic"]
     card = {"robot": "quadruped", "state": "running"}
     status = robot.post(f"/topics/{made['id']}/posts", json={"body": "mine", "card": card}).json()["post"]
     assert status["card"]["robot"] == "quadruped"
@@ -435,7 +437,7 @@ def test_a_picture_goes_into_a_post(board: RunningBoard, kind: str, media_type: 
     data = picture(kind=kind)
     image = upload(robot, data).json()
     assert (image["width"], image["height"]) == (64, 48)
-    body = {"board": "talk", "title": "t", "body": "look", "images": [image["id"]]}
+    body = {"board_id": "talk", "title": "t", "body": "look", "images": [image["id"]]}
     post = robot.post("/topics", json=body).json()["post"]
     assert post["images"] == [image]
     got = board.client("member").get(image["url"])
@@ -450,7 +452,9 @@ def test_a_picture_of_a_removed_post_is_gone(board: RunningBoard) -> None:
     op = board.client("op")
     image = upload(op, picture()).json()
     assert board.client("member").get(image["url"]).status_code == 404, "nobody's business before it is posted"
-    post = op.post("/topics", json={"board": "talk", "title": "t", "body": "x", "images": [image["id"]]}).json()["post"]
+    post = op.post("/topics", json={"board_id": "talk", "title": "t", "body": "x", "images": [image["id"]]}).json()[
+        "post"
+    ]
     assert board.client("member").get(image["url"]).status_code == 200
     op.delete(f"/posts/{post['id']}")
     assert board.client("member").get(image["url"]).status_code == 404
@@ -458,7 +462,7 @@ def test_a_picture_of_a_removed_post_is_gone(board: RunningBoard) -> None:
 
 def test_a_picture_is_used_by_its_owner_only(board: RunningBoard) -> None:
     image = upload(board.client("quadruped"), picture()).json()
-    body = {"board": "talk", "title": "t", "body": "x", "images": [image["id"]]}
+    body = {"board_id": "talk", "title": "t", "body": "x", "images": [image["id"]]}
     assert board.client("op").post("/topics", json=body).json()["code"] == "no_such_image"
     assert board.client("quadruped").post("/topics", json=body | {"images": ["x"]}).json()["code"] == "no_such_image"
 

@@ -10,7 +10,7 @@ import pytest
 from sqlalchemy import func, select, update
 
 from agentrob.board.admin import local_admin, moderation
-from agentrob.board.api.admin import erase_content
+from agentrob.board.admin.moderation import erase_content
 from agentrob.board.content.writes import add_event, now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.database import open_engine
@@ -35,7 +35,7 @@ def talk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
 
 
 def say(board: RunningBoard, body: str, by: str = "member", title: str = "t", on: str = "talk") -> str:
-    made = board.client(by).post("/topics", json={"board": on, "title": title, "body": body})
+    made = board.client(by).post("/topics", json={"board_id": on, "title": title, "body": body})
     assert made.status_code == 201, made.text
     post: str = made.json()["post"]["id"]
     return post
@@ -165,11 +165,11 @@ def test_what_is_on_a_board_one_may_not_read_is_not_found(talk: RunningBoard) ->
     assert made.status_code < 300, made.text
     secret, shown = say(talk, "automobile automobile", by="op", on="staff"), say(talk, "a vehicle for everybody")
     until(talk, lambda: {secret, shown} <= set(found(talk, "car")))
-    assert secret in found(talk, "car", board="staff")
-    assert shown not in found(talk, "car", board="staff")
+    assert secret in found(talk, "car", board_id="staff")
+    assert shown not in found(talk, "car", board_id="staff")
     assert secret not in found(talk, "car", by="member")
     assert shown in found(talk, "car", by="member")
-    assert found(talk, "car", by="member", board="staff") == []
+    assert found(talk, "car", by="member", board_id="staff") == []
     assert talk.client().get("/search", params={"q": "car", "mode": "meaning"}).status_code == 401
 
 

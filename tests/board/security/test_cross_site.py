@@ -34,7 +34,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 def everything(world: World) -> list[tuple[str, str]]:
     """Every form on every page that an admin sees: the page, and where the form goes."""
     api = world.api("root")
-    made = api.post("/topics", json={"board": "robots", "title": "t", "body": "b"}).json()
+    made = api.post("/topics", json={"board_id": "robots", "title": "t", "body": "b"}).json()
     topic, post = made["topic"]["id"], made["post"]["id"]
     invite = world.board.services.settings.base_url and "/invite/" + "x" * 43
     pages = ["/", "/b/robots", "/b/robots/new", f"/t/{topic}", f"/t/{topic}/moderate", f"/p/{post}/edit"]
@@ -129,7 +129,7 @@ def test_a_revoked_token_and_a_narrow_one_do_no_more_than_they_say(world: World)
     ask = lambda token, method, path, **more: httpx2.request(  # noqa: E731
         method, f"{world.base}/api/v1{path}", headers={"Authorization": f"Bearer {token}"}, **more, timeout=60
     )
-    topic = {"board": "talk", "title": "t", "body": "b"}
+    topic = {"board_id": "talk", "title": "t", "body": "b"}
     assert [ask(t, "POST", "/topics", json=topic).status_code for t in made.values()] == [403, 201, 403]
     assert [ask(t, "GET", "/admin/accounts").status_code for t in made.values()] == [403, 403, 200]
     assert [ask(t, "POST", "/robots/quadruped/stop").status_code for t in made.values()] == [200] * 3, "law 15"
@@ -186,7 +186,7 @@ def test_links_in_posts_make_this_server_ask_nobody(world: World) -> None:
         trap.setblocking(False)
         bait = f"http://127.0.0.1:{trap.getsockname()[1]}/x.png"
         body = f"{bait} [x]({bait}) ![x]({bait}) <img src={bait}> <{bait}>\n\n[y]: {bait}\n\n![z][y] @quadruped"
-        made = world.api("alice").post("/topics", json={"board": "talk", "title": bait, "body": body}).json()
+        made = world.api("alice").post("/topics", json={"board_id": "talk", "title": bait, "body": body}).json()
         browser = world.browser("bob")
         for page in ("/", "/b/talk", made["topic"]["url"], f"/p/{made['post']['id']}/history", "/u/alice"):
             assert browser.get(page).status_code == 200
@@ -292,7 +292,7 @@ def test_other_people_s_names_are_theirs(world: World, shown: str) -> None:
 
 def test_only_a_robot_s_agent_has_its_badge_and_text_tags_are_text(world: World) -> None:
     body = '[robot] <span class="badge badge-robot-agent">robot</span> **quadruped**: done'
-    made = world.api("alice").post("/topics", json={"board": "talk", "title": "t", "body": body}).json()
+    made = world.api("alice").post("/topics", json={"board_id": "talk", "title": "t", "body": body}).json()
     page = world.browser("bob").get(made["topic"]["url"]).text
     assert '<span class="badge badge-robot-agent"' not in page
     assert "by-robot" not in page

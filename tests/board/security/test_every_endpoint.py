@@ -45,6 +45,7 @@ LEAST = {
     "PUT /topics/{topic_id}/tags": "moderator",  # of a topic that somebody else began
     "GET /commands/{post_id}": "guest",
     "POST /commands/{post_id}/approve": "approver",
+    "POST /commands/{post_id}/deny": "approver",
     "PUT /commands/{post_id}": "robot+robot",  # of whatever post, under its own name
     "GET /changes": "guest",
     "GET /events": "guest",
@@ -66,16 +67,17 @@ LEAST = {
 }
 #: What is sent, where something must be.
 BODIES: dict[str, Any] = {
-    "POST /topics": {"board": "talk", "title": "t", "body": "b"},
+    "POST /topics": {"board_id": "talk", "title": "t", "body": "b"},
     "POST /topics/{topic_id}/posts": {"body": "b"},
     "PATCH /posts/{post_id}": {"body": "mine now"},
     "POST /topics/{topic_id}/lock": {"locked": False},
-    "POST /topics/{topic_id}/move": {"board": "talk"},
+    "POST /topics/{topic_id}/move": {"board_id": "talk"},
     "PUT /topics/{topic_id}/tags": {"tags": ["mine"]},
     "PUT /unread": {"up_to": "0"},
     "PUT /robots/{name}": {"card": {}},
     "PUT /commands/{post_id}": {"record": {}},
     "POST /commands/{post_id}/approve": {"robot": "quadruped"},
+    "POST /commands/{post_id}/deny": {"robot": "quadruped"},
     "POST /admin/accounts": {"name": "op"},
     "POST /admin/boards": {"id": "talk", "name": "Talk"},
 }
@@ -167,7 +169,7 @@ def ask(client: httpx2.Client, name: str, ids: dict[str, str]) -> int:
     robots = "/robots/" in path
     path = path.format(**(NAMES | ids | ({"name": "quadruped"} if robots else {})))
     params = {"key": "x", "q": "x"} if name in ("GET /posts", "GET /search") else {}
-    params |= {"board": "talk"} if path.endswith("/rights") else {}
+    params |= {"board_id": "talk"} if path.endswith("/rights") else {}
     options: dict[str, Any] = {"params": params}
     if name == "POST /images":
         options["files"] = {"file": ("x.jpg", jpeg(), "image/jpeg")}

@@ -68,7 +68,9 @@ def open_windows(world: World, chromium: Browser) -> Iterator[Windows]:
 
 def new_topic(world: World, replies: int = 0) -> str:
     api = world.api("alice")
-    made = api.post("/topics", json={"board": "robots", "title": "A walk", "body": "@quadruped walk forward 1 metre"})
+    made = api.post(
+        "/topics", json={"board_id": "robots", "title": "A walk", "body": "@quadruped walk forward 1 metre"}
+    )
     topic = made.json()["topic"]["id"]
     for n in range(replies):
         api.post(f"/topics/{topic}/posts", json={"body": f"number {n}\n\nwith a second line"}).raise_for_status()

@@ -69,6 +69,7 @@ PAGES = (
     Shown("person", "/u/bob"),
     Shown("password", "/password"),
     Shown("not-found", "/t/999999"),
+    Shown("api", "/docs", None),
     Shown("sign-in", "/sign-in", None),
     Shown("sign-up", "/sign-up", None),
     Shown("enter", "{enter}", None),
@@ -91,11 +92,11 @@ def fill(world: World) -> dict[str, str]:
     alice, bob, robot = (world.api(name) for name in ("alice", "bob", ROBOT))
     robot.put(f"/robots/{ROBOT}", json={"card": CARD_SHOWN}).raise_for_status()
     begin = alice.post(
-        "/topics", json={"board": "talk", "title": "机器人记录", "body": "机器人前进了两米。", "tags": ["记录"]}
+        "/topics", json={"board_id": "talk", "title": "机器人记录", "body": "机器人前进了两米。", "tags": ["记录"]}
     )
     begin.raise_for_status()
     text = f"@{ROBOT} walk forward 2 metres, turn left and take a photo"
-    topic = {"board": "robots", "title": "A walk to the window", "body": text, "tags": ["window", "photo", "窗户"]}
+    topic = {"board_id": "robots", "title": "A walk to the window", "body": text, "tags": ["window", "photo", "窗户"]}
     made = alice.post("/topics", json=topic).json()
     topic, walk = made["topic"]["id"], made["post"]["id"]
     earlier(world, walk, 8.0)
@@ -124,7 +125,7 @@ def fill(world: World) -> dict[str, str]:
 def decisions(world: World) -> dict[str, str]:
     """Commands that need an approval, and how each of them ended, or not yet."""
     text = f"@{ROBOT} do a backflip"
-    made = world.api("alice").post("/topics", json={"board": "robots", "title": "A flip?", "body": text}).json()
+    made = world.api("alice").post("/topics", json={"board_id": "robots", "title": "A flip?", "body": text}).json()
     topic, asks = made["topic"]["id"], made["post"]["id"]
     robot_told.waits(world, topic, asks)
     names = {"asks": asks}

@@ -94,7 +94,9 @@ def test_the_owner_sets_what_a_robot_may_be_asked_and_nobody_else_does(world: Wo
 
 
 def test_hiding_showing_locking_and_moving_by_forms(world: World) -> None:
-    made = world.api("alice").post("/topics", json={"board": "talk", "title": "A topic", "body": "rude words"}).json()
+    made = (
+        world.api("alice").post("/topics", json={"board_id": "talk", "title": "A topic", "body": "rude words"}).json()
+    )
     topic, post = made["topic"]["id"], made["post"]["id"]
     root, bob = world.browser("root"), world.browser("bob")
     root.send(f"/p/{post}/moderate", reason="rude")
@@ -113,7 +115,7 @@ def test_hiding_showing_locking_and_moving_by_forms(world: World) -> None:
 
 def test_erasing_asks_for_the_name_first(world: World) -> None:
     world.board.add("gone")
-    world.api("gone").post("/topics", json={"board": "talk", "title": "Soon gone", "body": "b"}).raise_for_status()
+    world.api("gone").post("/topics", json={"board_id": "talk", "title": "Soon gone", "body": "b"}).raise_for_status()
     root, page = world.browser("root"), "/admin/accounts/gone"
     assert root.send(f"{page}/erase", page, sure="").status_code == 422
     assert "Soon gone" in root.get("/").text

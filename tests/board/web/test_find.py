@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 import pytest
 from sqlalchemy import text
 
-from agentrob.board.api.admin import erase_content
+from agentrob.board.admin.moderation import erase_content
 from agentrob.board.content.store import MAX_SEARCHES
 from agentrob.board.db.database import open_engine
 from agentrob.board.db.records import Post
@@ -31,7 +31,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 
 def topic(world: World, title: str, body: str, board: str = "talk", by: str = "alice") -> tuple[str, str]:
-    made = world.api(by).post("/topics", json={"board": board, "title": title, "body": body}).json()
+    made = world.api(by).post("/topics", json={"board_id": board, "title": title, "body": body}).json()
     return made["topic"]["id"], made["post"]["id"]
 
 
@@ -115,7 +115,7 @@ def test_what_is_on_a_board_one_may_not_read_is_not_found_told_or_fed(world: Wor
     bob = world.browser("bob")
     assert found(world, "narwhal") == []
     for words, here in (("narwhal", "staff"), ("narwhal", "nowhere"), ("narwhal", "talk")):
-        answer = world.api("bob").get("/search", params={"q": words, "board": here})
+        answer = world.api("bob").get("/search", params={"q": words, "board_id": here})
         assert (answer.status_code, answer.json()["items"]) == (200, []), here
     for path in ("/latest", "/notifications", "/feed.atom", "/u/alice"):
         assert "narwhal" not in bob.get(path).text, path
@@ -139,7 +139,7 @@ def test_erased_posts_leave_no_words_behind(world: World) -> None:
 
 def test_posts_from_before_there_was_an_index_are_in_it(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board()
-    body = {"board": "talk", "title": "Okapi", "body": "两米"}
+    body = {"board_id": "talk", "title": "Okapi", "body": "两米"}
     board.client("op").post("/topics", json=body).raise_for_status()
     engine = open_engine(board.settings, writes=True)
     with engine.begin() as connection:

@@ -25,7 +25,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 @pytest.fixture
 def topic(world: World) -> str:
     """The id of a new topic by alice."""
-    body = {"board": "robots", "title": "A walk", "body": "@quadruped walk"}
+    body = {"board_id": "robots", "title": "A walk", "body": "@quadruped walk"}
     return str(world.api("alice").post("/topics", json=body).json()["topic"]["id"])
 
 

@@ -116,7 +116,7 @@ def paths(world: World) -> list[str]:
     post = world.api("bob").post(f"/topics/{topic}/posts", json={"body": "mine"}).json()["post"]["id"]
     world.api("bob").patch(f"/posts/{post}", json={"body": "mine, edited"})
     api = world.api("alice")
-    api.post("/topics", json={"board": "talk", "title": "W" * 190, "body": "x"}).raise_for_status()
+    api.post("/topics", json={"board_id": "talk", "title": "W" * 190, "body": "x"}).raise_for_status()
     own = [f"/p/{post}/edit", f"/p/{post}/remove", f"/p/{post}/history"]
     return ["/", "/b/robots", "/b/talk", "/b/robots/new", f"/t/{topic}", *own, "/robots", "/robots/quadruped", "/u/bob"]
 

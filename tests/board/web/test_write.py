@@ -22,7 +22,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 @pytest.fixture
 def topic(world: World) -> str:
-    made = world.api("alice").post("/topics", json={"board": "talk", "title": "A walk", "body": "first\n\nsecond"})
+    made = world.api("alice").post("/topics", json={"board_id": "talk", "title": "A walk", "body": "first\n\nsecond"})
     return str(made.json()["topic"]["id"])
 
 
@@ -118,7 +118,7 @@ def test_an_answer_says_what_it_answers_and_a_quote_is_said_by_nobody(world: Wor
 
 
 def test_only_posts_of_the_topic_can_be_answered_or_quoted(world: World, topic: str) -> None:
-    other = world.api("alice").post("/topics", json={"board": "talk", "title": "x", "body": "elsewhere"}).json()
+    other = world.api("alice").post("/topics", json={"board_id": "talk", "title": "x", "body": "elsewhere"}).json()
     surfer = world.browser("bob")
     assert "&gt; elsewhere" not in surfer.get(f"/t/{topic}?quote={other['post']['id']}").text
     assert surfer.get(f"/t/{topic}?quote=999999").status_code == 404

@@ -123,7 +123,7 @@ def tell(world: World, topic: str, command: str, report: Report, looked: LoopRec
     more |= {"looked": asdict(looked)} if looked else {}
     with TemporaryDirectory() as folder:
         facts = Records(Path(folder)).write(report, thought, **more)
-    robot.put(f"/commands/{command}", json={"reply": reply, "record": public(facts, pictures)}).raise_for_status()
+    robot.put(f"/commands/{command}", json={"reply_id": reply, "record": public(facts, pictures)}).raise_for_status()
 
 
 def upload(robot: Any, picture: Picture) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -10,6 +11,8 @@ from typing import Any
 from sqlalchemy import Connection, insert, select
 
 from agentrob.board.db import schema as db
+from agentrob.board.db.cursors import from_cursor, to_cursor
+from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_us
 
 #: Whoever types on the machine that the forum runs on.
@@ -37,6 +40,16 @@ def note(connection: Connection, actor: str, action: str, target: str, **detail:
     told = {k: v for k, v in detail.items() if v not in (None, "", (), [])}
     row = {"at_us": now_us(), "actor": actor, "action": action, "target": target[:80], "detail": told}
     connection.execute(insert(db.audit).values(**row))
+
+
+def page(
+    reader: Reader, cursor: str | None, limit: int, target: str | None = None
+) -> tuple[Sequence[Entry], str | None]:
+    """A page of the log, newest first, and the cursor of the next page; of one target or of all."""
+    before = from_cursor(cursor) if cursor else None
+    rows = reader.rows(statement(before, limit + 1, target or None))
+    more = to_cursor(rows[limit - 1].id) if len(rows) > limit else None
+    return [entry(r) for r in rows[:limit]], more
 
 
 def statement(before: int | None, limit: int, target: str | None = None) -> Any:

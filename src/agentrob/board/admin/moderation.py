@@ -22,6 +22,7 @@ from agentrob.board.db.reader import Reader, not_found, row_id
 from agentrob.board.db.records import Post, Topic, Version, from_us
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots import rights
+from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.model import Account, EventKind
 
@@ -159,3 +160,16 @@ def take_away(t: Transaction, folder: Path, digests: Collection[str]) -> int:
             path_of(folder, digest).unlink(missing_ok=True)
             taken += 1
     return taken
+
+
+async def erase_content(services: Services, actor: str, name: str) -> tuple[int, int]:
+    """Erase an account's content, then delete the files after the commit; how many posts and pictures."""
+    posts, pictures, digests = await services.store.do(lambda t: erase(t, actor, name))
+    await delete_files(services, digests)
+    return posts, pictures
+
+
+async def delete_files(services: Services, digests: Collection[str]) -> None:
+    """Delete the files of pictures that are gone, unless another picture has the same content."""
+    if digests:
+        await services.store.do(lambda t: take_away(t, services.settings.images_dir, digests))

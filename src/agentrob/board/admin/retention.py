@@ -13,6 +13,7 @@ from typing import Any
 import structlog
 from sqlalchemy import ColumnElement, Select, Table, delete, func, or_, select
 
+from agentrob.board.admin import moderation
 from agentrob.board.db import schema as db
 from agentrob.board.db.writer import Transaction
 from agentrob.board.services import Services
@@ -39,6 +40,16 @@ async def keep_pruning(parts: Services) -> None:
                     pass
         except BoardError as e:
             log.error("board.not_pruned", error=str(e))
+        await asyncio.sleep(EVERY_S)
+
+
+async def keep_expiring_pictures(services: Services) -> None:
+    """Delete pictures of robots' cameras after the time that their owners set: now and every hour, until cancelled."""
+    while True:
+        try:
+            await moderation.delete_files(services, await services.store.do(moderation.expire_pictures))
+        except (BoardError, OSError) as e:
+            log.error("board.pictures_not_expired", error=str(e))
         await asyncio.sleep(EVERY_S)
 
 

@@ -1,4 +1,4 @@
-"""What goes in and out of the JSON API of administration and moderation. Fields that are not named here are refused."""
+"""Request and response models of administration and moderation. Other fields are refused."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ class LockIn(ReasonIn):
 
 
 class MoveIn(ReasonIn):
-    board: Annotated[str, Field(max_length=32)]
+    board_id: Annotated[str, Field(max_length=32)]
 
 
 class HiddenOut(_Out):

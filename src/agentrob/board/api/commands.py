@@ -1,61 +1,70 @@
-"""The JSON API's commands: what robots' agents recorded of them, for the page of a command and for programs."""
+"""The JSON API for commands: the records that robots' agents keep of them, and approvals."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 from starlette.responses import Response
 
-from agentrob.board.api.forum import Key, Member, Reading, out, post_written
-from agentrob.board.api.models import ApproveIn, CommandIn, CommandOut, CommandsOut, PostWritten, time_out
+from agentrob.board.api.dependencies import IdempotencyKey, json_response
+from agentrob.board.api.forum import post_written
+from agentrob.board.api.models import CommandIn, CommandOut, CommandsOut, DecisionIn, PostWritten, time_out
 from agentrob.board.api.problem import documented
+from agentrob.board.auth.access import Member, ReadingViewer
 from agentrob.board.robots import approvals, commands
 from agentrob.board.robots.commands import RECORD_BYTES, RECORD_DEPTH
-from agentrob.board.services import get_services
+from agentrob.board.services import AppServices, Services
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind
 
-router = APIRouter(prefix="/api/v1", responses=documented(404))
+router = APIRouter(prefix="/api/v1", responses=documented(404), tags=["commands"])
 
 
 @router.get("/commands/{post_id}", response_model=CommandsOut)
-async def command(request: Request, post_id: str, who: Reading) -> Response:
-    """What robots recorded of the command of a post; empty while none has ended, and when the post was removed."""
-    return _told(request, post_id)
+async def get_command(services: AppServices, post_id: str, who: ReadingViewer) -> Response:
+    """Robots' records of the command in a post; empty until a command has ended, and when the post was removed."""
+    return _records(services, post_id)
 
 
 @router.put("/commands/{post_id}", response_model=CommandsOut)
-async def publish(request: Request, post_id: str, told: CommandIn, by: Member) -> Response:
-    """A robot's agent tells what it recorded; again replaces it."""
+async def publish_command_record(services: AppServices, post_id: str, told: CommandIn, by: Member) -> Response:
+    """Publish the record of a robot's agent; a later one replaces it."""
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents record commands", "use a robot agent's token")
     commands.check_robot(by, told.record.get("robot", by.name), "record")
-    store = get_services(request).store
-    store.post(post_id)  # also whether it is to be seen
+    services.store.post(post_id)  # 404 also for a post that the agent may not see
     commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)
-    await store.do(lambda t: commands.keep(t, by, post_id, told.reply, told.record))
-    return _told(request, post_id)
+    await services.store.do(lambda t: commands.keep(t, by, post_id, told.reply_id, told.record))
+    return _records(services, post_id)
 
 
 @router.post("/commands/{post_id}/approve", response_model=PostWritten, status_code=201, responses=documented(409))
-async def approve(request: Request, post_id: str, said: ApproveIn, by: Member, key: Key = None) -> Response:
-    """Approve or deny a command that waits: the same as a reply that says so, which it writes."""
-    written = await approvals.say(get_services(request), by, post_id, said.robot, said.approve, key)
-    return post_written(request, by, written)
+async def approve_command(
+    services: AppServices, post_id: str, decision: DecisionIn, by: Member, key: IdempotencyKey = None
+) -> Response:
+    """Approve a waiting command. Writes a reply by the caller that says so, which has the same effect."""
+    return post_written(services, by, await approvals.say(services, by, post_id, decision.robot, True, key))
 
 
-def _told(request: Request, post_id: str) -> Response:
-    known = get_services(request)
-    post, told = commands.of(known.store.reader, post_id)
-    url = f"{known.settings.base_url}/c/{post.id}"
+@router.post("/commands/{post_id}/deny", response_model=PostWritten, status_code=201, responses=documented(409))
+async def deny_command(
+    services: AppServices, post_id: str, decision: DecisionIn, by: Member, key: IdempotencyKey = None
+) -> Response:
+    """Deny a waiting command. Writes a reply by the caller that says so, which has the same effect."""
+    return post_written(services, by, await approvals.say(services, by, post_id, decision.robot, False, key))
+
+
+def _records(services: Services, post_id: str) -> Response:
+    post, told = commands.of(services.store.reader, post_id)
+    url = f"{services.settings.base_url}/c/{post.id}"
     items = (
         CommandOut(
             robot=t.robot,
-            post=post.id,
-            reply=t.reply.id if t.reply else None,
+            post_id=post.id,
+            reply_id=t.reply.id if t.reply else None,
             at=time_out(t.at),
             url=url,
             record=dict(t.record),
         )
         for t in told
     )
-    return out(CommandsOut(items=tuple(items), url=url))
+    return json_response(CommandsOut(items=tuple(items), url=url))

@@ -1,4 +1,4 @@
-"""What goes in and out of the JSON API, as `docs/seams.md` says."""
+"""Request and response models of the JSON API, as `docs/seams.md` says."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class CardIn(BaseModel):
 
 
 class TopicIn(_In):
-    board: str = Field(max_length=32)
+    board_id: str = Field(max_length=32)
     title: Title
     body: Body
     images: Ids = []
@@ -86,10 +86,10 @@ PostId = Annotated[str, StringConstraints(pattern=r"^[0-9]{1,18}$")]
 
 
 class ReadIn(_In):
-    """`up_to` of the page of what is unread; `board` for one board only."""
+    """`up_to` of the page of what is unread; `board_id` for one board only."""
 
     up_to: PostId
-    board: str | None = Field(None, max_length=32)
+    board_id: str | None = Field(None, max_length=32)
 
 
 class TopicReadIn(_In):
@@ -103,9 +103,10 @@ class ReplyIn(_In):
     card: CardIn | None = None
 
 
-class ApproveIn(_In):
+class DecisionIn(_In):
+    """Which robot's waiting command is approved or denied."""
+
     robot: Annotated[str, Field(max_length=64)]
-    approve: bool = Field(True, description="false denies")
 
 
 class EditIn(_In):
@@ -121,9 +122,9 @@ class RobotIn(_In):
 
 
 class CommandIn(_In):
-    """What a robot's agent recorded of a command; `reply` is its own post that tells it."""
+    """A robot agent's record of a command; `reply_id` is its own post that reports it."""
 
-    reply: str | None = None
+    reply_id: str | None = None
     record: dict[str, Any] = Field(description="at most 64 KiB; shown as it is known, kept as it is")
 
 
@@ -158,7 +159,7 @@ class BoardOut(_Out):
 
 class TopicOut(_Out):
     id: str
-    board: str
+    board_id: str
     title: str
     url: str
     author: AccountOut
@@ -181,7 +182,7 @@ class UnreadOut(_Out):
 
     topic: TopicOut
     new: int
-    first: str | None
+    first_post_id: str | None
 
 
 class ImageOut(_Out):
@@ -242,7 +243,7 @@ class RightsOut(_Out):
     command: dict[str, str] = Field(description="by class of action: photo, gesture, move, risky")
     approve: str
     release: str
-    board: str = Field(description="the least role that commands on the board that was asked for")
+    command_role: str = Field(description="the least role that commands on the board that was asked for")
     approval: tuple[str, ...] = Field(description="classes of action that need somebody's approval")
     approve_own: bool = Field(description="whether who may approve may approve what they asked for themselves")
     closed_until: Time | None = Field(description="the end of the robot's maintenance, when it is closed now")
@@ -250,8 +251,8 @@ class RightsOut(_Out):
 
 class CommandOut(_Out):
     robot: str
-    post: str
-    reply: str | None
+    post_id: str
+    reply_id: str | None
     at: Time
     url: str
     record: dict[str, Any]
@@ -325,7 +326,7 @@ class Serializer:
     def topic(self, t: records.Topic) -> TopicOut:
         return TopicOut(
             id=t.id,
-            board=t.board_id,
+            board_id=t.board_id,
             title=t.title,
             url=self.base_url + t.path,
             author=account_out(t.author),
@@ -337,7 +338,7 @@ class Serializer:
         )
 
     def unread(self, t: records.Topic, news: UnreadCount | None) -> UnreadOut:
-        return UnreadOut(topic=self.topic(t), new=news.count if news else 0, first=news.first if news else None)
+        return UnreadOut(topic=self.topic(t), new=news.count if news else 0, first_post_id=news.first if news else None)
 
     def image(self, i: records.Image) -> ImageOut:
         return ImageOut(id=i.id, url=self.base_url + i.path, width=i.width, height=i.height)
@@ -387,7 +388,7 @@ def rights_out(kept: RobotSettings, board: records.Board, now: datetime) -> Righ
         command=dict(kept.command),
         approve=kept.approve,
         release=kept.release,
-        board=str(board.command_role),
+        command_role=str(board.command_role),
         approval=kept.approval,
         approve_own=kept.approve_own,
         closed_until=time_out(closed) if closed else None,

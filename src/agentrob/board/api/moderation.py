@@ -1,63 +1,56 @@
-"""The JSON API's moderation: hide, show, lock, move. Nothing is lost, and all of it is logged."""
+"""The JSON API for moderation: hide and show posts, lock and move topics. Nothing is lost, and all of it is logged."""
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter
 from starlette.responses import Response
 
 from agentrob.board.admin import moderation
 from agentrob.board.api.admin_models import HiddenOut, LockIn, MoveIn, ReasonIn
-from agentrob.board.api.forum import out, shaper
+from agentrob.board.api.dependencies import json_response, serializer
 from agentrob.board.api.models import PostOut, TopicOut
 from agentrob.board.api.problem import documented
-from agentrob.board.auth.access import moderator
-from agentrob.board.services import get_services
-from agentrob.model import Account
+from agentrob.board.auth.access import Moderator
+from agentrob.board.services import AppServices
 
-router = APIRouter(prefix="/api/v1", responses=documented(404, 409))
-Moderator = Annotated[Account, Depends(moderator)]
+router = APIRouter(prefix="/api/v1", responses=documented(404, 409), tags=["moderation"])
 
 
 @router.get("/posts/{post_id}/hidden", response_model=HiddenOut)
-async def hidden(request: Request, post_id: str, by: Moderator) -> Response:
+async def get_hidden_post(services: AppServices, post_id: str, by: Moderator) -> Response:
     """A post with the text it had before it was hidden, and its earlier texts."""
-    post, versions, hidden_by = moderation.hidden(get_services(request).store.reader, post_id)
-    shown = shaper(request, by).post(post)
-    return out(HiddenOut(post=shown, versions=tuple(v.raw for v in versions), hidden_by=hidden_by))
+    post, versions, hidden_by = moderation.hidden(services.store.reader, post_id)
+    shown = serializer(services, by).post(post)
+    return json_response(HiddenOut(post=shown, versions=tuple(v.raw for v in versions), hidden_by=hidden_by))
 
 
 @router.post("/posts/{post_id}/hide", response_model=PostOut)
-async def hide(request: Request, post_id: str, why: ReasonIn, by: Moderator) -> Response:
-    """Hide a post; what it commanded and has not begun is cancelled."""
-    store = get_services(request).store
-    store.post(post_id)  # moderators too see only boards that they may read
-    return out(shaper(request, by).post(await store.remove(by, post_id, why.reason)))
+async def hide_post(services: AppServices, post_id: str, why: ReasonIn, by: Moderator) -> Response:
+    """Hide a post; a command in it that has not begun is cancelled."""
+    services.store.post(post_id)  # 404 for a board that the moderator may not read
+    return json_response(serializer(services, by).post(await services.store.remove(by, post_id, why.reason)))
 
 
 @router.post("/posts/{post_id}/show", response_model=PostOut)
-async def show(request: Request, post_id: str, why: ReasonIn, by: Moderator) -> Response:
+async def show_post(services: AppServices, post_id: str, why: ReasonIn, by: Moderator) -> Response:
     """Show a hidden post again; it starts no motion."""
-    store = get_services(request).store
-    store.post(post_id)
-    return out(shaper(request, by).post(await store.do(lambda t: moderation.show(t, by, post_id, why.reason))))
+    services.store.post(post_id)
+    shown = await services.store.do(lambda t: moderation.show(t, by, post_id, why.reason))
+    return json_response(serializer(services, by).post(shown))
 
 
 @router.post("/topics/{topic_id}/lock", response_model=TopicOut)
-async def lock(request: Request, topic_id: str, how: LockIn, by: Moderator) -> Response:
-    """Lock a topic or open it again; a stop is taken in a locked one too."""
-    store = get_services(request).store
-    store.topic(topic_id)
-    changed = await store.do(lambda t: moderation.lock(t, by, topic_id, how.locked, how.reason))
-    return out(shaper(request, by).topic(changed))
+async def lock_topic(services: AppServices, topic_id: str, how: LockIn, by: Moderator) -> Response:
+    """Lock or unlock a topic; a stop is accepted in a locked one too."""
+    services.store.topic(topic_id)
+    changed = await services.store.do(lambda t: moderation.lock(t, by, topic_id, how.locked, how.reason))
+    return json_response(serializer(services, by).topic(changed))
 
 
 @router.post("/topics/{topic_id}/move", response_model=TopicOut)
-async def move(request: Request, topic_id: str, where: MoveIn, by: Moderator) -> Response:
-    """Put a topic on another board that the moderator may read."""
-    store = get_services(request).store
-    store.topic(topic_id)
-    store.board(where.board)
-    changed = await store.do(lambda t: moderation.move(t, by, topic_id, where.board, where.reason))
-    return out(shaper(request, by).topic(changed))
+async def move_topic(services: AppServices, topic_id: str, where: MoveIn, by: Moderator) -> Response:
+    """Move a topic to another board that the moderator may read."""
+    services.store.topic(topic_id)
+    services.store.board(where.board_id)
+    changed = await services.store.do(lambda t: moderation.move(t, by, topic_id, where.board_id, where.reason))
+    return json_response(serializer(services, by).topic(changed))

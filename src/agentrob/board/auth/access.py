@@ -13,8 +13,9 @@ import hashlib
 import hmac
 import re
 from dataclasses import dataclass
+from typing import Annotated
 
-from fastapi import Request
+from fastapi import Depends, Request
 from starlette.responses import Response
 
 from agentrob.board.admin import management
@@ -106,6 +107,13 @@ def has_role(account: Account, role: Role) -> Account:
     return account
 
 
+def check_robot_owner(account: Account, owner: str) -> None:
+    """403 unless the account is a person who owns the robot or is an admin."""
+    owns = account.role is Role.ADMIN or (bool(owner) and account.name == owner)
+    if not owns or account.kind is not AccountKind.HUMAN:
+        raise BoardError(403, "not_owner", "this is for the robot's owner and for admins", "ask an admin")
+
+
 async def _scoped(request: Request, scope: str) -> Account:
     who = await viewer(request)
     account = account_of(who)
@@ -134,6 +142,18 @@ def account_of(viewer: Viewer) -> Account:
     if viewer.account.suspended:
         raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
     return viewer.account
+
+
+# -------------------------------------------------------------------- parameters of endpoints
+#: Any viewer, signed in or not.
+AnyViewer = Annotated[Viewer, Depends(viewer)]
+#: A viewer who may read.
+ReadingViewer = Annotated[Viewer, Depends(reader)]
+#: Accounts that may stop robots, write, moderate, administer.
+Stopper = Annotated[Account, Depends(stopper)]
+Member = Annotated[Account, Depends(member)]
+Moderator = Annotated[Account, Depends(moderator)]
+Administrator = Annotated[Account, Depends(administrator)]
 
 
 # -------------------------------------------------------------------- sessions

@@ -16,8 +16,8 @@ from agentrob.board.content import reach, tags, uploads
 from agentrob.board.db.records import Post, Topic
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import Services, get_services
+from agentrob.board.web import api_docs, feeds, find, forms
 from agentrob.board.web import commands as pages_command
-from agentrob.board.web import feeds, find, forms
 from agentrob.board.web import posts as pages_posts
 from agentrob.board.web import robots as pages_robots
 from agentrob.board.web import tags as pages_tags
@@ -250,5 +250,5 @@ def _unreached(known: Services, viewer: Viewer, topic: Topic, shown: Shown) -> s
 
 
 # last: a request tries one address after the other, and most ask for a topic
-for part in (pages_posts, pages_robots, pages_command, find, pages_tags, feeds):
+for part in (pages_posts, pages_robots, pages_command, find, pages_tags, feeds, api_docs):
     router.include_router(part.router)

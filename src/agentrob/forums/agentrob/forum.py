@@ -80,7 +80,7 @@ class BoardForum:
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
     ) -> Written:
-        content = {"board": board_id, "title": title, "body": body, **await self._upload(images)}
+        content = {"board_id": board_id, "title": title, "body": body, **await self._upload(images)}
         return await self._call("POST", "/topics", _written, content, key=key)
 
     async def reply(
@@ -133,7 +133,7 @@ class BoardForum:
     # ---------------------------------------------------------------- RobotRightsSource
     async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
         path = f"/robots/{quote(robot, safe='')}/rights"
-        return await self._call("GET", path, _rights, params={"board": board_id})
+        return await self._call("GET", path, _rights, params={"board_id": board_id})
 
     # ---------------------------------------------------------------- Events
     async def now(self) -> tuple[str, datetime]:
@@ -174,14 +174,14 @@ class BoardForum:
         return await self._call("GET", f"/commands/{quote(post_id, safe='')}", lambda answer: str(answer["url"]))
 
     async def publish_record(self, post_id: str, reply_id: str | None, record: dict[str, Any]) -> None:
-        path, body = f"/commands/{quote(post_id, safe='')}", {"reply": reply_id, "record": record}
+        path, body = f"/commands/{quote(post_id, safe='')}", {"reply_id": reply_id, "record": record}
         await self._call("PUT", path, _nothing, body)
 
     # ---------------------------------------------------------------- what not every board has
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        params = {"q": query, **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
+        params = {"q": query, **({"board_id": board_id} if board_id else {}), **_paging(cursor, limit)}
         return await self._call("GET", "/search", partial(_page, _post), params=params)
 
     async def has_semantic_search(self) -> bool:
@@ -193,7 +193,12 @@ class BoardForum:
     async def search_semantic(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        params = {"q": query, "mode": "meaning", **({"board": board_id} if board_id else {}), **_paging(cursor, limit)}
+        params = {
+            "q": query,
+            "mode": "meaning",
+            **({"board_id": board_id} if board_id else {}),
+            **_paging(cursor, limit),
+        }
         return await self._call("GET", "/search", partial(_page, _post), params=params)
 
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
@@ -320,7 +325,7 @@ def _rights(r: _JSON) -> RobotRights:
         command={str(k): str(v) for k, v in r["command"].items()},
         approve=str(r["approve"]),
         release=str(r["release"]),
-        board=str(r["board"]),
+        board=str(r["command_role"]),
         approval=tuple(map(str, r["approval"])),
         approve_own=r.get("approve_own") is True,  # boards of before do not say
         closed_s=(_time(closed) - datetime.now(UTC)).total_seconds() if closed is not None else None,
@@ -329,7 +334,7 @@ def _rights(r: _JSON) -> RobotRights:
 
 def _topic(t: _JSON) -> Topic:
     return Topic(
-        str(t["id"]), str(t["board"]), t["title"], t.get("url") or "", _account(t["author"]), _time(t["created_at"])
+        str(t["id"]), str(t["board_id"]), t["title"], t.get("url") or "", _account(t["author"]), _time(t["created_at"])
     )
 
 

@@ -9,8 +9,8 @@ from fastapi import APIRouter, Depends, Request
 from starlette.datastructures import FormData
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.admin import management
-from agentrob.board.api.admin import audit_page, check_owner, erase_content
+from agentrob.board.admin import audit, management
+from agentrob.board.admin.moderation import erase_content
 from agentrob.board.auth import access
 from agentrob.board.auth.access import Viewer
 from agentrob.board.db.records import Board
@@ -215,7 +215,7 @@ def _robot_fields(form: FormData) -> dict[str, Any]:
 
 
 def _robot_of(parts: Services, by: Account, name: str) -> None:
-    check_owner(by, rights.settings_of(parts.store.reader, known_robot(parts, name).name).owner)
+    access.check_robot_owner(by, rights.settings_of(parts.store.reader, known_robot(parts, name).name).owner)
 
 
 def _robot(
@@ -256,6 +256,6 @@ def _invites(request: Request, viewer: Viewer, error: BoardError | None = None) 
 @router.get("/admin/audit")
 async def audit_log(request: Request, viewer: Reading, after: str | None = None, target: str = "") -> Response:
     forms.admin_of(viewer)
-    found, more = audit_page(get_services(request), after, _PAGE, target[:80])
+    found, more = audit.page(get_services(request).store.reader, after, _PAGE, target[:80])
     data = {"entries": found, "more": more, "target": target[:80]}
     return forms.page(request, viewer, "admin_audit.html", "audit", data)

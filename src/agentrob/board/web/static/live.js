@@ -170,7 +170,7 @@ async function refresh(id) {
 }
 
 if (main.dataset.topic) {
-  listen(`topic=${encodeURIComponent(main.dataset.topic)}&`, main.dataset.after, (_, event) => {
+  listen(`topic_id=${encodeURIComponent(main.dataset.topic)}&`, main.dataset.after, (_, event) => {
     if (event.post) refresh(event.post.id);
   });
 }

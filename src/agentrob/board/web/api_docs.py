@@ -1,0 +1,65 @@
+"""The API page: the OpenAPI document as HTML, rendered by the server, so that it needs no scripts."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import APIRouter, FastAPI, Request
+from starlette.responses import HTMLResponse, Response
+
+from agentrob.board.auth.access import AnyViewer
+from agentrob.board.web.templating import piece, show
+
+router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """A call of the API. `answers` are those that succeed; `problems` are the statuses that it can refuse with."""
+
+    method: str
+    path: str
+    id: str
+    description: str
+    parameters: tuple[dict[str, Any], ...]
+    body: dict[str, Any]
+    answers: dict[str, dict[str, Any]]
+    problems: tuple[str, ...]
+
+
+@router.get("/docs")
+async def api_docs(request: Request, viewer: AnyViewer) -> Response:
+    """For everybody, like the document itself."""
+    state = request.app.state
+    if not hasattr(state, "api_reference"):  # takes long enough to delay a stop on the event loop
+        state.api_reference = await asyncio.to_thread(_reference, request.app)
+    return show(request, viewer, "api.html", {"reference": state.api_reference}, here="api")
+
+
+def _reference(app: FastAPI) -> str:
+    document = app.openapi()
+    data = {"tags": document["tags"], "operations": operations_by_tag(document)}
+    return piece("api_reference.html", data | {"schemas": document["components"]["schemas"]})
+
+
+def operations_by_tag(document: dict[str, Any]) -> dict[str, list[Operation]]:
+    """The operations of an OpenAPI document, in its order, by their tag."""
+    found: dict[str, list[Operation]] = {tag["name"]: [] for tag in document["tags"]}
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            answers = operation["responses"]
+            found[operation["tags"][0]].append(
+                Operation(
+                    method=method.upper(),
+                    path=path,
+                    id=operation["operationId"],
+                    description=operation.get("description", ""),
+                    parameters=tuple(operation.get("parameters", ())),
+                    body=operation.get("requestBody", {}).get("content", {}),
+                    answers={s: a.get("content", {}) for s, a in sorted(answers.items()) if s < "300"},
+                    problems=tuple(sorted(s for s in answers if s >= "400")),
+                )
+            )
+    return found

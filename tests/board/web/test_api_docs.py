@@ -1,0 +1,32 @@
+"""The API page: every call of the API is on it, for everybody, and its links lead somewhere."""
+
+from __future__ import annotations
+
+import html
+import re
+
+from tests.board.running_board import RunningBoard
+
+
+def test_every_call_and_schema_of_the_document_is_on_the_page(board: RunningBoard) -> None:
+    page = html.unescape(board.browser().get("/docs").raise_for_status().text)
+    document = board.client().get("/openapi.json").json()
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            assert f"<code>{method.upper()} {path}</code>" in page
+            assert f'id="{operation["operationId"]}"' in page
+    for name in document["components"]["schemas"]:
+        assert f'id="schema-{name}"' in page
+
+
+def test_links_within_the_page_lead_somewhere(board: RunningBoard) -> None:
+    page = board.browser().get("/docs").text
+    links, ids = set(re.findall(r'href="#([^"]+)"', page)), re.findall(r' id="([^"]+)"', page)
+    assert len(ids) == len(set(ids))
+    assert links <= set(ids)
+    assert len(links) > 50
+
+
+def test_the_footer_of_every_page_links_to_it(board: RunningBoard) -> None:
+    for page in ("/sign-in", "/docs"):
+        assert '<a href="/docs"' in board.browser().get(page).text.partition("<footer")[2]
