@@ -84,7 +84,7 @@ def test_uploads_per_hour_are_bounded(strict: RunningBoard) -> None:
 
 def test_edits_and_choices_of_tags_are_bounded_together_and_an_edit_into_a_stop_is_not(strict: RunningBoard) -> None:
     strict.add("tagger")
-    client, words = strict.client("tagger"), {"board": "talk", "title": "t", "body": "b"}
+    client, words = strict.client("tagger"), {"board_id": "talk", "title": "t", "body": "b"}
     made = client.post("/topics", json=words).json()
     topic, post = f"/topics/{made['topic']['id']}/tags", f"/posts/{made['post']['id']}"
     for n in range(3):

@@ -214,7 +214,7 @@ def test_markup_in_cards_is_shown_as_text(world: World) -> None:
     robot.put("/robots/quadruped", json={"card": card}).raise_for_status()
     surfer = world.browser("bob")
     status = {"robot": "quadruped", "state": nasty[:32], "doing": nasty, "trace_id": nasty}
-    topic = robot.post("/topics", json={"board": "robots", "title": nasty, "body": "x"}).json()["topic"]["id"]
+    topic = robot.post("/topics", json={"board_id": "robots", "title": nasty, "body": "x"}).json()["topic"]["id"]
     other = {"body": nasty, "card": status | {"robot": nasty}}
     assert robot.post(f"/topics/{topic}/posts", json=other).status_code == 403, "no other name, least of all this"
     robot.post(f"/topics/{topic}/posts", json={"body": nasty, "card": status}).raise_for_status()
