@@ -52,7 +52,7 @@ from agentrob.process import dds
 from unitree_sdk2py.core import channel
 from unitree_sdk2py.core.channel import ChannelFactoryInitialize
 from unitree_sdk2py.go2.sport.sport_client import SportClient
-channel.ChannelConfigHasInterface = dds.CONFIG.replace("{interface}", 'name="$__IF_NAME__$"')
+dds.use_in(channel)
 ChannelFactoryInitialize(int(sys.argv[1]), "lo")
 sport = SportClient()
 sport.SetTimeout(5.0)

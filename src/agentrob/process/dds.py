@@ -1,21 +1,21 @@
-"""The one door to DDS: cyclonedds with the patch that lets it talk to what robots run.
+"""DDS entities that robots understand and that cannot crash the interpreter; import this before any DDS type.
 
-cyclonedds 11 describes `uint8` as XTypes `TK_UINT8`, 0.10 (on the robots) as `TK_BYTE`; unpatched, the two do not
-understand each other. The patch must run before any IDL type is built, so everything that needs DDS types imports this
-module first.
+cyclonedds 11 describes `uint8` as XTypes `TK_UINT8`, version 0.10 (on the robots) as `TK_BYTE`, and the two do not
+understand each other. Importing this module makes cyclonedds 11 say `TK_BYTE`. There is no public setting for it, so
+this patches the one private module `cyclonedds.idl._xt_builder`, before any IDL type is built.
 
-Topics are created one at a time: cyclonedds 11 deletes a topic that exists already while it holds Python's global lock,
-and another thread that creates one then holds what the deletion waits for (seen: four SDK clients at once, on a busy
-machine, and the process hung for good).
+The classes below replace those of cyclonedds of the same name, also in Unitree's SDK (`use_in`). They differ so:
 
-A callback given to DDS lives as long as the process: an entity that Python's cyclic collector takes (whoever drops a
-client of the SDK without closing it) stays in the C library, which goes on calling what was freed (seen: segmentation
-fault in the receiving thread, seconds later). So too everything is deleted before the interpreter takes itself apart,
-and no callback begins from then on: the SDK prints on standard output what comes of taking from what is deleted.
-
-A reader hears as soon as the C library has made it. Python notes it a moment later (on a busy machine: many messages
-later), and cyclonedds calls back with `None` until then: the SDK printed an error, and a request to a simulated world
-lay unread until the next one came. So the first callback of a reader waits until the reader is made.
+- `Topic` is created one at a time. cyclonedds 11 deletes a topic that already exists while it holds Python's global
+  lock; another thread that creates a topic then holds the lock that the deletion needs (seen: four SDK clients created
+  at once on a busy machine hung the process).
+- `Listener` lives as long as the process. An SDK client that is dropped without being closed leaves its reader in the C
+  library, which goes on calling the callback (seen: segmentation fault in the receiving thread, seconds later).
+- A callback waits until its `DataReader` is complete. The C library calls back as soon as it has created the reader,
+  and cyclonedds passes `None` until Python has registered it (seen: the SDK printed an error, and a request to a
+  simulated world lay unread until the next one came).
+- The participants are deleted, with all that they hold, before the interpreter shuts down, and no callback begins after
+  that (seen: the SDK printed errors of readers that were gone).
 """
 
 from __future__ import annotations
@@ -23,93 +23,90 @@ from __future__ import annotations
 import atexit
 import threading
 import time
+import weakref
 from collections.abc import Callable
-from functools import wraps
 from typing import Any
 
-from cyclonedds.core import Entity, Listener, _data_available_fn
-from cyclonedds.domain import DomainParticipant
+from cyclonedds import core, domain, sub, topic
 from cyclonedds.idl import _xt_builder
-from cyclonedds.sub import DataReader
-from cyclonedds.topic import Topic
 
-#: cyclonedds configuration; `{interface}` is `name="lo"` or `autodetermine="true"`. No log file (the SDK's shared one
-#: fails for a second user of the host).
+#: cyclonedds configuration; `{interface}` is `name="lo"` or `autodetermine="true"`. Without a log file: the one that
+#: the SDK configures is shared by all users of the host and cannot be opened by a second one.
 CONFIG = (
     '<CycloneDDS><Domain Id="any"><General><Interfaces><NetworkInterface {interface} priority="default" '
     'multicast="default"/></Interfaces></General></Domain></CycloneDDS>'
 )
-
-
-class _ByteForUint8:
-    """Stands for the `xt` module inside `_xt_builder` only."""
-
-    def __init__(self, xt: Any) -> None:
-        self._xt = xt
-
-    def __getattr__(self, name: str) -> Any:
-        return self._xt.TK_BYTE if name == "TK_UINT8" else getattr(self._xt, name)
-
+#: At shutdown, callbacks that have begun get this long to end; on a busy machine one may take part of a second.
+_LAST_CALLS_S = 2.0
+#: A callback waits at most this long for its reader to be complete.
+_COMPLETE_S = 2.0
 
 _one_topic = threading.Lock()
-_listeners: list[Listener] = []  # a few for each client
+_registry = threading.Lock()
+_listeners: list[Listener] = []  # a few per client
+_participants: weakref.WeakSet[DomainParticipant] = weakref.WeakSet()
 _ended = threading.Event()
-_calling: set[int] = set()  # threads of the C library that are in a callback
-#: Callbacks that have begun get so long before everything is deleted; on a busy machine one may take part of a second.
-_LAST_CALLS_S = 2.0
-#: So long a callback waits for its reader to be made.
-_MADE_S = 2.0
+_calling: set[int] = set()  # threads of the C library that run a callback
 
 
-def patch() -> None:
-    """Apply the patches; calling again does nothing."""
-    if isinstance(_xt_builder.xt, _ByteForUint8):
-        return
-    _xt_builder.xt = _ByteForUint8(_xt_builder.xt)
-    create, listen, read, announce = (
-        Topic.__init__,
-        Listener.__init__,
-        DataReader.__init__,
-        Listener.set_on_data_available,
-    )
+class DomainParticipant(domain.DomainParticipant):
+    """A participant that `participants` lists."""
 
-    @wraps(create)
-    def one_at_a_time(*args: Any, **kwargs: Any) -> None:
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        with _registry:
+            _participants.add(self)
+
+
+class Topic(topic.Topic[Any]):
+    """A topic; two are never created at the same time."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
         with _one_topic:
-            create(*args, **kwargs)
-
-    @wraps(listen)
-    def for_good(self: Listener, *args: Any, **kwargs: Any) -> None:
-        listen(self, *args, **{event: _until_the_end(callback) for event, callback in kwargs.items()})
-        _listeners.append(self)
-
-    @wraps(read)
-    def made(self: DataReader, *args: Any, **kwargs: Any) -> None:
-        read(self, *args, **kwargs)
-        self.agentrob_made = True
-
-    @wraps(announce)
-    def when_made(self: Listener, callback: Callable[[DataReader], None] | None) -> None:
-        announce(self, callback)
-        if callback is not None:
-            self._on_data_available = _data_available_fn(lambda ref, _: _call_with(ref, callback))
-            self._set_data_available(self._ref, self._on_data_available)
-
-    Topic.__init__ = one_at_a_time
-    Listener.__init__ = for_good
-    DataReader.__init__ = made
-    Listener.set_on_data_available = when_made
-    atexit.register(_end)
+            super().__init__(*args, **kwargs)
 
 
-def _call_with(ref: int, callback: Callable[[DataReader], None]) -> None:
-    """Call back with the reader of this number, unless it is dropped, or its making does not come to an end."""
-    limit_s = time.monotonic() + _MADE_S
-    while not hasattr(reader := Entity.get_entity(ref), "agentrob_made"):
-        if _ended.is_set() or time.monotonic() > limit_s:
-            return
-        time.sleep(0.001)
-    callback(reader)
+class Listener(core.Listener):
+    """Callbacks that are kept for the life of the process and are not called after its end began."""
+
+    def __init__(self, *, on_data_available: Callable[[Any], None] | None = None, **callbacks: Any) -> None:
+        self.on_data: _OnData | None = None
+        if on_data_available is not None:
+            self.on_data = _OnData(on_data_available)
+            callbacks["on_data_available"] = self.on_data
+        super().__init__(**{event: _until_the_end(callback) for event, callback in callbacks.items()})
+        with _registry:
+            _listeners.append(self)
+
+
+class DataReader(sub.DataReader[Any]):
+    """A reader whose listener is called only once the reader is complete."""
+
+    def __init__(self, parent: Any, of: Any, qos: Any = None, listener: Any = None) -> None:
+        super().__init__(parent, of, qos, listener)
+        if isinstance(listener, Listener) and listener.on_data is not None:
+            listener.on_data.complete(self)
+
+
+class _OnData:
+    """Calls back with the reader of a listener, after that reader is complete."""
+
+    def __init__(self, callback: Callable[[Any], None]) -> None:
+        self._callback = callback
+        self._complete = threading.Event()
+        self._reader: Callable[[], Any] = lambda: None
+
+    def complete(self, reader: DataReader) -> None:
+        self._reader = weakref.ref(reader)  # a reader that the SDK closes must go
+        self._complete.set()
+
+    def __call__(self, _: Any) -> None:
+        limit_s = time.monotonic() + _COMPLETE_S
+        while not self._complete.wait(0.02):
+            if _ended.is_set() or time.monotonic() > limit_s:
+                return
+        if (reader := self._reader()) is not None:
+            self._callback(reader)
 
 
 def _until_the_end(callback: Callable[..., None]) -> Callable[..., None]:
@@ -131,14 +128,38 @@ def _end() -> None:
     limit_s = time.monotonic() + _LAST_CALLS_S
     while _calling and time.monotonic() < limit_s:
         time.sleep(0.001)
-    for entity in list(Entity._entities.values()):
-        if isinstance(entity, DomainParticipant):
-            entity._delete(entity._ref)
+    for participant in participants():
+        participant.__del__()  # cyclonedds has no other way to delete an entity that somebody still refers to
+
+
+def use_in(channel: Any) -> None:
+    """Make the SDK's module `unitree_sdk2py.core.channel` create the classes of this module."""
+    channel.DomainParticipant, channel.Topic = DomainParticipant, Topic
+    channel.DataReader, channel.Listener = DataReader, Listener
+    channel.ChannelConfigHasInterface = config("$__IF_NAME__$")
+
+
+def participants() -> list[DomainParticipant]:
+    """The participants of this process."""
+    with _registry:
+        return list(_participants)
 
 
 def config(interface: str | None) -> str:
-    """The configuration for a network interface, or for the one cyclonedds picks."""
+    """The cyclonedds configuration for a network interface, or for the one cyclonedds picks."""
     return CONFIG.format(interface=f'name="{interface}"' if interface else 'autodetermine="true"')
 
 
-patch()
+class _ByteForUint8:
+    """Stands for the `xt` module inside `_xt_builder` only."""
+
+    def __init__(self, xt: Any) -> None:
+        self._xt = xt
+
+    def __getattr__(self, name: str) -> Any:
+        return self._xt.TK_BYTE if name == "TK_UINT8" else getattr(self._xt, name)
+
+
+if not isinstance(_xt_builder.xt, _ByteForUint8):
+    _xt_builder.xt = _ByteForUint8(_xt_builder.xt)
+    atexit.register(_end)

@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import pytest
 from cyclonedds.domain import DomainParticipant
-from cyclonedds.topic import Topic
 
 import agentrob.process.dds
 from agentrob.model import Pose, RobotState
@@ -25,7 +24,9 @@ def test_topics_are_created_one_at_a_time_for_two_at_once_may_hang_the_process()
 
     participant = DomainParticipant(DOMAIN)
     made = threading.Event()
-    thread = threading.Thread(target=lambda: (Topic(participant, "rt/one", Request_), made.set()), daemon=True)
+    thread = threading.Thread(
+        target=lambda: (agentrob.process.dds.Topic(participant, "rt/one", Request_), made.set()), daemon=True
+    )
     with agentrob.process.dds._one_topic:
         thread.start()
         assert not made.wait(0.3)

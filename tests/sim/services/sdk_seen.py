@@ -11,7 +11,7 @@ from unitree_sdk2py.core import channel
 from unitree_sdk2py.core.channel import ChannelSubscriber
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 
-channel.ChannelConfigHasInterface = dds.CONFIG.replace("{interface}", 'name="$__IF_NAME__$"')
+dds.use_in(channel)
 
 
 class Seen:

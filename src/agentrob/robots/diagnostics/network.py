@@ -89,23 +89,23 @@ def _carrier(name: str) -> str:
 # ------------------------------------------------------------------ who is there
 def listen(domain: int, seconds: float, kind: str = "") -> DomainContents:
     """What is heard on a domain that this process has joined already; returns once a robot of `kind` is."""
-    from cyclonedds.domain import DomainParticipant
+    from agentrob.process import dds
 
-    return _hear([_DomainReader(domain, DomainParticipant(domain))], seconds, kind)[0]
+    return _hear([_DomainReader(domain, dds.DomainParticipant(domain))], seconds, kind)[0]
 
 
 def search(interface: str, leave_out: int, seconds: float = 1.5) -> list[DomainContents]:
     """Robots on other domains of this interface, also those of simulated worlds on this machine."""
     from agentrob.process import dds  # noqa: I001  first: it patches DDS
     from cyclonedds.core import DDSException
-    from cyclonedds.domain import Domain, DomainParticipant
+    from cyclonedds.domain import Domain
 
     worlds = [int(name.rpartition("/")[2]) for name in host_lock.held(f"world/{interface}/")]
     readers = []
     for domain in sorted({*DOMAINS, *worlds} - {leave_out}):
         with contextlib.suppress(DDSException):
             joined = Domain(domain, dds.config(interface))
-            readers.append(_DomainReader(domain, DomainParticipant(domain), joined))
+            readers.append(_DomainReader(domain, dds.DomainParticipant(domain), joined))
     return [heard for heard in _hear(readers, seconds, "") if heard.kind]
 
 
@@ -138,7 +138,6 @@ def _hear(readers: list[_DomainReader], seconds: float, kind: str) -> list[Domai
 
 
 def _own_participants() -> set[Any]:
-    from cyclonedds.core import Entity
-    from cyclonedds.domain import DomainParticipant
+    from agentrob.process import dds
 
-    return {e.guid for e in list(Entity._entities.values()) if isinstance(e, DomainParticipant)}
+    return {participant.guid for participant in dds.participants()}

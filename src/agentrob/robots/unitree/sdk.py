@@ -64,7 +64,7 @@ def connect(domain: int, interface: str) -> None:
             if _connected != (domain, interface):
                 raise RobotBusy(f"this process speaks DDS on domain {_connected[0]} already; one process, one robot")
             return
-        channel.ChannelConfigHasInterface = agentrob.process.dds.config("$__IF_NAME__$")
+        agentrob.process.dds.use_in(channel)
         try:
             channel.ChannelFactoryInitialize(domain, interface or None)
         except Exception:  # the SDK raises bare Exception

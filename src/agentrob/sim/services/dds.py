@@ -15,13 +15,11 @@ from typing import Any
 from agentrob.process import dds  # before any IDL type is built
 
 # isort: split
-from cyclonedds.core import DDSException, Listener
-from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.core import DDSException
+from cyclonedds.domain import Domain
 from cyclonedds.internal import InvalidSample
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
-from cyclonedds.sub import DataReader
-from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_, ResponseHeader_, ResponseStatus_
 
@@ -43,12 +41,12 @@ class Node:
         """Raises `SimError` when DDS cannot use the interface."""
         try:
             self._domain = Domain(domain, dds.config(interface))
-            self._participant = DomainParticipant(domain)
+            self._participant = dds.DomainParticipant(domain)
         except DDSException as e:
             raise SimError(f"DDS cannot use domain {domain} on the interface {interface!r}: {e.msg.strip()}") from None
 
     def writer(self, topic: str, kind: type, qos: Qos = STATE) -> Any:
-        return DataWriter(self._participant, Topic(self._participant, topic, kind), qos=qos)
+        return DataWriter(self._participant, dds.Topic(self._participant, topic, kind), qos=qos)
 
     def reader(self, topic: str, kind: type, on_sample: Callable[[Any], None]) -> Any:
         """Calls `on_sample` in a DDS thread; it must return at once."""
@@ -58,8 +56,10 @@ class Node:
                 if not isinstance(sample, InvalidSample):
                     on_sample(sample)
 
-        listener = Listener(on_data_available=on_data)
-        return DataReader(self._participant, Topic(self._participant, topic, kind), qos=REQUESTS, listener=listener)
+        listener = dds.Listener(on_data_available=on_data)
+        return dds.DataReader(
+            self._participant, dds.Topic(self._participant, topic, kind), qos=REQUESTS, listener=listener
+        )
 
 
 @dataclass(frozen=True, slots=True)
