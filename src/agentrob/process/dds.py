@@ -41,6 +41,7 @@ _LAST_CALLS_S = 2.0
 #: A callback waits at most this long for its reader to be complete.
 _COMPLETE_S = 2.0
 
+# The type checker sees cyclonedds as untyped, hence the ignored subclassing.
 _one_topic = threading.Lock()
 _registry = threading.Lock()
 _listeners: list[Listener] = []  # a few per client
@@ -49,7 +50,7 @@ _ended = threading.Event()
 _calling: set[int] = set()  # threads of the C library that run a callback
 
 
-class DomainParticipant(domain.DomainParticipant):
+class DomainParticipant(domain.DomainParticipant):  # type: ignore[misc]
     """A participant that `participants` lists."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -58,7 +59,7 @@ class DomainParticipant(domain.DomainParticipant):
             _participants.add(self)
 
 
-class Topic(topic.Topic[Any]):
+class Topic(topic.Topic[Any]):  # type: ignore[misc]
     """A topic; two are never created at the same time."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -66,7 +67,7 @@ class Topic(topic.Topic[Any]):
             super().__init__(*args, **kwargs)
 
 
-class Listener(core.Listener):
+class Listener(core.Listener):  # type: ignore[misc]
     """Callbacks that are kept for the life of the process and are not called after its end began."""
 
     def __init__(self, *, on_data_available: Callable[[Any], None] | None = None, **callbacks: Any) -> None:
@@ -79,7 +80,7 @@ class Listener(core.Listener):
             _listeners.append(self)
 
 
-class DataReader(sub.DataReader[Any]):
+class DataReader(sub.DataReader[Any]):  # type: ignore[misc]
     """A reader whose listener is called only once the reader is complete."""
 
     def __init__(self, parent: Any, of: Any, qos: Any = None, listener: Any = None) -> None:
