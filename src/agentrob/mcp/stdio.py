@@ -2,48 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from typing import Any
+from types import TracebackType
+from typing import Any, Self
 
 import anyio
 import mcp_types as types
-from anyio.streams.memory import MemoryObjectReceiveStream
 from mcp.server.lowlevel import Server
 from mcp.server.models import InitializationOptions
 from mcp.server.stdio import stdio_server
 from mcp.shared.message import SessionMessage
 from pydantic import ValidationError
 
-Incoming = SessionMessage | Exception
-
 
 async def serve_stdio(server: Server[Any], options: InitializationOptions) -> None:
     """Serve one client until it closes standard input, or until it can no longer be written to."""
     try:
-        async with stdio_server() as (read, write), _answer_malformed(read, write) as messages:
-            await server.run(messages, write, options)
+        async with stdio_server() as (read, write):
+            await server.run(_WellFormed(read, write), write, options)
     except* (ConnectionError, anyio.BrokenResourceError):  # the client closed its end
         pass
 
 
-@asynccontextmanager
-async def _answer_malformed(read: Any, write: Any) -> AsyncIterator[MemoryObjectReceiveStream[Incoming]]:
-    """The messages of `read`; a malformed line is answered with a JSON-RPC error, where the SDK only logs it."""
-    send, messages = anyio.create_memory_object_stream[Incoming]()
+class _WellFormed:
+    """The messages of a stream. A malformed line is answered with a JSON-RPC error, where the SDK would only log it."""
 
-    async def relay() -> None:
-        async with send:
-            async for item in read:
-                if isinstance(item, SessionMessage):
-                    await send.send(item)
-                elif (error := malformed(item)) is not None:
-                    await write.send(SessionMessage(error))
+    def __init__(self, read: Any, write: Any) -> None:
+        self._read, self._write = read, write
 
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(relay)
-        yield messages
-        tasks.cancel_scope.cancel()
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> SessionMessage | Exception:
+        async for item in self._read:
+            if isinstance(item, SessionMessage):
+                return item
+            if (error := malformed(item)) is not None:
+                await self._write.send(SessionMessage(error))
+        raise StopAsyncIteration
+
+    async def receive(self) -> SessionMessage | Exception:
+        try:
+            return await anext(self)
+        except StopAsyncIteration:
+            raise anyio.EndOfStream from None
+
+    async def aclose(self) -> None:
+        await self._read.aclose()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.aclose()
 
 
 def malformed(error: Exception) -> types.JSONRPCError | None:
