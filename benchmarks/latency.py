@@ -22,7 +22,7 @@ from pathlib import Path
 from agentrob.demo.run import free_port
 from agentrob.forums.protocol import Forum
 from agentrob.model import AccountKind, EventKind, Role
-from agentrob.process.child import Child, end_all
+from agentrob.process.child import Child, terminate_all
 from agentrob.wiring import app
 
 ROBOT = "quadruped"
@@ -94,7 +94,7 @@ def run(posts: int, folder: Path) -> dict[str, list[float]]:
             children[-1].wait_ready()
         return asyncio.run(_measured(app.make_forum(config, app.board_token(config, "alice")), folder, posts))
     finally:
-        end_all(children)
+        terminate_all(children)
 
 
 async def _measured(forum: Forum, folder: Path, posts: int) -> dict[str, list[float]]:

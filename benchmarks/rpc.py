@@ -33,8 +33,8 @@ from typing import Any
 
 from agentrob.config.load import Config
 from agentrob.model import Direction, Op, Plan, Primitive
-from agentrob.process.child import Child, end_all
-from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.child import Child, terminate_all
+from agentrob.process.dds_domain import PrivateDomain
 from agentrob.robots.driver.client import run_plan
 from agentrob.robots.unitree import sdk
 from agentrob.sim.services.dds import REQUESTS, RESPONSES, Node  # before any type of the SDK
@@ -208,7 +208,7 @@ def table(beside_what: str, rows: Iterator[Row]) -> None:
 
 def benchmark(calls: int, walks: int) -> None:
     children = list[Child]()
-    with contextlib.closing(OwnDomain()) as own, tempfile.TemporaryDirectory(prefix="agentrob-rpc-") as folder:
+    with contextlib.closing(PrivateDomain()) as own, tempfile.TemporaryDirectory(prefix="agentrob-rpc-") as folder:
         work, domain = Path(folder), own.number
         try:
             children.append(Child("world", ["sim", "--domain", f"go2={domain}"], work / "world.log"))
@@ -231,7 +231,7 @@ def benchmark(calls: int, walks: int) -> None:
                 with busy(count):
                     table(beside_what, measure(domain, socket, clients, calls, walks))
         finally:
-            end_all(children)
+            terminate_all(children)
 
 
 def main() -> None:

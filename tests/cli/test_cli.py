@@ -15,7 +15,7 @@ from pathlib import Path
 import httpx2
 import pytest
 
-from agentrob.process.child import Child, end_all
+from agentrob.process.child import Child, terminate_all
 from agentrob.wiring import app
 from tests import in_process
 
@@ -92,7 +92,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     token = in_process.agentrob(folder, "board", "account", "token", "ann").stdout.strip()
     with httpx2.Client(base_url=url + "/api/v1", headers={"Authorization": f"Bearer {token}"}, timeout=60) as operator:
         yield Lab(folder, url, str(runtime), robot.stdout.strip(), operator)
-    end_all([driver, board])
+    terminate_all([driver, board])
 
 
 def test_a_single_run_answers_what_is_there_and_ends(lab: Lab) -> None:

@@ -24,7 +24,7 @@ from typer.testing import CliRunner
 from agentrob.cli.main import cli
 from agentrob.demo.run import Demo, DemoSettings
 from agentrob.process import host_lock
-from agentrob.process.child import Child, end_all
+from agentrob.process.child import Child, terminate_all
 from agentrob.robots.driver.client import DriverClient
 from tests import in_process
 
@@ -123,7 +123,7 @@ def ground(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
         kill(agent, children[0])
         yield field
     finally:
-        end_all([*children, *field.drivers.values()])
+        terminate_all([*children, *field.drivers.values()])
 
 
 @pytest.fixture

@@ -9,12 +9,12 @@ import pytest
 
 from agentrob.errors import RobotBusy
 from agentrob.process import dds_domain, host_lock
-from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.dds_domain import PrivateDomain
 
 
 def test_all_who_choose_a_domain_at_once_have_one_of_their_own_until_they_give_it_back() -> None:
     with ThreadPoolExecutor(8) as pool, contextlib.ExitStack() as kept:
-        chosen = list(pool.map(lambda _: OwnDomain(), range(16)))
+        chosen = list(pool.map(lambda _: PrivateDomain(), range(16)))
         for domain in chosen:
             kept.enter_context(contextlib.closing(domain))
         assert len({domain.number for domain in chosen}) == 16
@@ -25,7 +25,7 @@ def test_all_who_choose_a_domain_at_once_have_one_of_their_own_until_they_give_i
 @pytest.mark.parametrize("who", ["world/lo", "driver/lo", "domain/lo"])
 def test_a_domain_that_somebody_uses_is_not_chosen(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
     monkeypatch.setattr(dds_domain, "DOMAINS", range(231, 233))  # beyond those of DDS: nobody is there
-    with host_lock.HostLock(f"{who}/231", "the test"), contextlib.closing(OwnDomain()) as domain:
+    with host_lock.HostLock(f"{who}/231", "the test"), contextlib.closing(PrivateDomain()) as domain:
         assert domain.number == 232
         with pytest.raises(RobotBusy, match="all DDS domains from 231 to 232 are taken"):
-            OwnDomain()
+            PrivateDomain()

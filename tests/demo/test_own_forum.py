@@ -16,7 +16,7 @@ import pytest
 from agentrob.config.load import Config
 from agentrob.demo.run import free_port
 from agentrob.model import Post
-from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.dds_domain import PrivateDomain
 from agentrob.wiring import app
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +29,7 @@ LIMIT_S = 100
 def test_its_commands_lead_to_a_robot_that_walks(tmp_path: Path) -> None:
     setup, *blocks = BLOCKS
     assert setup == "make setup\n. .venv/bin/activate\n", "what the tests run in already"
-    domain, port = OwnDomain(), free_port()
+    domain, port = PrivateDomain(), free_port()
     script = "".join(blocks).replace("8099", str(port)).replace("domain = 1", f"domain = {domain.number}")
     script = script.replace("go2=1", f"go2={domain.number}")
     env = {**os.environ, "HOME": str(tmp_path), "XDG_RUNTIME_DIR": str(tmp_path)}

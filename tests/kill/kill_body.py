@@ -99,7 +99,7 @@ def main(path: str, ledger: str) -> None:
 
 
 if __name__ == "__main__":
-    from agentrob.process.child import follow_parent
+    from agentrob.process.child import end_with_parent
 
-    follow_parent()
+    end_with_parent()
     main(*sys.argv[1:])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from agentrob.config.load import RobotConfig
-from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.dds_domain import PrivateDomain
 from tests.kill.kill_house import House
 from tests.kill.kill_process import AGENTROB, Mortal
 
@@ -14,7 +14,7 @@ class WorldHouse(House):
     """`born` is how long the ledger was when the world of now was started."""
 
     def __init__(self, folder: Path) -> None:
-        self._own = OwnDomain()  # as long as this is here
+        self._own = PrivateDomain()  # as long as this is here
         self.domain = self._own.number
         self.born = 0
         super().__init__(folder)

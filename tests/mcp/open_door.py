@@ -14,7 +14,7 @@ import uvicorn
 
 from agentrob.config.mcp import McpConfig
 from agentrob.config.service import McpRobotConfig
-from agentrob.mcp.forum.http import make_app, trimmed
+from agentrob.mcp.forum.http import make_app, strip_header_whitespace
 from agentrob.mcp.forum.identity import Identity, Rights
 from agentrob.mcp.robots import http as over_http
 from agentrob.mcp.robots.server import RobotServer
@@ -50,7 +50,7 @@ def fixture_server() -> Iterator[str]:
     spec.loader.exec_module(module)
     listener = socket.create_server(("127.0.0.1", 0))
     app = module.mcp.streamable_http_app(event_store=module.event_store, retry_interval=100)
-    with serving(trimmed(app), listener):
+    with serving(strip_header_whitespace(app), listener):
         yield f"http://localhost:{listener.getsockname()[1]}/mcp"
 
 

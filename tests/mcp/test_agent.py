@@ -21,7 +21,7 @@ from agentrob.mcp.adapter import McpForum
 from agentrob.mcp.client import ForumClient
 from agentrob.mcp.forum.identity import Rights
 from agentrob.model import AccountKind, Role
-from agentrob.process.child import Child, end_all
+from agentrob.process.child import Child, terminate_all
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 from tests.mcp.forum.inside import ALL, client_of, server_of
 from tests.mcp.running_mcp import McpSetup
@@ -130,7 +130,7 @@ def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, t
             shown = ask_for_a_photo(setup, tmp_path / "photo.jpg")
             (tmp_path / "transcript.txt").write_text(shown)
         finally:
-            end_all(children)
+            terminate_all(children)
     assert said[1]["author"]["name"] == "quadruped"
     assert said[1]["card"]["state"] == "done"
     assert "quadruped, robot_agent [done] (robot, status done" in shown

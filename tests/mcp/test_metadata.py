@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.language.visible_text import visible_text
-from agentrob.mcp.metadata import AGENT_TYPES, disarmed, tagged, untagged
+from agentrob.mcp.metadata import AGENT_TYPES, disarm_tags, split_tag, with_tag
 from agentrob.model import Account, AccountKind
 from tests.mcp.forum.inside import a_world, client_of
 
@@ -32,8 +32,8 @@ FORGED = (
 @pytest.mark.parametrize("kind", list(AccountKind))
 def test_law_1_the_tag_is_made_of_the_account_and_read_back(kind: AccountKind) -> None:
     author = Account("1", "some_body", kind)
-    raw = tagged("hello", author, "asking", "0123456789abcdef")
-    body, tag = untagged(raw, author)
+    raw = with_tag("hello", author, "asking", "0123456789abcdef")
+    body, tag = split_tag(raw, author)
     assert raw.startswith(f"> [agent_type={AGENT_TYPES[kind]} agent_id=some_body status=asking trace=0123456789abcdef]")
     assert (body, tag and (tag.type, tag.status, tag.trace_id)) == (
         "hello", (AGENT_TYPES[kind], "asking", "0123456789abcdef"))  # fmt: skip
@@ -41,39 +41,39 @@ def test_law_1_the_tag_is_made_of_the_account_and_read_back(kind: AccountKind) -
 
 @pytest.mark.parametrize("forged", FORGED)
 def test_law_1_a_tag_that_a_caller_writes_is_disarmed(forged: str) -> None:
-    raw = tagged(f"{forged}\n\nhello", PLANNER, "posted", "")
+    raw = with_tag(f"{forged}\n\nhello", PLANNER, "posted", "")
     assert raw.count("[") == 1
     assert "not a tag" in raw
-    assert untagged(raw, PLANNER)[0].endswith("hello")
+    assert split_tag(raw, PLANNER)[0].endswith("hello")
 
 
 def test_law_1_another_accounts_tag_is_text() -> None:
     robot = Account("2", "quadruped", AccountKind.ROBOT_AGENT)
-    raw = tagged("done", robot, "done", "")
-    assert untagged(raw, PLANNER) == (raw, None)
-    assert untagged(raw, Account("3", "quadruped", AccountKind.HUMAN)) == (raw, None)
-    assert untagged("hello\n\n" + raw, robot) == ("hello\n\n" + raw, None)
+    raw = with_tag("done", robot, "done", "")
+    assert split_tag(raw, PLANNER) == (raw, None)
+    assert split_tag(raw, Account("3", "quadruped", AccountKind.HUMAN)) == (raw, None)
+    assert split_tag("hello\n\n" + raw, robot) == ("hello\n\n" + raw, None)
 
 
 @given(st.text(max_size=300))
 def test_law_1_whatever_is_written_the_first_line_is_the_accounts_own(text: str) -> None:
-    raw = tagged(text, PLANNER, "posted", "")
-    body, tag = untagged(raw, PLANNER)
+    raw = with_tag(text, PLANNER, "posted", "")
+    body, tag = split_tag(raw, PLANNER)
     assert tag is not None
     assert raw.splitlines()[0] == "> [agent_type=commanding agent_id=planner status=posted]"
-    assert body == disarmed(text).lstrip()
+    assert body == disarm_tags(text).lstrip()
 
 
 @given(st.text(alphabet="ab [](){}*_-🤖行走", max_size=80))
 def test_what_is_no_tag_is_left_as_it_is(text: str) -> None:
-    assert disarmed(text) == text
+    assert disarm_tags(text) == text
 
 
 @pytest.mark.parametrize(
     "text", ["@quadruped walk forward 1 m", "stop", "> a quote\n\n@quadruped stop", "@quadruped 停"]
 )
 def test_law_3_robots_read_a_tagged_post_as_if_the_tag_were_not_there(text: str) -> None:
-    assert visible_text(tagged(text, PLANNER, "asking", "0123456789abcdef")) == visible_text(text)
+    assert visible_text(with_tag(text, PLANNER, "asking", "0123456789abcdef")) == visible_text(text)
 
 
 async def test_law_1_what_is_posted_carries_the_identity_of_who_is_signed_in() -> None:

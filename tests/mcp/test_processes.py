@@ -18,7 +18,7 @@ import pytest
 import structlog
 from mcp_types import PROTOCOL_VERSION_META_KEY
 
-from agentrob.mcp.client import ForumClient, ServerGone, ToolFailed
+from agentrob.mcp.client import ForumClient, ServerUnavailable, ToolFailed
 from tests.board.running_board import RunningBoard
 from tests.mcp.running_mcp import LIMIT_S, McpSetup
 
@@ -91,7 +91,7 @@ async def test_a_server_that_was_killed_is_started_again_by_the_next_call(setup:
         os.kill(int(note.read_text()), signal.SIGKILL)
         async with asyncio.timeout(LIMIT_S):
             while True:
-                with contextlib.suppress(ServerGone):
+                with contextlib.suppress(ServerUnavailable):
                     assert (await client.list_boards()).boards
                     break
 

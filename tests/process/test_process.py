@@ -13,7 +13,7 @@ import pytest
 from agentrob.config import load
 from agentrob.errors import ConfigError, RobotBusy
 from agentrob.process import host_lock
-from agentrob.process.child import Child, ChildError, end_all
+from agentrob.process.child import Child, ChildError, terminate_all
 
 LIMIT_S = 60.0
 
@@ -94,7 +94,7 @@ def test_a_child_that_fails_is_reported_with_its_last_words(tmp_path: Path) -> N
     child = Child("driver", ["driver", "nobody"], tmp_path / "driver.log")
     with pytest.raises(ChildError, match="no robot named 'nobody'"):
         child.wait_ready(LIMIT_S)
-    end_all([child])
+    terminate_all([child])
 
 
 def test_children_end_when_their_parent_is_killed(tmp_path: Path) -> None:
@@ -117,7 +117,9 @@ def test_children_end_when_their_parent_is_killed(tmp_path: Path) -> None:
 
 
 def test_what_a_process_has_when_it_is_ready_is_never_looked_through_for_garbage_again() -> None:
-    code = "import gc, agentrob.process.child as c; c.say_ready(); print(gc.get_freeze_count(), len(gc.get_objects()))"
+    code = (
+        "import gc, agentrob.process.child as c; c.print_ready(); print(gc.get_freeze_count(), len(gc.get_objects()))"
+    )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     frozen, rest = map(int, said.splitlines()[1].split())
     assert frozen > 50 * rest

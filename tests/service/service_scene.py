@@ -17,10 +17,10 @@ from agentrob.config.service import Scope
 from agentrob.forums.memory.forum import MemoryWorld
 from agentrob.model import AccountKind, Report, Role
 from agentrob.process.webhooks import Outbox, Receiver
-from agentrob.service.auth import Caller, Callers
-from agentrob.service.commands import Desk
+from agentrob.service.auth import Caller, TokenAuthenticator
+from agentrob.service.commands import CommandService
 from agentrob.service.dependencies import Parts
-from agentrob.service.metrics import Figures
+from agentrob.service.metrics import ServiceMetrics
 from agentrob.service.server import serving
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 
@@ -106,16 +106,16 @@ async def make_service(
     for name, (role, kind, scopes) in PEOPLE.items():
         callers[token(name)] = Caller(name, scopes, scene.person(name, role, kind))
     callers[token("button")] = Caller("button", frozenset(("stop",)))
-    figures = Figures(ROBOT)
-    outbox = Outbox(receivers, figures.hook_out, pauses_s)
-    desks: list[Desk] = []
+    metrics = ServiceMetrics(ROBOT)
+    outbox = Outbox(receivers, metrics.webhook_delivered, pauses_s)
+    made: list[CommandService] = []
 
     def ended(report: Report) -> None:
-        desks[0].ended(report)
+        made[0].ended(report)
 
     agent = scene.make(on_end=ended, listens=listens)
-    desks.append(Desk(agent, figures, outbox))
-    parts = Parts(desks[0], Callers(callers, per_minute), figures, outbox, hooks_in or {}, ("127.0.0.1",))
+    made.append(CommandService(agent, metrics, outbox))
+    parts = Parts(made[0], TokenAuthenticator(callers, per_minute), metrics, outbox, hooks_in or {}, ("127.0.0.1",))
     listener = socket.create_server(("127.0.0.1", 0))
     running = asyncio.create_task(agent.run())
     try:

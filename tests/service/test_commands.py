@@ -72,8 +72,8 @@ async def test_status_readiness_camera_and_figures(service: Service) -> None:
     assert (ready.status_code, ready.json()["ready"]) == (200, True)
     picture = await service.call("watcher", "GET", "/camera.jpg")
     assert (picture.status_code, picture.content[:2]) == (200, b"\xff\xd8")
-    figures = await service.http.get(f"{service.url}/metrics")
-    assert figures.status_code == 401
+    metrics = await service.http.get(f"{service.url}/metrics")
+    assert metrics.status_code == 401
     await service.end(await service.submit("alice", "turn left 10 degrees"))
     headers = {"Authorization": "Bearer the-token-of-watcher"}
     text = (await service.http.get(f"{service.url}/metrics", headers=headers)).text

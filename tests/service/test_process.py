@@ -14,7 +14,7 @@ import pytest
 
 from agentrob.config.load import Config
 from agentrob.model import AccountKind, Role
-from agentrob.process.child import Child, end_all
+from agentrob.process.child import Child, terminate_all
 from agentrob.wiring import app
 from tests.agent.agent_scene import WIDE
 
@@ -71,7 +71,7 @@ def house(tmp_path: Path) -> Iterator[House]:
         ):
             yield House(children, http, board)
     finally:
-        end_all(children)
+        terminate_all(children)
 
 
 @pytest.mark.slow

@@ -104,7 +104,7 @@ async def test_law_15_a_suspended_account_and_a_robot_do_not_stop(service: Servi
     command = await service.submit("alice", "walk forward 1 m")
     await service.moving(command)
     service.scene.world.suspend("bob")
-    for caller in service.parts.callers.all:
+    for caller in service.parts.auth.all:
         await caller.refresh()
     for who in ("bob", "other-robot"):
         answer = await service.call(who, "POST", "/stop")

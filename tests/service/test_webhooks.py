@@ -16,7 +16,7 @@ import pytest
 
 from agentrob.errors import ServiceError
 from agentrob.process.webhooks import MOST_WAITING, Outbox, Receiver, signature
-from agentrob.service.metrics import Figures
+from agentrob.service.metrics import ServiceMetrics
 from agentrob.service.webhooks import verify
 from tests.agent.agent_scene import Driver
 from tests.service.service_scene import Service, make_service
@@ -95,26 +95,26 @@ async def test_the_end_of_a_command_is_told_signed_and_again_until_it_is_taken(d
 async def test_a_receiver_is_told_so_often_and_no_more_and_others_do_not_wait_for_it() -> None:
     async with listener(500) as broken, listener(200) as good, listener(400) as unwilling:
         receivers = [Receiver(name, at.url, SECRET) for name, at in (("a", broken), ("b", good), ("c", unwilling))]
-        figures = Figures("r")
-        outbox = Outbox(receivers, figures.hook_out, pauses_s=(0.01, 0.01))
+        metrics = ServiceMetrics("r")
+        outbox = Outbox(receivers, metrics.webhook_delivered, pauses_s=(0.01, 0.01))
         running = asyncio.create_task(outbox.run())
         outbox.tell("command.ended", {"id": "1"})
         async with asyncio.timeout(60):
             await asyncio.gather(*(receiver.waiting.join() for receiver in receivers))
         running.cancel()
         assert (len(broken.got), len(good.got), len(unwilling.got)) == (3, 1, 1)
-    text = figures.text().decode()
+    text = metrics.text().decode()
     assert 'outcome="failed",robot="r"} 2.0' in text
     assert 'outcome="told",robot="r"} 1.0' in text
 
 
 def test_what_waits_for_a_receiver_is_bounded() -> None:
-    receiver, figures = Receiver("a", "http://127.0.0.1:1/", SECRET), Figures("r")
-    outbox = Outbox([receiver], figures.hook_out)
+    receiver, metrics = Receiver("a", "http://127.0.0.1:1/", SECRET), ServiceMetrics("r")
+    outbox = Outbox([receiver], metrics.webhook_delivered)
     for n in range(MOST_WAITING + 3):
         outbox.tell("command.ended", {"id": str(n)})
     assert receiver.waiting.qsize() == MOST_WAITING
-    assert 'outcome="dropped",robot="r"} 3.0' in figures.text().decode()
+    assert 'outcome="dropped",robot="r"} 3.0' in metrics.text().decode()
 
 
 def test_what_is_not_signed_with_our_secret_is_not_taken() -> None:

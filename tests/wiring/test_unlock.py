@@ -18,7 +18,7 @@ from uuid import uuid4
 import pytest
 
 from agentrob.model import RobotState
-from agentrob.process.child import Child, end_all
+from agentrob.process.child import Child, terminate_all
 from agentrob.robots.driver.client import DriverClient
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
@@ -80,7 +80,7 @@ def started(folder: Path, homes: bool) -> Machine:
 def machine(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Machine]:
     made = started(tmp_path, getattr(request, "param", True))
     yield made
-    end_all([made.driver])
+    terminate_all([made.driver])
 
 
 def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) -> None:
@@ -109,7 +109,7 @@ def test_law_17_release_names_the_robots_there_are_and_how_a_driver_is_started(m
             "agentrob: no driver of 'asleep' runs on this machine; start one with: agentrob driver asleep",
         )
     machine.ask("halt")
-    end_all([machine.driver])
+    terminate_all([machine.driver])
     code, said = machine.type("release", machine.name)
     assert (code, said) == (
         1,

@@ -10,7 +10,7 @@ import typer
 from agentrob import __version__
 from agentrob.cli import agent, board, demo, evals, mcp, minds, processes, robots
 from agentrob.errors import AgentRobError
-from agentrob.process.child import follow_parent
+from agentrob.process.child import end_with_parent
 
 START, ROBOTS, FORUM, PROCESSES = "First steps", "Robots", "Forum and agents", "Processes that others start"
 
@@ -48,7 +48,7 @@ def error_line(error: AgentRobError) -> str:
 
 def main() -> None:
     """The entry point. Our own errors become one line on standard error and exit code 1."""
-    follow_parent()
+    end_with_parent()
     try:
         cli()
     except AgentRobError as e:

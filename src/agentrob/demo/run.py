@@ -24,8 +24,8 @@ from agentrob.config.board import BoardConfig
 from agentrob.config.load import Config, ForumConfig, MindConfig, RatesConfig
 from agentrob.errors import AgentRobError, ConfigError
 from agentrob.model import AccountKind, Role
-from agentrob.process.child import Child, ChildError, end_all
-from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.child import Child, ChildError, terminate_all
+from agentrob.process.dds_domain import PrivateDomain
 from agentrob.process.signals import sigterm_interrupts
 from agentrob.wiring.running_demo import demo_folder, running_demo
 
@@ -89,7 +89,7 @@ class Demo:
         self.data = settings.data
         self.robots = settings.robots
         self.children: list[Child] = []
-        self._domains: dict[str, OwnDomain] = {}
+        self._domains: dict[str, PrivateDomain] = {}
         self._lock: IO[str] | None = None
         self.url = ""
         self.tokens: dict[str, str] = {}
@@ -103,7 +103,7 @@ class Demo:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         with _undisturbed():
-            end_all(self.children)
+            terminate_all(self.children)
             for domain in self._domains.values():
                 domain.close()
             if self.runtime:
@@ -152,7 +152,7 @@ class Demo:
     def _start_world(self) -> Child:
         """The world; each robot has a domain, one that is not in the world for its driver's lock."""
         for name in self.robots:
-            self._domains[name] = OwnDomain()
+            self._domains[name] = PrivateDomain()
         args = ["sim", "--ledger", str(self.data / "world.jsonl"), "--world", self.settings.world]
         for name, model in ROBOTS.items():
             args += ["--domain", f"{model}={self._domains[name].number}"]
@@ -265,7 +265,7 @@ class Demo:
         """`ChildError` when a child has ended."""
         for child in self.children:
             if not child.alive:
-                raise ChildError(f"{child.name} has ended: {child.last_words()} (log: {child.log})")
+                raise ChildError(f"{child.name} has ended: {child.last_line()} (log: {child.log})")
 
 
 def config_for(robot: str | None, path: Path | None) -> Config:

@@ -32,7 +32,7 @@ from agentrob.errors import (
 from agentrob.forums.cards import facts_of
 from agentrob.forums.protocol import Board, Event, Notification, Topic, Written
 from agentrob.mcp import mapping, results
-from agentrob.mcp.client import ForumClient, ServerGone, ToolFailed
+from agentrob.mcp.client import ForumClient, ServerUnavailable, ToolFailed
 from agentrob.mcp.forum.resources import address
 from agentrob.model import Account, EventKind, Page, Post, Role, StatusCard
 
@@ -218,7 +218,7 @@ async def _said(asked: Awaitable[T]) -> T:
             case "not_offered":
                 raise ForumUnoffered(str(e)) from None
         raise ForumError(str(e)) from None
-    except ServerGone as e:
+    except ServerUnavailable as e:
         raise ForumUnreachable(str(e)) from None
     except McpError as e:
         raise ForumMalformed(str(e)) from None

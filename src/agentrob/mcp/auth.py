@@ -19,7 +19,7 @@ SCOPE = "forum"
 _ALGORITHMS = ["RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA"]
 
 
-class Bearers:
+class BearerTokenVerifier:
     """Verifies bearer tokens. What is taken as `client_id` is the user's name in the configuration.
 
     `users` gives for each name the identity, the static token (or "") and the OAuth subject (or "").

@@ -5,7 +5,7 @@
             print(board.name)
 
 It needs the MCP SDK and pydantic only. A tool that says no raises `ToolFailed` with the envelope's words; a server
-that is gone raises `ServerGone`, and the next call connects again. Cancelling a call cancels it at the server.
+that is gone raises `ServerUnavailable`, and the next call connects again. Cancelling a call cancels it at the server.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class ToolFailed(McpError):
         self.retry_after_s = 1.0
 
 
-class ServerGone(McpError):
+class ServerUnavailable(McpError):
     """The server did not start, ended, or did not answer in time."""
 
 
@@ -59,7 +59,7 @@ class ForumClient:
         self._timeout_s = timeout_s
         self._close = close
         self._lock = asyncio.Lock()
-        self._link: _Link | None = None
+        self._connection: _Connection | None = None
 
     @classmethod
     def spawn(
@@ -106,7 +106,7 @@ class ForumClient:
 
     # ---------------------------------------------------------------- life
     async def __aenter__(self) -> Self:
-        await self._linked()
+        await self._connected()
         return self
 
     async def __aexit__(
@@ -117,45 +117,45 @@ class ForumClient:
     async def close(self) -> None:
         """End the connection, and the server when it is a process of ours."""
         async with self._lock:
-            if self._link is not None:
-                await self._link.close()
-                self._link = None
+            if self._connection is not None:
+                await self._connection.close()
+                self._connection = None
             if self._close is not None:
                 await self._close()
 
-    async def _linked(self) -> Client:
+    async def _connected(self) -> Client:
         async with self._lock:
-            if self._link is not None and self._link.broken:
-                await self._link.close()
-                self._link = None
-            if self._link is None:
-                link = _Link(self._connect)
+            if self._connection is not None and self._connection.broken:
+                await self._connection.close()
+                self._connection = None
+            if self._connection is None:
+                connection = _Connection(self._connect)
                 try:
                     async with asyncio.timeout(self._timeout_s):
-                        await link.open()
+                        await connection.open()
                 except TimeoutError:
-                    await link.close()
-                    raise ServerGone(f"the MCP server was not ready after {self._timeout_s:g} s") from None
-                self._link = link
-            assert self._link.client is not None
-            return self._link.client
+                    await connection.close()
+                    raise ServerUnavailable(f"the MCP server was not ready after {self._timeout_s:g} s") from None
+                self._connection = connection
+            assert self._connection.client is not None
+            return self._connection.client
 
     # ---------------------------------------------------------------- one call
     async def call(self, tool: str, result: type[R], /, **arguments: Any) -> R:
-        """Call any tool; arguments that are None are left out. Raises `ToolFailed` and `ServerGone`."""
+        """Call any tool; arguments that are None are left out. Raises `ToolFailed` and `ServerUnavailable`."""
         given = {k: v for k, v in arguments.items() if v is not None}
         limit_s = self._timeout_s + float(given.get("wait_s", 0))
-        client = await self._linked()
+        client = await self._connected()
         answer = await self._answered(client.call_tool(tool, given, read_timeout_seconds=limit_s), limit_s)
         said = answer.structured_content
         if not isinstance(said, dict) or not isinstance(said.get("ok"), bool):
             raise McpError(f"{tool} answered what is no envelope")
         if not said["ok"]:
-            raise _failed(said)
+            raise _tool_failed(said)
         return _read(result, said.get("data", {}), tool)
 
     async def read(self, uri: str, result: type[R], limit_s: float | None = None) -> R:
-        """Read a resource that is JSON. Raises `ToolFailed` and `ServerGone`."""
+        """Read a resource that is JSON. Raises `ToolFailed` and `ServerUnavailable`."""
         for content in await self._contents(uri, limit_s):
             if (text := getattr(content, "text", None)) is not None:
                 return _read_json(result, text, uri)
@@ -172,37 +172,37 @@ class ForumClient:
         raise McpError(f"{uri} has no bytes")
 
     async def _contents(self, uri: str, limit_s: float | None) -> Sequence[Any]:
-        client = await self._linked()
+        client = await self._connected()
         answer = await self._answered(client.read_resource(uri), limit_s or self._timeout_s)
         return list(answer.contents)
 
     async def _answered(self, asked: Any, limit_s: float) -> Any:
         from mcp.shared.exceptions import MCPError
 
-        link = self._link
+        connection = self._connection
         asking = asyncio.ensure_future(asked)
-        ended = asyncio.ensure_future(link.ended.wait()) if link else None
+        ended = asyncio.ensure_future(connection.ended.wait()) if connection else None
         try:
             async with asyncio.timeout(limit_s):
                 await asyncio.wait([t for t in (asking, ended) if t], return_when=asyncio.FIRST_COMPLETED)
                 if not asking.done():
-                    raise ServerGone("the MCP server ended")
+                    raise ServerUnavailable("the MCP server ended")
                 return asking.result()
         except TimeoutError:
-            raise ServerGone(f"the MCP server did not answer within {limit_s:g} s") from None
+            raise ServerUnavailable(f"the MCP server did not answer within {limit_s:g} s") from None
         except MCPError as e:
-            raise _of_protocol(e, link) from None
+            raise _protocol_error(e, connection) from None
         except (OSError, RuntimeError, EOFError, ValidationError) as e:
-            raise _gone(e, link) from None
+            raise _unavailable(e, connection) from None
         except Exception as e:
             if type(e).__module__.partition(".")[0] not in ("anyio", "httpx2", "mcp"):
                 raise
-            raise _gone(e, link) from None
+            raise _unavailable(e, connection) from None
         finally:
             if ended is not None:
                 ended.cancel()
-            if not await _left(asking, LEAVE_S) and link is not None:
-                link.broken = True  # not even a cancellation gets through
+            if not await _left(asking, LEAVE_S) and connection is not None:
+                connection.broken = True  # not even a cancellation gets through
 
     # ---------------------------------------------------------------- the tools
     async def get_manual(self, tool: str | None = None) -> r.Manual:
@@ -230,9 +230,9 @@ class ForumClient:
         status: str | None = None,
         images: Sequence[str] = (),
         key: str | None = None,
-    ) -> r.Wrote:
+    ) -> r.WrittenPost:
         more = {"status": status, "images": list(images) or None, "key": key}
-        return await self.call("create_topic", r.Wrote, board_id=board_id, title=title, body=body, **more)
+        return await self.call("create_topic", r.WrittenPost, board_id=board_id, title=title, body=body, **more)
 
     async def reply_to_topic(
         self,
@@ -244,9 +244,9 @@ class ForumClient:
         images: Sequence[str] = (),
         card: Mapping[str, Any] | None = None,
         key: str | None = None,
-    ) -> r.Wrote:
+    ) -> r.WrittenPost:
         more = {"status": status, "images": list(images) or None, "key": key, "card": dict(card) if card else None}
-        return await self.call("reply_to_topic", r.Wrote, topic_id=topic_id, body=body, reply_to=reply_to, **more)
+        return await self.call("reply_to_topic", r.WrittenPost, topic_id=topic_id, body=body, reply_to=reply_to, **more)
 
     async def edit_post(
         self,
@@ -257,9 +257,9 @@ class ForumClient:
         images: Sequence[str] = (),
         card: Mapping[str, Any] | None = None,
         key: str | None = None,
-    ) -> r.Wrote:
+    ) -> r.WrittenPost:
         more = {"status": status, "images": list(images) or None, "key": key, "card": dict(card) if card else None}
-        return await self.call("edit_post", r.Wrote, post_id=post_id, body=body, **more)
+        return await self.call("edit_post", r.WrittenPost, post_id=post_id, body=body, **more)
 
     async def login_account(self, account: str, token: str | None = None) -> r.SignedIn:
         return await self.call("login_account", r.SignedIn, account=account, token=token)
@@ -277,8 +277,8 @@ class ForumClient:
     async def upload_media(self, picture: bytes) -> r.Uploaded:
         return await self.call("upload_media", r.Uploaded, data=base64.b64encode(picture).decode())
 
-    async def subscribe_topic(self, topic_id: str, after: str | None = None, wait_s: float = 0.0) -> r.Watched:
-        return await self.call("subscribe_topic", r.Watched, topic_id=topic_id, after=after, wait_s=wait_s)
+    async def subscribe_topic(self, topic_id: str, after: str | None = None, wait_s: float = 0.0) -> r.TopicUpdates:
+        return await self.call("subscribe_topic", r.TopicUpdates, topic_id=topic_id, after=after, wait_s=wait_s)
 
     async def list_notifications(self, cursor: str | None = None, limit: int | None = None) -> r.Notifications:
         return await self.call("list_notifications", r.Notifications, cursor=cursor, limit=limit)
@@ -290,14 +290,14 @@ class ForumClient:
 
     async def updates(self, *uris: str) -> AsyncIterator[str]:
         """The addresses, among these, of what was changed, as the server pushes them (protocol of 2026 only)."""
-        client = await self._linked()
+        client = await self._connected()
         async with client.listen(resource_subscriptions=list(uris)) as events:
             async for event in events:
                 if (uri := getattr(event, "uri", None)) is not None:
                     yield str(uri)
 
 
-class _Link:
+class _Connection:
     """An SDK client in a task of its own, since it must be left in the task that entered it."""
 
     def __init__(self, connect: Callable[[], Client]) -> None:
@@ -325,7 +325,7 @@ class _Link:
                 why = e
                 while isinstance(why, BaseExceptionGroup):
                     why = why.exceptions[0]
-                said = ServerGone(f"the MCP server cannot be used: {type(why).__name__} {why}".rstrip()[:300])
+                said = ServerUnavailable(f"the MCP server cannot be used: {type(why).__name__} {why}".rstrip()[:300])
                 ready.set_exception(said)
             if isinstance(e, asyncio.CancelledError):
                 raise
@@ -349,7 +349,7 @@ async def _left(task: asyncio.Future[Any], limit_s: float) -> bool:
     return task.done()
 
 
-def _failed(said: dict[str, Any]) -> ToolFailed:
+def _tool_failed(said: dict[str, Any]) -> ToolFailed:
     error = said.get("error")
     error = error if isinstance(error, dict) else {}
     failed = ToolFailed(
@@ -364,18 +364,18 @@ def _failed(said: dict[str, Any]) -> ToolFailed:
     return failed
 
 
-def _of_protocol(error: Any, link: _Link | None) -> McpError:
+def _protocol_error(error: Any, connection: _Connection | None) -> McpError:
     """A JSON-RPC error: ours carry the envelope's words as data, others are the connection's."""
     data = error.error.data
     if isinstance(data, dict) and "code" in data:
-        return _failed({"error": {**data, "message": error.error.message}, "trace_id": data.get("trace_id", "")})
-    return _gone(error, link)
+        return _tool_failed({"error": {**data, "message": error.error.message}, "trace_id": data.get("trace_id", "")})
+    return _unavailable(error, connection)
 
 
-def _gone(error: Exception, link: _Link | None) -> ServerGone:
-    if link is not None:
-        link.broken = True
-    return ServerGone(f"the MCP server does not answer: {type(error).__name__} {error}".rstrip()[:300])
+def _unavailable(error: Exception, connection: _Connection | None) -> ServerUnavailable:
+    if connection is not None:
+        connection.broken = True
+    return ServerUnavailable(f"the MCP server does not answer: {type(error).__name__} {error}".rstrip()[:300])
 
 
 def _read(result: type[R], data: Any, what: str) -> R:

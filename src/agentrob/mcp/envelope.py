@@ -41,7 +41,7 @@ def new_trace_id() -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Envelope:
     """An envelope as compact JSON, made only once. `code` is "ok" or that of the error."""
 
     text: str
@@ -52,17 +52,17 @@ class Said:
         return found
 
 
-def success(tool: str, data: BaseModel | dict[str, Any], trace_id: str) -> Said:
+def success(tool: str, data: BaseModel | dict[str, Any], trace_id: str) -> Envelope:
     """The envelope of a result; what a model has by default is left out."""
     shown = data.model_dump_json(exclude_defaults=True) if isinstance(data, BaseModel) else _json(data)
-    return Said(f'{{"ok":true,"tool":{_json(tool)},"data":{shown},"trace_id":"{trace_id}"}}')
+    return Envelope(f'{{"ok":true,"tool":{_json(tool)},"data":{shown},"trace_id":"{trace_id}"}}')
 
 
-def failure(tool: str, error: Exception, trace_id: str) -> Said:
+def failure(tool: str, error: Exception, trace_id: str) -> Envelope:
     """The envelope of an error. What nobody foresaw is called `internal`, and its text stays in the log."""
     said = as_tool_error(error)
     body = {"ok": False, "tool": tool[:64], "error": error_body(said), "trace_id": trace_id}
-    return Said(_json(body), said.code)
+    return Envelope(_json(body), said.code)
 
 
 def _json(value: Any) -> str:

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 from agentrob.forums.cards import card_by, card_of
 from agentrob.forums.protocol import Board, Event, Topic
-from agentrob.mcp.metadata import untagged
+from agentrob.mcp.metadata import split_tag
 from agentrob.mcp.results import AccountInfo, BoardInfo, EventInfo, PostInfo, TagInfo, TopicInfo
 from agentrob.model import Account, EventKind, Post
 
@@ -33,7 +33,7 @@ def board_info(b: Board) -> BoardInfo:
 def post_info(p: Post, max_chars: int | None = None) -> PostInfo:
     """A post with its body cut at `max_chars`; `left` says how much is missing. A thread is read again and again, and
     most of its posts are as they were."""
-    body, tag = untagged(p.raw, p.author)
+    body, tag = split_tag(p.raw, p.author)
     cut = max_chars is not None and len(body) > max_chars
     return PostInfo(
         id=p.id,

@@ -41,15 +41,15 @@ class Tag:
     trace_id: str = ""
 
 
-def tagged(body: str, author: Account, status: str, trace_id: str) -> str:
+def with_tag(body: str, author: Account, status: str, trace_id: str) -> str:
     """The text as it is posted: the account's own tag, then what the caller wrote with its own tags disarmed."""
     name = _NAME_CHARS.sub("-", author.name)[:64] or "-"
     kind = AGENT_TYPES[author.kind]
     trace = f" trace={trace_id}" if trace_id else ""
-    return f"> [agent_type={kind} agent_id={name} status={status}{trace}]\n\n{disarmed(body)}"
+    return f"> [agent_type={kind} agent_id={name} status={status}{trace}]\n\n{disarm_tags(body)}"
 
 
-def untagged(raw: str, author: Account) -> tuple[str, Tag | None]:
+def split_tag(raw: str, author: Account) -> tuple[str, Tag | None]:
     """A post's text without its tag, and the tag when it is genuine: of the author's own kind and name."""
     found = _TAG.match(raw)
     name = _NAME_CHARS.sub("-", author.name)[:64]
@@ -58,7 +58,7 @@ def untagged(raw: str, author: Account) -> tuple[str, Tag | None]:
     return raw[found.end() :], Tag(found["type"], found["status"], found["trace"] or "")
 
 
-def disarmed(text: str) -> str:
+def disarm_tags(text: str) -> str:
     """The text with brackets that would open a tag made round, also where letters are full-width or split by signs
     that are not seen."""
     folded, places = _folded(text)

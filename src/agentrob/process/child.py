@@ -1,7 +1,7 @@
 """A process of our own: started with a ready line to wait for, logged to a file, ended when we end, however we end.
 
 A child prints one line of JSON with `"ready": true` on standard output when it can be used. The kernel sends it SIGTERM
-when its parent dies (`follow_parent`), so that a killed demo leaves no world and no driver behind.
+when its parent dies (`end_with_parent`), so that a killed demo leaves no world and no driver behind.
 """
 
 from __future__ import annotations
@@ -73,9 +73,9 @@ class Child:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self.process.wait(2)
         state = "ended" if self.process.poll() is not None else f"was not ready after {limit_s:.0f} s"
-        raise ChildError(f"{self.name} {state}: {self.last_words()} (log: {self.log})")
+        raise ChildError(f"{self.name} {state}: {self.last_line()} (log: {self.log})")
 
-    def last_words(self) -> str:
+    def last_line(self) -> str:
         """The last line that it wrote."""
         lines = self.log.read_text(errors="replace").strip().splitlines() if self.log.exists() else []
         return lines[-1].strip() if lines else "it said nothing"
@@ -85,13 +85,13 @@ class Child:
         return self.process.poll() is None
 
     def end(self) -> None:
-        """Ask it to end; `end_all` waits."""
+        """Ask it to end; `terminate_all` waits."""
         if self.alive:
             with contextlib.suppress(ProcessLookupError):
                 self.process.send_signal(signal.SIGTERM)
 
 
-def end_all(children: Sequence[Child], limit_s: float = 2.5) -> None:
+def terminate_all(children: Sequence[Child], limit_s: float = 2.5) -> None:
     """End them all at once; whoever is left at the limit is killed."""
     for child in children:
         child.end()
@@ -104,7 +104,7 @@ def end_all(children: Sequence[Child], limit_s: float = 2.5) -> None:
             child.process.wait()
 
 
-def follow_parent() -> None:
+def end_with_parent() -> None:
     """Called by a child at its start: have the kernel end us when the process that started us is gone."""
     if parent := os.environ.pop(_PARENT, None):
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
@@ -112,7 +112,7 @@ def follow_parent() -> None:
             sys.exit(0)
 
 
-def say_ready(**facts: Any) -> None:
+def print_ready(**facts: Any) -> None:
     """Print the ready line. What is there by then is there for good, and no search for garbage looks at it again: in a
     robot's agent such a search took 0.1 to 0.2 s, in which it would have heard no stop."""
     gc.collect()

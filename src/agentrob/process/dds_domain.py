@@ -11,7 +11,7 @@ from agentrob.process import host_lock
 DOMAINS = range(40, 100)
 
 
-class OwnDomain:
+class PrivateDomain:
     """A DDS domain that nobody on this host uses, and that nobody else chooses until this is closed.
 
     Raises `RobotBusy` when all are taken.

@@ -1,4 +1,4 @@
-"""The service's front door, around every request: whose address, how large, how many at a time, counted, headers."""
+"""Admits requests: checks host and body size, limits how many run at a time, counts them and sets headers."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from agentrob.errors import ServiceError
 from agentrob.forums.protocol import TRACE_ID
-from agentrob.service.metrics import Figures
+from agentrob.service.metrics import ServiceMetrics
 from agentrob.service.problem import problem
 
 MAX_BODY: Final = 64 * 1024
-MAX_HOOK: Final = 1024 * 1024
-#: So many requests that look, and that ask for something, are worked on at a time, the others wait at the door: the
-#: agent shares the event loop with them, and must renew its lease and hear of stops whatever comes. No stop waits.
-MOST_LOOKS: Final = 4
-MOST_ASKS: Final = 16
+MAX_WEBHOOK_BODY: Final = 1024 * 1024
+#: Reads and commands that run at a time; others wait. The agent shares the event loop with them, and must renew its
+#: lease and receive stops under any load. A stop never waits.
+MAX_READS: Final = 4
+MAX_COMMANDS: Final = 16
 _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
 _TRACE_ID: Final = re.compile(r"[A-Za-z0-9_-]{8,64}")
 _METHODS: Final = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
@@ -39,24 +39,24 @@ _HEADERS: Final = {
 _log = structlog.get_logger()
 
 
-class Gate:
-    """ASGI around the app. `hosts` are the names by which it may be called: a page of another site whose name was made
-    to point here could otherwise talk to a service on loopback."""
+class Admission:
+    """ASGI middleware. Requests must name one of `hosts`: a page of another site whose DNS name points here (DNS
+    rebinding) could otherwise use a service on loopback."""
 
-    def __init__(self, app: ASGIApp, hosts: Collection[str], figures: Figures) -> None:
+    def __init__(self, app: ASGIApp, hosts: Collection[str], metrics: ServiceMetrics) -> None:
         self.app = app
         self.hosts = {host.lower() for host in hosts} | _LOOPBACK
-        self.figures = figures
-        self._looks, self._asks = asyncio.Semaphore(MOST_LOOKS), asyncio.Semaphore(MOST_ASKS)
+        self.metrics = metrics
+        self._reads, self._commands = asyncio.Semaphore(MAX_READS), asyncio.Semaphore(MAX_COMMANDS)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
         scope.setdefault("state", {})["received_s"] = time.monotonic()
-        place = scope["state"]["place"] = self._place(scope)
-        counted = self._counted(scope, send, place)
-        most = MAX_HOOK if scope["path"].startswith("/api/v1/hooks/") else MAX_BODY
+        slot = scope["state"]["slot"] = self._slot(scope)
+        counted = self._counted(scope, send, slot)
+        most = MAX_WEBHOOK_BODY if scope["path"].startswith("/api/v1/hooks/") else MAX_BODY
         try:
             self._check(Headers(scope=scope), most)
             whole = await _whole(receive, most)
@@ -64,13 +64,13 @@ class Gate:
             await problem(e)(scope, receive, counted)
             return
         try:
-            await place.take()
+            await slot.acquire()
             await self.app(scope, whole, counted)
         finally:
-            place.leave()
+            slot.release()
 
-    def _counted(self, scope: Scope, send: Send, place: Place) -> Send:
-        """Sends the answer, counted and with its headers; from its beginning on it has no place."""
+    def _counted(self, scope: Scope, send: Send, slot: Slot) -> Send:
+        """Sends the answer, counted and with its headers; from its beginning on it has no slot."""
         method = scope["method"] if scope["method"] in _METHODS else "other"
         trace_id = Headers(scope=scope).get("x-trace-id", "")
         traced = _TRACE_ID.fullmatch(trace_id) is not None
@@ -78,9 +78,9 @@ class Gate:
 
         async def counted(message: Message) -> None:
             if message["type"] == "http.response.start":
-                place.leave()
+                slot.release()
                 status = message["status"]
-                self.figures.count(self.figures.requests, method, str(status))
+                self.metrics.count(self.metrics.requests, method, str(status))
                 if traced and status != 401:  # whoever traces a request finds it in this log too, and in the forum's
                     asked = {"method": method, "path": scope["path"], "status": status}
                     _log.info("service.traced", **asked, trace_id=trace_id)
@@ -91,10 +91,10 @@ class Gate:
 
         return counted
 
-    def _place(self, scope: Scope) -> Place:
+    def _slot(self, scope: Scope) -> Slot:
         if scope["path"].endswith("/stop"):
-            return Place(None)
-        return Place(self._looks if scope["method"] in ("GET", "HEAD") else self._asks)
+            return Slot(None)
+        return Slot(self._reads if scope["method"] in ("GET", "HEAD") else self._commands)
 
     def _check(self, headers: Headers, most: int) -> None:
         try:
@@ -108,35 +108,35 @@ class Gate:
             raise ServiceError(413, "too_large", "the body is too large", f"at most {most} bytes")
 
 
-class Place:
-    """A request's place among those that are worked on; None: it needs none."""
+class Slot:
+    """A request's slot among those that run at a time; None: the request is not limited."""
 
-    def __init__(self, places: asyncio.Semaphore | None) -> None:
-        self._places = places
+    def __init__(self, semaphore: asyncio.Semaphore | None) -> None:
+        self._semaphore = semaphore
         self._taken = False
 
-    async def take(self) -> None:
-        if self._places is not None and not self._taken:
-            await self._places.acquire()
+    async def acquire(self) -> None:
+        if self._semaphore is not None and not self._taken:
+            await self._semaphore.acquire()
             self._taken = True
 
-    def leave(self) -> None:
-        if self._places is not None and self._taken:
+    def release(self) -> None:
+        if self._semaphore is not None and self._taken:
             self._taken = False
-            self._places.release()
+            self._semaphore.release()
 
     @asynccontextmanager
-    async def aside(self) -> AsyncIterator[None]:
-        """Whoever waits for something within this holds up nobody else."""
-        self.leave()
+    async def released(self) -> AsyncIterator[None]:
+        """Give the slot up while waiting for something, so that other requests run meanwhile."""
+        self.release()
         try:
             yield
         finally:
-            await self.take()
+            await self.acquire()
 
 
 async def _whole(receive: Receive, limit: int) -> Receive:
-    """The body when all of it is there: who sends slowly has no place meanwhile."""
+    """Read the whole body first, so that a slow sender holds no slot."""
     messages: list[Message] = []
     got, more = 0, True
     while more:

@@ -10,9 +10,9 @@ from starlette.responses import JSONResponse, Response
 
 from agentrob.errors import RobotBusy, RobotError, RobotUnreachable, ServiceError
 from agentrob.service import models, webhooks
-from agentrob.service.admission import Place
+from agentrob.service.admission import Slot
 from agentrob.service.auth import Caller
-from agentrob.service.commands import Desk
+from agentrob.service.commands import CommandService
 from agentrob.service.dependencies import Parts
 from agentrob.service.problem import documented
 
@@ -32,32 +32,32 @@ def parts(request: Request) -> Parts:
     return found
 
 
-def place(request: Request) -> Place:
-    """The request's place among those that are worked on."""
-    found: Place = request.scope["state"]["place"]
+def slot(request: Request) -> Slot:
+    """The request's slot among those that run at a time."""
+    found: Slot = request.scope["state"]["slot"]
     return found
 
 
-# Each is asked on the event loop itself: no pool of threads stands in the way of a stop.
+# Coroutines, so that FastAPI runs them in the event loop: a stop never waits for a thread pool.
 async def looker(request: Request) -> Caller:
-    return parts(request).callers.identified(request.headers.get("authorization"), "look")
+    return parts(request).auth.authenticate(request.headers.get("authorization"), "look")
 
 
 async def previewer(request: Request) -> Caller:
-    return parts(request).callers.identified(request.headers.get("authorization"), "preview")
+    return parts(request).auth.authenticate(request.headers.get("authorization"), "preview")
 
 
 async def commander(request: Request) -> Caller:
-    return parts(request).callers.identified(request.headers.get("authorization"), "command")
+    return parts(request).auth.authenticate(request.headers.get("authorization"), "command")
 
 
 async def stopper(request: Request) -> Caller:
-    return parts(request).callers.identified(request.headers.get("authorization"), "stop")
+    return parts(request).auth.authenticate(request.headers.get("authorization"), "stop")
 
 
-async def desk(request: Request, robot: Name) -> Desk:
-    """The desk of the robot that is named; 404 when another is served here."""
-    found = parts(request).desk
+async def commands(request: Request, robot: Name) -> CommandService:
+    """The service of the named robot; 404 when another robot is served here."""
+    found = parts(request).commands
     if robot != found.agent.name:
         raise ServiceError(404, "no_such_robot", f"no robot {robot!r} is served here", found.agent.name)
     return found
@@ -67,20 +67,20 @@ Looker = Annotated[Caller, Depends(looker)]
 Previewer = Annotated[Caller, Depends(previewer)]
 Commander = Annotated[Caller, Depends(commander)]
 Stopper = Annotated[Caller, Depends(stopper)]
-TheDesk = Annotated[Desk, Depends(desk)]
+Commands = Annotated[CommandService, Depends(commands)]
 
 
 # ---------------------------------------------------------------------- look
 @router.get("/robots", responses=documented())
 async def list_robots(request: Request, who: Looker) -> models.Robots:
     """The robot that is served here, as a list: others have services of their own."""
-    return models.Robots(items=[await parts(request).desk.robot()])
+    return models.Robots(items=[await parts(request).commands.robot()])
 
 
 @router.get("/robots/{robot}", responses=documented())
-async def robot_status(who: Looker, desk: TheDesk) -> models.Robot:
+async def robot_status(who: Looker, commands: Commands) -> models.Robot:
     """The robot as it is now."""
-    return await desk.robot()
+    return await commands.robot()
 
 
 @router.get(
@@ -88,10 +88,10 @@ async def robot_status(who: Looker, desk: TheDesk) -> models.Robot:
     response_class=Response,
     responses={200: {"content": {"image/jpeg": {}}, "description": "a picture"}, **documented(409, 503)},
 )
-async def camera_snapshot(who: Looker, desk: TheDesk) -> Response:
+async def camera_snapshot(who: Looker, commands: Commands) -> Response:
     """What the robot's own camera sees now, at most every 0.4 s for everybody together (429)."""
     try:
-        return Response(await desk.picture(), media_type="image/jpeg")
+        return Response(await commands.picture(), media_type="image/jpeg")
     except (RobotBusy, RobotUnreachable):
         raise
     except RobotError as e:
@@ -99,28 +99,28 @@ async def camera_snapshot(who: Looker, desk: TheDesk) -> Response:
 
 
 @router.get("/robots/{robot}/queue", responses=documented())
-async def list_queue(who: Looker, desk: TheDesk) -> models.Queue:
+async def list_queue(who: Looker, commands: Commands) -> models.Queue:
     """The commands that move or wait, in their order."""
-    return desk.queue()
+    return commands.queue()
 
 
 @router.get("/robots/{robot}/commands/{id}", responses=documented(503))
 async def get_command(
     request: Request,
     who: Looker,
-    desk: TheDesk,
+    commands: Commands,
     post_id: Annotated[PostId, Path(alias="id")],
     wait_s: Annotated[float, Query(ge=0, le=30, description="wait so long for its end")] = 0.0,
 ) -> models.Command:
     """One command as it is now, or as it ended: asked beside measured."""
-    return await desk.command(post_id, wait_s, place(request).aside)
+    return await commands.command(post_id, wait_s, slot(request).released)
 
 
 # ---------------------------------------------------------------------- ask
 @router.post("/robots/{robot}/preview", responses=documented(503))
-async def preview_command(who: Previewer, desk: TheDesk, new: models.NewPreview) -> models.Preview:
+async def preview_command(who: Previewer, commands: Commands, new: models.NewPreview) -> models.Preview:
     """Plan and verdict of what would be posted. Nothing is posted, nothing moves."""
-    return await desk.preview(who, new.text)
+    return await commands.preview(who, new.text)
 
 
 @router.post(
@@ -129,31 +129,33 @@ async def preview_command(who: Previewer, desk: TheDesk, new: models.NewPreview)
     responses={200: {"model": models.Submitted, "description": "the key was used before"}, **documented(409, 503)},
 )
 async def submit_command(
-    who: Commander, desk: TheDesk, new: models.NewCommand, response: Response, key: Key = None
+    who: Commander, commands: Commands, new: models.NewCommand, response: Response, key: Key = None
 ) -> models.Submitted:
     """Post a command on the forum by the account of this token; the agent hears of it there, as of any post."""
-    submitted = await desk.submit(who, new, key)
+    submitted = await commands.submit(who, new, key)
     response.status_code = 201 if submitted.created else 200
     return submitted
 
 
 @router.post("/robots/{robot}/commands/{id}/cancel", responses=documented(409, 503))
-async def cancel_command(who: Commander, desk: TheDesk, post_id: Annotated[PostId, Path(alias="id")]) -> models.Command:
+async def cancel_command(
+    who: Commander, commands: Commands, post_id: Annotated[PostId, Path(alias="id")]
+) -> models.Command:
     """Take back a command of one's own that does not move yet."""
-    return await desk.cancel(who, post_id)
+    return await commands.cancel(who, post_id)
 
 
 @router.post("/robots/{robot}/scan", responses=documented(503))
-async def scan(request: Request, who: Commander, desk: TheDesk) -> models.Scanned:
+async def scan(request: Request, who: Commander, commands: Commands) -> models.Scanned:
     """Ask the forum now what is new; answers when that has been heard."""
-    async with place(request).aside():
-        return await desk.scan()
+    async with slot(request).released():
+        return await commands.scan()
 
 
 @router.post("/robots/{robot}/stop", responses=documented())
-async def stop(request: Request, who: Stopper, desk: TheDesk) -> models.Stopped:
+async def stop(request: Request, who: Stopper, commands: Commands) -> models.Stopped:
     """Stop the robot and end all that was posted before. No limit counts for it."""
-    return await desk.stop(who, request.scope["state"]["received_s"])
+    return await commands.stop(who, request.scope["state"]["received_s"])
 
 
 # ---------------------------------------------------------------------- webhooks, health
@@ -167,10 +169,10 @@ async def hook(request: Request, hook: Annotated[str, Path(pattern=r"^[a-z][a-z0
     try:
         webhooks.verify(kind, await request.body(), request.headers, secret)
     except ServiceError:
-        here.figures.count(here.figures.hooks_in, "false")
+        here.metrics.count(here.metrics.hooks_in, "false")
         raise
-    here.figures.count(here.figures.hooks_in, "true")
-    here.desk.wake()
+    here.metrics.count(here.metrics.hooks_in, "true")
+    here.commands.wake()
     return Response(status_code=202)
 
 
@@ -183,8 +185,8 @@ async def health() -> models.Health:
 @public.get("/readyz", responses={503: {"model": models.Readiness, "description": "not ready"}})
 async def readiness(request: Request) -> Response:
     """Whether a command could move the robot now: agent, forum and driver."""
-    async with place(request).aside():
-        found = await parts(request).desk.readiness()
+    async with slot(request).released():
+        found = await parts(request).commands.readiness()
     return JSONResponse(found.model_dump(), 200 if found.ready else 503)
 
 
@@ -194,5 +196,5 @@ async def readiness(request: Request) -> Response:
     responses={200: {"content": {"text/plain": {}}, "description": "for Prometheus"}, **documented()},
 )
 async def metrics(request: Request, who: Looker) -> Response:
-    """Figures for Prometheus; needs a token that may look."""
-    return Response(parts(request).figures.text(), media_type=CONTENT_TYPE_LATEST)
+    """Metrics for Prometheus; needs a token with the scope look."""
+    return Response(parts(request).metrics.text(), media_type=CONTENT_TYPE_LATEST)

@@ -1,4 +1,4 @@
-"""Who calls the service: tokens with scopes, each perhaps with an account of the forum. Nobody is anonymous."""
+"""Authenticates callers by bearer tokens with scopes; a token may act as a forum account. No anonymous access."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from agentrob.forums.protocol import Forum
 from agentrob.model import Account, Decision
 from agentrob.screening.rights import may
 
-#: How old what is known of an account may be where asking would hold up a stop.
+#: How old an account may be where asking the forum would delay a stop.
 REFRESH_S = 15.0
 SHORTEST = 16
 
 
 @dataclass(eq=False)
 class Caller:
-    """One token's owner. `account` is who that is on the forum, as it was when the forum was last asked."""
+    """The owner of one token. `account` is its account on the forum, as of the last refresh."""
 
     name: str
     scopes: frozenset[Scope]
@@ -37,7 +37,7 @@ class Caller:
     denied: bool = False
 
     async def refresh(self) -> Account | None:
-        """Ask the forum who this is now. Raises `ForumError`."""
+        """Read the account from the forum again. Raises `ForumError`."""
         if self.forum is None:
             return None
         try:
@@ -48,15 +48,15 @@ class Caller:
         return self.account
 
     def may_stop(self, robot: Account | None) -> bool:
-        """Asks nobody: a stop never waits. A token without an account stops by its scope alone (laws 2 and 15)."""
+        """Makes no request: a stop never waits. A token without an account stops by its scope alone (laws 2 and 15)."""
         if self.account is None or self.denied:
             return not self.denied
         mine = robot is None or obeyed(self.account, robot)
         return mine and may(self.account, "stop").decision is Decision.ALLOW
 
 
-class Callers:
-    """All that may call, found by their tokens; tokens are kept as digests only."""
+class TokenAuthenticator:
+    """Finds callers by their tokens, which are kept as digests only, and limits their requests."""
 
     def __init__(self, callers: Mapping[str, Caller], per_minute: int) -> None:
         self._by_digest = {_digest(token): caller for token, caller in callers.items()}
@@ -69,8 +69,9 @@ class Callers:
     def all(self) -> Sequence[Caller]:
         return tuple(self._by_digest.values())
 
-    def identified(self, authorization: str | None, scope: Scope) -> Caller:
-        """Whose token this is. `ServiceError` 401 when nobody's, 403 without the scope, 429 (no stop) too often."""
+    def authenticate(self, authorization: str | None, scope: Scope) -> Caller:
+        """The caller of a token. `ServiceError` 401 for an unknown token, 403 without the scope, 429 over the rate
+        limit, which does not count stops."""
         kind, _, token = (authorization or "").partition(" ")
         caller = self._by_digest.get(_digest(token.strip())) if kind.lower() == "bearer" else None
         if caller is None:
@@ -85,7 +86,7 @@ class Callers:
         return caller
 
     async def keep_fresh(self) -> None:
-        """For ever: know who the callers are before they stop, so that a suspended account does not."""
+        """Refresh all accounts until cancelled, so that a suspended account cannot stop."""
         while True:
             for caller in self.all:
                 with contextlib.suppress(ForumError):
@@ -102,7 +103,9 @@ def _digest(token: str) -> bytes:
     return hashlib.sha256(token.encode("utf-8", "surrogatepass")).digest()
 
 
-def configured(config: ServiceConfig, secret: Callable[[str], str], open_forum: Callable[[str], Forum]) -> Callers:
+def configured(
+    config: ServiceConfig, secret: Callable[[str], str], open_forum: Callable[[str], Forum]
+) -> TokenAuthenticator:
     """The callers of a configuration; `secret` reads a variable, `open_forum` signs in by a token."""
     callers: dict[str, Caller] = {}
     for name, settings in config.tokens.items():
@@ -113,4 +116,4 @@ def configured(config: ServiceConfig, secret: Callable[[str], str], open_forum: 
             raise ConfigError(f"{name} and {callers[token].name} have the same token; each caller needs its own")
         forum = open_forum(secret(settings.forum_token_env)) if settings.forum_token_env else None
         callers[token] = Caller(name, frozenset(settings.scopes), forum)
-    return Callers(callers, config.requests_per_minute)
+    return TokenAuthenticator(callers, config.requests_per_minute)

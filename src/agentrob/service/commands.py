@@ -1,7 +1,7 @@
-"""What callers of the service can have of one robot's agent.
+"""The operations of the service on one robot's agent: state, preview, submit, cancel, stop, scan.
 
-A command is a post on the forum, written by the caller's account; from there the agent goes its one road. What is done
-here directly only takes motion away (stop, cancel) or moves nothing (preview, look).
+A submitted command becomes a post on the forum by the caller's account, and the agent handles it like any other post.
+What is done here directly only ends motion (stop, cancel) or causes none (preview, reads).
 """
 
 from __future__ import annotations
@@ -33,37 +33,37 @@ from agentrob.model import Account, Command, Intent, Plan, Post, Report, Underst
 from agentrob.process.webhooks import Outbox
 from agentrob.service import models
 from agentrob.service.auth import Caller
-from agentrob.service.metrics import Figures
+from agentrob.service.metrics import ServiceMetrics
 
-#: What was submitted is remembered so long that its author can ask for it before the agent has heard of it.
+#: Submitted posts kept, so that a caller can read a command before the agent has received it.
 REMEMBERED = 1000
 SCAN_S = 10.0
 _log = structlog.get_logger()
-#: Within this somebody waits without holding up others.
-Aside = Callable[[], AbstractAsyncContextManager[None]]
+#: Gives up the request's slot while it waits.
+Released = Callable[[], AbstractAsyncContextManager[None]]
 T = TypeVar("T")
 CALLS = {Route.STOP: "stop", Route.HALT: "stop", Route.NOTHING: "nothing"}
 
 
-class Desk:
-    """One agent's desk. `ended` is to hear of every final report."""
+class CommandService:
+    """Serves one agent. `ended` must be called with every final report."""
 
-    def __init__(self, agent: RobotAgent, figures: Figures, outbox: Outbox) -> None:
+    def __init__(self, agent: RobotAgent, metrics: ServiceMetrics, outbox: Outbox) -> None:
         self.agent = agent
-        self.figures = figures
+        self.metrics = metrics
         self._outbox = outbox
         self._submitted: OrderedDict[str, tuple[Post, str]] = OrderedDict()
         self._newest_at: datetime | None = None
         self._news = asyncio.Event()
         self._scans: set[asyncio.Task[None]] = set()
-        self._robot, self._readiness = _Shared(self._ask_robot), _Shared(self._ask_readiness)
+        self._robot, self._readiness = _Coalesced(self._ask_robot), _Coalesced(self._ask_readiness)
         line = agent.line
-        figures.watch(lambda: len(line), lambda: float(line.moving is not None), lambda: agent.channel.silent_s)
+        metrics.watch(lambda: len(line), lambda: float(line.moving is not None), lambda: agent.channel.silent_s)
 
     def ended(self, report: Report) -> None:
-        """A command has ended and its reply is told. Nothing of ours may hold up what its agent does next."""
+        """Count a final report and notify webhooks and waiting requests. Never raises: the agent must go on."""
         try:
-            self.figures.ended(report)
+            self.metrics.ended(report)
             self._outbox.tell("command.ended", _of_report(report).model_dump(mode="json"))
         except Exception:
             _log.error("end not told", post=report.command.post_id, trace=traceback.format_exc())
@@ -100,8 +100,8 @@ class Desk:
     def queue(self) -> models.Queue:
         return models.Queue(items=[self._of_job(job) for job in self.agent.line])
 
-    async def command(self, post_id: str, wait_s: float, aside: Aside) -> models.Command:
-        """A command as it is now; waits at most `wait_s` for its end. 404 when this agent never heard of it."""
+    async def command(self, post_id: str, wait_s: float, released: Released) -> models.Command:
+        """A command as it is now; waits at most `wait_s` for its end. 404 when this agent does not know it."""
         until_s = time.monotonic() + wait_s
         while True:
             news, found = self._news, await self._find(post_id)
@@ -109,7 +109,7 @@ class Desk:
             if found.ended or left_s <= 0:
                 return found
             with contextlib.suppress(TimeoutError):
-                async with aside(), asyncio.timeout(left_s):
+                async with released(), asyncio.timeout(left_s):
                     await news.wait()
 
     async def _find(self, post_id: str) -> models.Command:
@@ -127,7 +127,7 @@ class Desk:
 
     # ------------------------------------------------------------------ ask
     async def preview(self, caller: Caller, text: str) -> models.Preview:
-        """What would be made of this text by the caller's account. Nothing is posted, nothing moves."""
+        """Plan and verdict of this text as if the caller's account had posted it. Posts nothing and moves nothing."""
         self._ready()
         author = await caller.refresh()
         assert author is not None  # the configuration says so
@@ -153,7 +153,7 @@ class Desk:
         return await agent.course.thinking.consider(QueuedCommand(command), agent.course.terms)
 
     async def submit(self, caller: Caller, new: models.NewCommand, key: str | None) -> models.Submitted:
-        """Post it on the forum by the caller's account; the agent hears of it there."""
+        """Post the command on the forum by the caller's account; the agent receives it from there."""
         self._ready()
         forum, settings = caller.forum, self.agent.settings
         assert forum is not None  # the configuration says so
@@ -176,7 +176,7 @@ class Desk:
         return models.Submitted(command=await self._find(post.id), created=written.created)
 
     async def cancel(self, caller: Caller, post_id: str) -> models.Command:
-        """Take back a command of the caller's own that does not move yet."""
+        """Cancel a command of the caller's own that does not move the robot yet."""
         self._ready()
         author, job = await caller.refresh(), self.agent.line.find(post_id)
         if job is None:
@@ -202,11 +202,11 @@ class Desk:
         ended, stopping = self.agent.stop(by, self._newest_at)
         result = await asyncio.shield(stopping)
         if result is None:
-            self.figures.stopped(None, math.inf)
+            self.metrics.stopped(None, math.inf)
             said = "NOT STOPPED: no driver of this robot answers; use the robot's own stop"
             return models.Stopped(robot=self.agent.name, reached=False, ended=ended, message=said)
         latency_ms = late_ms + result.latency_ms
-        self.figures.stopped(result, latency_ms)
+        self.metrics.stopped(result, latency_ms)
         said = result.message or ("" if result.confirmed else "the robot DID NOT CONFIRM that it stands still")
         return models.Stopped(
             robot=self.agent.name, reached=True, confirmed=result.confirmed, latency_ms=round(latency_ms, 1),
@@ -224,7 +224,7 @@ class Desk:
         return models.Scanned(heard=heard, waiting=len(self.agent.line))
 
     def _begin_scan(self) -> None:
-        """The same without waiting; one that is under way already sees what is new, or the one after it."""
+        """Scan in the background. At most one runs and one waits, which sees whatever is new by then."""
         if len(self._scans) >= 2:
             return
 
@@ -237,7 +237,7 @@ class Desk:
         task.add_done_callback(self._scans.discard)
 
     def wake(self) -> None:
-        """A webhook says that something was written: look, and believe nothing of it."""
+        """Scan the forum because a webhook came in; what the webhook says is not used."""
         self._begin_scan()
 
     async def readiness(self) -> models.Readiness:
@@ -298,8 +298,8 @@ class Desk:
         )  # fmt: skip
 
 
-class _Shared(Generic[T]):
-    """An answer that is made once for all who ask while it is being made: a flood of them is one question."""
+class _Coalesced(Generic[T]):
+    """Shares one running request among all callers that ask for the same meanwhile."""
 
     def __init__(self, make: Callable[[], Coroutine[Any, Any, T]]) -> None:
         self._make = make

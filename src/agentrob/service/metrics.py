@@ -1,4 +1,4 @@
-"""What the service counts, for Prometheus."""
+"""The Prometheus metrics of the service."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SECONDS = (0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300)
 _STOP_SECONDS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5)
 
 
-class Figures:
+class ServiceMetrics:
     """A registry of its own, so that several services in one process do not mix."""
 
     def __init__(self, robot: str) -> None:
@@ -30,7 +30,7 @@ class Figures:
         )
 
     def watch(self, waiting: Callable[[], float], moving: Callable[[], float], silent_s: Callable[[], float]) -> None:
-        """Figures that are read when somebody asks."""
+        """Add gauges that are read at each scrape."""
         for name, said, read in (
             ("agentrob_queue_length", "Commands that wait or move.", waiting),
             ("agentrob_moving", "1 while a command moves the robot.", moving),
@@ -52,8 +52,8 @@ class Figures:
     def count(self, counter: Counter, *labels: str) -> None:
         counter.labels(self._robot, *labels).inc()
 
-    def hook_out(self, outcome: str) -> None:
-        """What became of a webhook of ours: told, failed or dropped."""
+    def webhook_delivered(self, outcome: str) -> None:
+        """Count a webhook delivery by its outcome: told, failed or dropped."""
         self.count(self.hooks_out, outcome)
 
     def text(self) -> bytes:

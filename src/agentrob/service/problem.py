@@ -1,4 +1,4 @@
-"""Errors as the service tells them: RFC 9457 problem details with a stable code and a hint of what would be valid."""
+"""Error responses of the service: RFC 9457 problem details with a stable code and a hint of what is valid."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _WHEN = {
     400: "the request cannot be read",
     401: "no valid token",
     403: "not allowed",
-    404: "there is no such thing",
+    404: "not found",
     409: "this cannot be done now",
     413: "the body is too large",
     421: "this address is not the service's",
@@ -52,7 +52,7 @@ def documented(*statuses: int) -> dict[int | str, dict[str, Any]]:
 
 
 def problem(error: ServiceError) -> Response:
-    """The answer to an error."""
+    """The response to an error."""
     headers = {"Cache-Control": "no-store"}
     if error.retry_after_s is not None:
         headers["Retry-After"] = str(max(1, math.ceil(error.retry_after_s)))
@@ -64,7 +64,7 @@ def problem(error: ServiceError) -> Response:
 
 
 def as_service_error(error: AgentRobError) -> ServiceError:
-    """What the rooms below raise, with the status that it has here."""
+    """The HTTP status and code of an error of the product."""
     text = str(error)
     match error:
         case ServiceError():
@@ -93,7 +93,7 @@ def as_service_error(error: AgentRobError) -> ServiceError:
 
 
 def add_errors(app: FastAPI) -> None:
-    """Let every error of the app be told as a problem."""
+    """Answer every error of the app with problem details."""
 
     async def ours(request: Request, error: Exception) -> Response:
         assert isinstance(error, AgentRobError)

@@ -1,4 +1,4 @@
-"""Puts the HTTP service of one robot's agent together and serves it beside the agent, in one event loop."""
+"""Assembles the HTTP service of one robot's agent and runs it beside the agent in one event loop."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
 from agentrob.process.webhooks import Outbox, Receiver, read_secret
 from agentrob.service import api, auth
-from agentrob.service.admission import Gate
-from agentrob.service.commands import Desk
+from agentrob.service.admission import Admission
+from agentrob.service.commands import CommandService
 from agentrob.service.dependencies import Parts
-from agentrob.service.metrics import Figures
+from agentrob.service.metrics import ServiceMetrics
 from agentrob.service.models import Problem
 from agentrob.service.problem import add_errors
 
@@ -33,21 +33,21 @@ if TYPE_CHECKING:
     from agentrob.agent.agent import RobotAgent
 
 _log = structlog.get_logger()
-#: Makes the agent, which tells each end of a command to the function it is given.
+#: Makes the agent; it calls the given function with each final report.
 MakeAgent = Callable[[Callable[[Report], None]], "RobotAgent"]
 
 
 def create_app(parts: Parts) -> FastAPI:
     """The service as an ASGI app."""
     app = FastAPI(
-        title=f"Agent of {parts.desk.agent.name}",
+        title=f"Agent of {parts.commands.agent.name}",
         version=__version__,
         openapi_url="/api/v1/openapi.json",
         docs_url=None,
         redoc_url=None,
     )
     app.state.parts = parts
-    app.add_middleware(Gate, hosts=parts.hosts, figures=parts.figures)
+    app.add_middleware(Admission, hosts=parts.hosts, metrics=parts.metrics)
     app.include_router(api.router)
     app.include_router(api.public)
     add_errors(app)
@@ -75,16 +75,16 @@ def assemble(config: ServiceConfig, name: str, make_agent: MakeAgent, open_forum
     receivers = [Receiver(hook, h.url, read_secret(h.secret_env)) for hook, h in config.hooks_out.items()]
     hooks_in = {hook: (h.kind, read_secret(h.secret_env)) for hook, h in config.hooks_in.items()}
     who = auth.configured(config, read_secret, open_forum)
-    figures = Figures(name)
-    outbox = Outbox(receivers, figures.hook_out)
-    desks: list[Desk] = []
+    metrics = ServiceMetrics(name)
+    outbox = Outbox(receivers, metrics.webhook_delivered)
+    made: list[CommandService] = []
 
     def ended(report: Report) -> None:
-        desks[0].ended(report)
+        made[0].ended(report)
 
     agent = make_agent(ended)
-    desks.append(Desk(agent, figures, outbox))
-    return Parts(desks[0], who, figures, outbox, hooks_in, (config.address[0], *config.hosts))
+    made.append(CommandService(agent, metrics, outbox))
+    return Parts(made[0], who, metrics, outbox, hooks_in, (config.address[0], *config.hosts))
 
 
 def listen(config: ServiceConfig) -> socket.socket:
@@ -102,7 +102,7 @@ async def serving(parts: Parts, listener: socket.socket) -> AsyncIterator[asynci
     server = HttpServer(
         create_app(parts), on_ready=started.set, handle_signals=False, lifespan="off", timeout_graceful_shutdown=2
     )
-    helpers = [asyncio.create_task(parts.callers.keep_fresh()), asyncio.create_task(parts.outbox.run())]
+    helpers = [asyncio.create_task(parts.auth.keep_fresh()), asyncio.create_task(parts.outbox.run())]
     running = asyncio.create_task(server.serve(sockets=[listener]))
     try:
         starting = asyncio.create_task(started.wait())
@@ -114,13 +114,13 @@ async def serving(parts: Parts, listener: socket.socket) -> AsyncIterator[asynci
         for helper in helpers:
             helper.cancel()
         await asyncio.gather(running, *helpers, return_exceptions=True)
-        await parts.callers.close()
+        await parts.auth.close()
 
 
 async def serve(parts: Parts, listener: socket.socket, ready: Callable[[str], None]) -> None:
-    """Serve agent and HTTP until SIGTERM, Ctrl-C or the end of one of them. HTTP is there first: a stop waits for no
-    forum. `ready` is told the address when a command would be heard."""
-    agent = parts.desk.agent
+    """Serve agent and HTTP until SIGTERM, Ctrl-C or the end of one of them. HTTP starts first, so that a stop does not
+    wait for the forum. `ready` is called with the address when the agent receives commands."""
+    agent = parts.commands.agent
     url = base_url(*listener.getsockname()[:2])
     ended = asyncio.Event()
     for sign in (signal.SIGTERM, signal.SIGINT):

@@ -1,6 +1,6 @@
-"""Webhooks that come in: whether they are signed with our secret.
+"""Verifies the signatures of incoming webhooks.
 
-What comes in is never believed: it only says that the forum should be asked now.
+Their content is not used: a webhook only causes the forum to be read.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from typing import Literal
 from agentrob.errors import ServiceError
 from agentrob.process.webhooks import signature
 
-#: A Standard Webhooks delivery may be so old, in seconds.
+#: How far the timestamp of a Standard Webhooks delivery may be from now.
 TOLERANCE_S = 300.0
 
 
 def verify(kind: Literal["discourse", "standard"], body: bytes, headers: Mapping[str, str], secret: str) -> None:
-    """Nothing when the body is signed with the secret; else `ServiceError` 401."""
+    """Raise `ServiceError` 401 unless the body is signed with the secret."""
     if kind == "discourse":
         given = [headers.get("x-discourse-event-signature", "")]
         wanted = "sha256=" + hmac.new(secret.encode(), body, hashlib.sha256).hexdigest()
     else:
         sent, identity = headers.get("webhook-timestamp", ""), headers.get("webhook-id", "")
         if not sent.isascii() or not sent.isdigit() or abs(time.time() - int(sent[:12])) > TOLERANCE_S:
-            raise ServiceError(401, "bad_signature", "the webhook has no timestamp of these minutes")
+            raise ServiceError(401, "bad_signature", "the webhook's timestamp is missing or more than 5 minutes off")
         given, wanted = headers.get("webhook-signature", "").split(" "), signature(identity, sent, body, secret)
     if not secret or not any(hmac.compare_digest(g.encode(), wanted.encode()) for g in given[:10]):
         raise ServiceError(401, "bad_signature", "the webhook is not signed with our secret")

@@ -14,7 +14,7 @@ from agentrob.config.load import Config, RobotConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find
-from agentrob.process.child import say_ready
+from agentrob.process.child import print_ready
 from agentrob.process.logs import log_to_stderr
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def serve_board(config: Config) -> None:
     from agentrob.board.server import serve
 
     log_to_stderr()
-    serve(board_settings(config), ready=lambda settings: say_ready(url=settings.base_url))
+    serve(board_settings(config), ready=lambda settings: print_ready(url=settings.base_url))
 
 
 def board_account(config: Config, name: str, kind: AccountKind, role: Role) -> Account:
@@ -218,7 +218,7 @@ def run_agent(config: Config, name: str, once: bool) -> None:
                 await asyncio.wait((readying, running), return_when=asyncio.FIRST_COMPLETED)
                 readying.cancel()
                 if not running.done():
-                    say_ready(robot=name)
+                    print_ready(robot=name)
             await running
         except asyncio.CancelledError:
             pass

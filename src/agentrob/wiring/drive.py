@@ -36,8 +36,8 @@ from agentrob.model import (
 )
 from agentrob.plugins import find
 from agentrob.process import host_lock
-from agentrob.process.child import Child, end_all
-from agentrob.process.dds_domain import OwnDomain
+from agentrob.process.child import Child, terminate_all
+from agentrob.process.dds_domain import PrivateDomain
 from agentrob.process.signals import sigterm_interrupts
 from agentrob.wiring import app
 
@@ -237,7 +237,7 @@ def _robot(robot: str, config: Config, interface: str | None) -> Iterator[tuple[
     if (found := _configured(robot, config, interface)) is not None:
         yield found
         return
-    with contextlib.closing(OwnDomain()) as domain:
+    with contextlib.closing(PrivateDomain()) as domain:
         yield robot, app.simulated_robot(robot, domain.number)
 
 
@@ -281,7 +281,7 @@ def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Path |
             children.append(driver)
             yield Path(driver.wait_ready()["socket"])
         finally:
-            end_all(children)
+            terminate_all(children)
 
 
 async def _reachable(name: str) -> bool:

@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from agentrob.config.load import Config
-from agentrob.process.child import say_ready
+from agentrob.process.child import print_ready
 from agentrob.process.logs import log_to_stderr
 from agentrob.process.startup import importing
 from agentrob.wiring import app
@@ -30,7 +30,7 @@ def serve_agent(config: Config, name: str) -> None:
             lambda token: app.make_forum(config, token),
         )
         with server.listen(config.service) as listener:
-            await server.serve(parts, listener, lambda url: say_ready(robot=name, url=url))
+            await server.serve(parts, listener, lambda url: print_ready(robot=name, url=url))
 
     asyncio.run(serve())
 

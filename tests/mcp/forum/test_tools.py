@@ -16,7 +16,7 @@ from agentrob.forums.contract import PIXEL
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.mcp.client import ForumClient, ToolFailed
 from agentrob.mcp.forum.identity import Accounts, Identity, Rights
-from agentrob.mcp.results import TopicPosts, Wrote
+from agentrob.mcp.results import TopicPosts, WrittenPost
 from agentrob.model import AccountKind
 from tests.mcp.forum.inside import ALL, a_world, client_of, server_of
 
@@ -87,7 +87,7 @@ async def test_what_is_not_allowed_is_not_listed_and_not_done(
     async with client_of(world, rights=rights) as client:
         for tool in missing:
             with pytest.raises(ToolFailed) as refused:
-                await client.call(tool, Wrote)
+                await client.call(tool, WrittenPost)
             assert refused.value.code == "not_allowed"
     assert world.posts == {}
 
@@ -323,7 +323,7 @@ async def test_a_call_that_is_cancelled_ends_at_the_server_too_and_the_connectio
         finally:
             ended.set()
 
-    accounts.current.feed.wait = wait  # type: ignore[method-assign]
+    accounts.current.event_tail.wait = wait  # type: ignore[method-assign]
     async with ForumClient(lambda: Client(server.engine, mode=mode, cache=None)) as client:
         topic_id = (await client.create_topic("robots", "A title", "hello")).post.topic_id
         waiting = asyncio.create_task(client.subscribe_topic(topic_id, wait_s=60))

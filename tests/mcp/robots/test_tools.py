@@ -25,7 +25,7 @@ from agentrob.mcp.robots.server import RobotServer, configured
 from agentrob.mcp.robots.service_client import Robots
 from agentrob.mcp.robots.service_client import Service as Remote
 from agentrob.mcp.robots.tools import allowed
-from agentrob.process.child import Child, end_all
+from agentrob.process.child import Child, terminate_all
 from tests.agent.agent_scene import ROBOT
 from tests.service.service_scene import Service, token
 
@@ -116,7 +116,7 @@ async def test_law_13_and_15_a_stop_goes_past_a_call_that_waits_and_past_every_l
         async with asyncio.timeout(60):
             while service.agent.line.moving is None:  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
-        service.parts.callers._limit = type(service.parts.callers._limit)(1)  # everything else is refused from now on
+        service.parts.auth._limit = type(service.parts.auth._limit)(1)  # everything else is refused from now on
         stopped = (await ask(client, "stop"))["data"]["stop"]
         assert stopped["confirmed"]
         assert stopped["latency_ms"] < 500
@@ -186,7 +186,7 @@ async def test_over_http_by_its_own_token_and_not_by_the_services(service: Servi
             assert (await ask(client, "robot_status"))["data"]["robot"]["name"] == ROBOT
             assert (await ask(client, "stop"))["data"]["stop"]["confirmed"]
     finally:
-        await asyncio.to_thread(end_all, [child])
+        await asyncio.to_thread(terminate_all, [child])
 
 
 async def test_over_stdio_as_a_client_starts_it(service: Service, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import JournalError
 from agentrob.forums.protocol import Event
-from agentrob.mcp.metadata import untagged
+from agentrob.mcp.metadata import split_tag
 from agentrob.model import Command, EventKind, Post
 
 _TO_TAKE = frozenset({Route.READ, Route.STALE})
@@ -150,7 +150,7 @@ class Inbox:
         claim = await self._journal().claim(self._command(post, heard), ended)
         if not claim.new:
             return
-        if (tag := untagged(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
+        if (tag := split_tag(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
             _log.info("asked by an agent", post=post.id, trace_id=claim.command.trace_id, asked_in=tag.trace_id)
         job = QueuedCommand(claim.command, ended=ended)
         came = self._why_stopped(post) if ended is None else None  # while the claim was written

@@ -20,16 +20,16 @@ MAX_OPEN = 16
 POLL_S = 1.0
 
 
-class Feed:
+class EventTail:
     """The events of one forum as one account sees them."""
 
     def __init__(self, forum: Forum) -> None:
         self._forum = forum
-        self._open: dict[tuple[str, float], _Tail] = {}
+        self._open: dict[tuple[str, float], _OpenStream] = {}
 
     async def wait(self, after: str, heartbeat_s: float) -> tuple[tuple[Event, ...], datetime | None]:
         """Events after one as soon as there are any; else, at the forum's heartbeat, nothing and the forum's clock."""
-        tail = self._open.pop((after, heartbeat_s), None) or _Tail(self._forum, after, heartbeat_s)
+        tail = self._open.pop((after, heartbeat_s), None) or _OpenStream(self._forum, after, heartbeat_s)
         try:
             events, at = await tail.next()
         except BaseException:
@@ -48,7 +48,7 @@ class Feed:
             await self._open.popitem()[1].close()
 
 
-class _Tail:
+class _OpenStream:
     """A stream that is read in bites."""
 
     def __init__(self, forum: Forum, after: str, heartbeat_s: float) -> None:

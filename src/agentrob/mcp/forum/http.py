@@ -19,11 +19,11 @@ from uvloop import new_event_loop
 
 from agentrob.config.mcp import McpConfig
 from agentrob.errors import McpError
-from agentrob.mcp.auth import SCOPE, Bearers
+from agentrob.mcp.auth import SCOPE, BearerTokenVerifier
 from agentrob.mcp.forum.identity import Identity
 from agentrob.mcp.forum.server import Context, ForumServer
 from agentrob.mcp.forum.subscriptions import SESSION_HEADER
-from agentrob.process.child import say_ready
+from agentrob.process.child import print_ready
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, host_in_url, open_listener, parse_listen
 
@@ -43,11 +43,11 @@ def make_app(
     """The ASGI app and its server. `port` is the real one, where any free one was asked for."""
     host = _address(config)[0]
     url = config.public_url or base_url(host, port) + PATH
-    bearers = Bearers(users, url, config.issuer, config.jwks_url)
+    verifier = BearerTokenVerifier(users, url, config.issuer, config.jwks_url)
 
     def identify(ctx: Context) -> Identity:
         assert ctx.request is not None
-        return bearers.identities[ctx.request.scope["user"].access_token.client_id]
+        return verifier.identities[ctx.request.scope["user"].access_token.client_id]
 
     server = ForumServer(identify)
     auth = AuthSettings(
@@ -64,11 +64,11 @@ def make_app(
             max_request_body_size=MAX_BODY,
             transport_security=_security(url, host, port),
             auth=auth,
-            token_verifier=bearers,
+            token_verifier=verifier,
         )
 
     app = _by_era(answering(json_response=True), answering(json_response=False))
-    return trimmed(_telling_ended_sessions(app, server)), server
+    return strip_header_whitespace(_telling_ended_sessions(app, server)), server
 
 
 def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
@@ -108,7 +108,7 @@ def _values(scope: Scope, header: bytes) -> list[str]:
     return [value.decode("latin-1") for name, value in scope["headers"] if name == header]
 
 
-def trimmed(app: ASGIApp) -> ASGIApp:
+def strip_header_whitespace(app: ASGIApp) -> ASGIApp:
     """White space around a header's value is none of it (RFC 9110, 5.5); the HTTP parser leaves it there."""
 
     async def passed_on(scope: Scope, receive: Receive, send: Send) -> None:
@@ -138,7 +138,7 @@ def serve(config: McpConfig, users: Mapping[str, tuple[Identity, str, str]]) -> 
     app, server = make_app(config, users, port)
 
     async def run() -> None:
-        http = HttpServer(app, on_ready=lambda: say_ready(url=base_url(host, port) + PATH), on_shutdown=server.close)
+        http = HttpServer(app, on_ready=lambda: print_ready(url=base_url(host, port) + PATH), on_shutdown=server.close)
         try:
             await http.serve(sockets=[listener])
         finally:

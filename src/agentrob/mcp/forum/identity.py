@@ -11,8 +11,8 @@ from typing import Any
 from agentrob.errors import ForumDenied, ForumError
 from agentrob.forums.protocol import Forum, SemanticSearcher
 from agentrob.mcp.envelope import ToolError
-from agentrob.mcp.forum.event_tail import Feed
-from agentrob.mcp.forum.media import MediaShelf
+from agentrob.mcp.forum.event_tail import EventTail
+from agentrob.mcp.forum.media import MediaStore
 from agentrob.model import Account
 
 #: Makes a forum that is signed in by a token.
@@ -36,11 +36,11 @@ class Identity:
     name: str
     forum: Forum
     rights: Rights
-    media: MediaShelf = field(default_factory=MediaShelf)
+    media: MediaStore = field(default_factory=MediaStore)
     _edits: dict[str, asyncio.Future[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.feed = Feed(self.forum)
+        self.event_tail = EventTail(self.forum)
         self._me: Account | None = None
         self._meaning: bool | None = None
 
@@ -83,7 +83,7 @@ class Identity:
 
     async def close(self) -> None:
         with contextlib.suppress(Exception):
-            await self.feed.close()
+            await self.event_tail.close()
         with contextlib.suppress(Exception):
             await self.forum.close()
 

@@ -16,7 +16,7 @@ KEEP_S = 600
 _KINDS = ((b"\xff\xd8\xff", "image/jpeg"), (b"\x89PNG\r\n", "image/png"), (b"GIF8", "image/gif"))
 
 
-class MediaShelf:
+class MediaStore:
     """The pictures of one account; the oldest go first when there are too many."""
 
     def __init__(self) -> None:

@@ -112,7 +112,7 @@ async def _changes(who: Identity, parts: list[str]) -> Content:
 
 
 async def _wait(who: Identity, parts: list[str]) -> Content:
-    events, at = await who.feed.wait(parts[0], _number(parts[1], 0.25, 30))
+    events, at = await who.event_tail.wait(parts[0], _number(parts[1], 0.25, 30))
     return r.Changes(events=tuple(map(event_info, events)), at=at)
 
 

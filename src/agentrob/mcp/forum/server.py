@@ -26,13 +26,13 @@ from pydantic import BaseModel, ValidationError
 from agentrob import __version__
 from agentrob.errors import AgentRobError
 from agentrob.forums.protocol import TRACE_ID
-from agentrob.mcp.envelope import SCHEMA, Said, ToolError, as_tool_error, error_body, failure, new_trace_id, success
+from agentrob.mcp.envelope import SCHEMA, Envelope, ToolError, as_tool_error, error_body, failure, new_trace_id, success
 from agentrob.mcp.forum import resources
 from agentrob.mcp.forum.arguments import Arguments, input_schema
 from agentrob.mcp.forum.identity import Accounts, Identity
 from agentrob.mcp.forum.prompts import PROMPTS, filled
 from agentrob.mcp.forum.subscriptions import Subscriptions
-from agentrob.mcp.forum.tools import BY_NAME, Call, Tool, allowed, as_offered
+from agentrob.mcp.forum.tools import BY_NAME, Call, Tool, allowed, as_available
 
 log = structlog.get_logger(__name__)
 Context = ServerRequestContext[Any, Any]
@@ -89,7 +89,7 @@ class ForumServer:
     # ---------------------------------------------------------------- tools
     async def list_tools(self, ctx: Context, params: Any) -> types.ListToolsResult:
         who = self._identify(ctx)
-        return types.ListToolsResult(tools=[_described(await as_offered(t, who)) for t in self._allowed(ctx)])
+        return types.ListToolsResult(tools=[_described(await as_available(t, who)) for t in self._allowed(ctx)])
 
     async def call_tool(self, ctx: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
         said = await self._said(ctx, params.name, params.arguments or {})
@@ -112,7 +112,7 @@ class ForumServer:
             answer["_meta"] = {SERVER_INFO_META_KEY: self.engine.server_info_stamp}
         return answer
 
-    async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> Said:
+    async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> Envelope:
         """Call a tool; its envelope, whatever happens."""
         trace_id, began = new_trace_id(), time.monotonic()
         TRACE_ID.set(trace_id)
@@ -133,7 +133,7 @@ class ForumServer:
         tool = next((t for t in tools if t.name == name), None)
         if tool is None:
             raise self._refused(name, tools)
-        given = _validated(await as_offered(tool, who), arguments)
+        given = _validated(await as_available(tool, who), arguments)
         call = Call(who, trace_id, self._accounts, tools, functools.partial(self._subscribe_legacy, ctx, who))
         result = await tool.run(call, given)
         if tool.name == "login_account" and ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS:
@@ -231,7 +231,7 @@ class ForumServer:
         return types.GetPromptResult(description=prompt.description, messages=[said])
 
 
-def _result(said: Said, structure: Any) -> dict[str, Any]:
+def _result(said: Envelope, structure: Any) -> dict[str, Any]:
     """The result of a call: the envelope as structure, and as compact text beside it."""
     return {
         "content": [{"type": "text", "text": said.text}],

@@ -19,7 +19,7 @@ from agentrob.mcp.forum.identity import Accounts, Identity
 from agentrob.mcp.forum.manual import manual
 from agentrob.mcp.forum.media import KEEP_S
 from agentrob.mcp.mapping import account_info, board_info, post_info, topic_info
-from agentrob.mcp.metadata import disarmed, tagged
+from agentrob.mcp.metadata import disarm_tags, with_tag
 from agentrob.model import EventKind, Page, Post, StatusCard
 
 #: How often a waiting call proves that its forum still answers.
@@ -138,7 +138,7 @@ async def list_notifications(call: Call, args: a.ListNotifications) -> r.Notific
     )
 
 
-async def subscribe_topic(call: Call, args: a.SubscribeTopic) -> r.Watched:
+async def subscribe_topic(call: Call, args: a.SubscribeTopic) -> r.TopicUpdates:
     """Subscribes first, then waits: nothing that comes between is missed."""
     forum = call.who.forum
     topic = await forum.topic(args.topic_id)
@@ -153,9 +153,9 @@ async def subscribe_topic(call: Call, args: a.SubscribeTopic) -> r.Watched:
     with contextlib.suppress(TimeoutError):
         async with asyncio.timeout(args.wait_s):
             while args.wait_s > 0 and not posts:
-                events, _ = await call.who.feed.wait(after, WAIT_HEARTBEAT_S)
+                events, _ = await call.who.event_tail.wait(after, WAIT_HEARTBEAT_S)
                 after, posts = _new_posts(events, after, topic.id)
-    return r.Watched(uri=uri, after=after, posts=_cut(posts, 1_500), untrusted=r.UNTRUSTED if posts else "")
+    return r.TopicUpdates(uri=uri, after=after, posts=_cut(posts, 1_500), untrusted=r.UNTRUSTED if posts else "")
 
 
 def _new_posts(events: Sequence[Event], after: str, topic_id: str) -> tuple[str, list[Post]]:
@@ -166,18 +166,18 @@ def _new_posts(events: Sequence[Event], after: str, topic_id: str) -> tuple[str,
 
 
 # ---------------------------------------------------------------------- writing
-async def create_topic(call: Call, args: a.CreateTopic) -> r.Wrote:
+async def create_topic(call: Call, args: a.CreateTopic) -> r.WrittenPost:
     who = call.who
-    body = tagged(args.body, await who.me(), args.status, call.trace_id)
+    body = with_tag(args.body, await who.me(), args.status, call.trace_id)
     images = who.media.get(args.images)
-    title = disarmed(args.title)
+    title = disarm_tags(args.title)
     written = await who.forum.create_topic(args.board_id, title, body, key=args.key or call.trace_id, images=images)
-    return r.Wrote(post=_cut([written.post], 400)[0], created=written.created)
+    return r.WrittenPost(post=_cut([written.post], 400)[0], created=written.created)
 
 
-async def reply_to_topic(call: Call, args: a.ReplyToTopic) -> r.Wrote:
+async def reply_to_topic(call: Call, args: a.ReplyToTopic) -> r.WrittenPost:
     who = call.who
-    body = tagged(args.body, await who.me(), args.status, call.trace_id)
+    body = with_tag(args.body, await who.me(), args.status, call.trace_id)
     written = await who.forum.reply(
         args.topic_id,
         body,
@@ -186,17 +186,17 @@ async def reply_to_topic(call: Call, args: a.ReplyToTopic) -> r.Wrote:
         images=who.media.get(args.images),
         card=_card(args.card) if args.card is not None else None,
     )
-    return r.Wrote(post=_cut([written.post], 400)[0], created=written.created)
+    return r.WrittenPost(post=_cut([written.post], 400)[0], created=written.created)
 
 
-async def edit_post(call: Call, args: a.EditPost) -> r.Wrote:
+async def edit_post(call: Call, args: a.EditPost) -> r.WrittenPost:
     who = call.who
-    body = tagged(args.body, await who.me(), args.status, call.trace_id)
+    body = with_tag(args.body, await who.me(), args.status, call.trace_id)
     images = who.media.get(args.images)
     state = _card(args.card) if args.card is not None else None
     key = f"{args.post_id} {args.key}" if args.key else None
     post, now = await who.once(key, lambda: who.forum.edit(args.post_id, body, images=images, card=state))
-    return r.Wrote(post=_cut([post], 400)[0], created=now)
+    return r.WrittenPost(post=_cut([post], 400)[0], created=now)
 
 
 def _card(given: dict[str, Any]) -> StatusCard:
@@ -229,7 +229,7 @@ async def register_account(call: Call, args: a.RegisterAccount) -> r.SignedIn:
     forum = call.who.forum
     if not isinstance(forum, Registrar):
         raise ForumUnoffered("accounts of this forum are not made by programs")
-    made = await forum.register(args.account.lower(), kind=args.kind, display_name=disarmed(args.display_name))
+    made = await forum.register(args.account.lower(), kind=args.kind, display_name=disarm_tags(args.display_name))
     call.accounts.remember(made.account.name, made.secret)
     return r.SignedIn(account=account_info(made.account), accounts=call.accounts.names)
 
@@ -267,7 +267,7 @@ BY_NAME = {tool.name: tool for tool in TOOLS}
 _BY_MEANING = replace(BY_NAME["search_posts"], arguments=a.SearchPostsByMeaning)
 
 
-async def as_offered(tool: Tool, who: Identity) -> Tool:
+async def as_available(tool: Tool, who: Identity) -> Tool:
     """The tool as this account's forum has it."""
     return _BY_MEANING if tool.name == _BY_MEANING.name and await who.has_semantic_search() else tool
 

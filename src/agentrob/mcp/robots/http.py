@@ -14,10 +14,10 @@ from pydantic import AnyHttpUrl
 
 from agentrob.config.service import McpRobotConfig
 from agentrob.errors import ConfigError
-from agentrob.mcp.forum.http import PATH, trimmed
+from agentrob.mcp.forum.http import PATH, strip_header_whitespace
 from agentrob.mcp.robots.server import RobotServer, configured
 from agentrob.mcp.robots.tools import allowed
-from agentrob.process.child import say_ready
+from agentrob.process.child import print_ready
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, host_in_url, open_listener
 
@@ -28,7 +28,7 @@ SCOPE = "robots"
 SHORTEST = 16
 
 
-class OneToken:
+class StaticTokenVerifier:
     """Verifies the one bearer token."""
 
     def __init__(self, token: str) -> None:
@@ -54,9 +54,9 @@ def make_app(server: RobotServer, token: str, host: str, port: int) -> ASGIApp:
             resource_server_url=None,
             required_scopes=[SCOPE],
         ),
-        token_verifier=OneToken(token),
+        token_verifier=StaticTokenVerifier(token),
     )
-    return trimmed(app)
+    return strip_header_whitespace(app)
 
 
 def run(config: McpRobotConfig) -> None:
@@ -76,7 +76,7 @@ def run(config: McpRobotConfig) -> None:
         app = make_app(RobotServer(robots, allowed(config)), token, host, port)
         url = base_url(host, port) + PATH
         try:
-            await HttpServer(app, on_ready=lambda: say_ready(url=url)).serve(sockets=[listener])
+            await HttpServer(app, on_ready=lambda: print_ready(url=url)).serve(sockets=[listener])
         finally:
             await robots.close()
 

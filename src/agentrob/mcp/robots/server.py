@@ -110,7 +110,7 @@ class RobotServer:
             raise ToolError("unknown_tool", f"there is no tool {name[:64]!r}", known)
         told = 0.0
 
-        async def tell(command: dict[str, Any]) -> None:
+        async def report(command: dict[str, Any]) -> None:
             nonlocal told
             told += 1
             place, doing = command.get("place"), command.get("doing") or ""
@@ -119,7 +119,7 @@ class RobotServer:
             )
             await ctx.session.report_progress(told, None, said)
 
-        return await tool.run(self._robots, _validated(tool, given), tell)
+        return await tool.run(self._robots, _validated(tool, given), report)
 
 
 def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:

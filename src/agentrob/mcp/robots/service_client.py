@@ -25,7 +25,7 @@ LOOK_S = 0.5
 #: What the service says to the words of the MCP servers; other codes stay as they are.
 _CODES = {401: "denied", 403: "denied", 404: "not_found", 422: "invalid_arguments", 429: "rate_limited"}
 T = TypeVar("T")
-Told = Callable[[dict[str, Any]], Awaitable[None]]
+ReportProgress = Callable[[dict[str, Any]], Awaitable[None]]
 
 
 class Service:
@@ -120,7 +120,7 @@ class Robots:
         known = ", ".join(sorted(self._services))
         raise ToolError("not_found", "which robot? no such one is configured here", f"robot is one of: {known}")
 
-    def may_see(self, robot: str) -> None:
+    def count_picture(self, robot: str) -> None:
         """Count a picture; `ToolError` when there were enough for now."""
         if not self._limiter.hit(self._pictures, robot):
             hint = f"at most {self._pictures.amount} pictures a minute"
@@ -131,14 +131,16 @@ class Robots:
             await service.close()
 
 
-async def followed(service: Service, command: dict[str, Any], wait_s: float, tell: Told) -> dict[str, Any]:
+async def wait_for_command(
+    service: Service, command: dict[str, Any], wait_s: float, report: ReportProgress
+) -> dict[str, Any]:
     """A command as it is after at most `wait_s`, or as it ended; `tell` hears of each change meanwhile."""
     loop, command_id = asyncio.get_running_loop(), quote(part(command, "id", str), safe="")
     until_s, shown = loop.time() + wait_s, None
     while True:
         now = (command.get("state"), command.get("step"), command.get("place"))
         if now != shown and wait_s:
-            await tell(command)
+            await report(command)
             shown = now
         left_s = until_s - loop.time()
         if command.get("ended") or left_s <= 0:
