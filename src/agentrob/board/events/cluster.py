@@ -42,8 +42,8 @@ _PROOF = (
     "(SELECT coalesce(json_object_agg(robot, n), '{}') FROM (SELECT robot, sum(viewers)::int AS n FROM stage_viewers "
     f"WHERE process <> %(me)s AND until_us > {NOW_US} GROUP BY robot) AS looking)"
 )
-_CARDS = f"SELECT robot, card, {NOW_US} - seen_us FROM presence"
-_FRAMES = f"SELECT robot, frame, {NOW_US} - shown_us FROM presence WHERE frame IS NOT NULL"
+_CARDS = f"SELECT robot, card, {NOW_US} - seen_us FROM stage"
+_FRAMES = f"SELECT robot, frame, {NOW_US} - shown_us FROM stage WHERE frame IS NOT NULL"
 
 log = structlog.get_logger(__name__)
 
