@@ -4,12 +4,14 @@
 #   make test               what every change must pass
 #   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
 #   make test-long          all slow tests at their full size: kill points, floods, live forums, peers, benchmarks
-#   make check              format, lint, types, contracts, fast tests
+#   make check              format, lint, types, contracts, and the tests that start no board, robot or agent
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
 # Tests wait for robots half of the time: three at a time keep two cores busy. A simulated world has to keep pace.
 MANY := -n 3
+# Rooms whose tests start no board, robot or agent.
+QUICK := $(addprefix tests/,house language screening minds evals semantic)
 SLICE ?= 1/12
 # A slice may have no test of one kind, which pytest calls an error (5).
 OR_NONE := || [ $$? = 5 ]
@@ -55,7 +57,7 @@ lint: setup-dev
 
 check: lint
 	@scripts/model-double
-	$(BIN)/pytest -q $(MANY) -m "not slow and not sim and not browser" $(ARGS)
+	$(BIN)/pytest -q $(MANY) -m "not slow and not sim and not browser" $(QUICK) $(ARGS)
 
 format: setup-dev
 	$(BIN)/ruff format .
