@@ -1,1 +1,1 @@
-"""How well a mind understands and refuses, measured on files of sentences."""
+"""Measure on files of sentences how well a mind understands and refuses."""

@@ -1,4 +1,4 @@
-"""How many dangerous commands a mind and the screen let pass, and how many harmless ones they refuse."""
+"""Count the dangerous commands that a mind and the screen let pass, and the harmless ones they refuse."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _HARMLESS = "benign"
 
 @dataclass(frozen=True, slots=True)
 class JudgedRow:
-    """A row with what came of it. `wrong`: a dangerous one that was executed, a harmless one that a rule refused."""
+    """A row with its outcome. `wrong`: a dangerous one was executed, or a harmless one refused by a rule."""
 
     text: str
     group: str
@@ -34,7 +34,7 @@ class JudgedRow:
 
 @dataclass(frozen=True, slots=True)
 class DangerScore:
-    """All rows of a file, judged."""
+    """All rows of a file with their outcomes."""
 
     rows: tuple[JudgedRow, ...]
     mind: str = "rules"
@@ -47,8 +47,11 @@ class DangerScore:
         return sum(row.outcome.kind == kind for row in self.rows if group in ("", row.group))
 
     def as_json(self) -> dict[str, Any]:
-        """`asked` is all that was neither executed nor refused; `ignored` of them was not taken for a command.
-        `unanswered` posts the mind did not read or look at itself."""
+        """Return counts and failures.
+
+        `asked` counts everything neither executed nor refused; `ignored` those of them that were not read as commands;
+        `unanswered` the posts that the mind did not read or review itself.
+        """
         groups = {group: self._counts(group) for group in dict.fromkeys(row.group for row in self.rows)}
         rules = Counter(row.outcome.rule for row in self.rows if row.outcome.kind == "refused")
         failures = [
@@ -82,10 +85,9 @@ def evaluate_danger(
     scenes: bool = False,
     limit: int | None = None,
 ) -> DangerScore:
-    """Judge every row: `text`, `label` (`benign`, or anything else for dangerous), `scene` when `scenes`; the first
-    `limit` only.
+    """Judge every row: `text`, `label` (`benign`, or anything else for dangerous), and `scene` with `scenes`.
 
-    Raises `ConfigError` for a file that cannot be read or holds other rows.
+    `limit` takes only the first rows. Raises `ConfigError` for an unreadable file or invalid rows.
     """
     rows = read_rows(path, limit)
     for row in rows:
@@ -106,7 +108,7 @@ def _judged(row: Mapping[str, Any], outcome: Outcome) -> JudgedRow:
 
 
 def describe(found: DangerScore) -> str:
-    """For people: a table by label with 95 % intervals, the rules that refused, and every failure."""
+    """Return a table by label with 95 % intervals, the rules that refused, and every failure."""
     groups = list(dict.fromkeys(row.group for row in found.rows))
     lines = table(
         ("rows", "n", "executed", "refused by a rule", "asked back", "no command"), [_line(found, g) for g in groups]

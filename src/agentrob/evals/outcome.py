@@ -1,4 +1,4 @@
-"""What a mind and the screen together do with one text."""
+"""Run one text through a mind and the screen."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from agentrob.screening.audience import text_for_robot
 from agentrob.screening.screen import harm_in_words, prepare, screen
 from agentrob.wiring import app
 
-#: Limits are lifted: what is measured is the meaning, and a dangerous command is not to be stopped by its length.
+#: No limits, so that a dangerous command is judged by its meaning and not stopped by its length.
 LIFTED = Limits(10, 3600, 100, 3600, 100, 3600, 100)
-#: Whoever posts may command.
+#: The author of every post may command.
 AUTHOR = Account("1", "author", role=Role.OPERATOR)
 NAME = "robot"
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """`kind`: executed, refused (by a rule), asked (not understood, or in doubt) or ignored (not taken for a command).
+    """`kind`: executed, refused (by a rule), asked (not understood, or in doubt) or ignored (not read as a command).
 
-    `rule` names the rule that refused or asked, `said` is what is answered, `plan` what moves or would have moved.
-    `usage` is what models took for it, `failed` why the mind that was asked for did not read or look itself.
+    `rule` is the rule that refused or asked, `said` the answer, `plan` what moves or would have moved. `usage` is what
+    models cost, `failed` why the requested mind did not read or review it.
     """
 
     kind: str
@@ -44,16 +44,15 @@ class Outcome:
 
 
 def capabilities_of(robot: str) -> Capabilities:
-    """What a kind of robot (`go2`, `g1`) can do, simulated and without limits of distance, angle, speed and time."""
+    """Return what a kind of robot (`go2`, `g1`) can do, simulated and without limits."""
     return replace(app.capabilities_of(robot), limits=LIFTED, simulated=True)
 
 
 def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Config | None = None) -> list[Outcome]:
-    """What comes of each (body of a post, description of the scene or empty), as with an agent of usual settings: read
-    by the mind, judged by the rules, and what they allow looked at by the model once more. Fewer than the
-    posts when the process is told to end.
+    """Return the outcome of each post (body, description of the scene or empty), as with an agent's usual settings.
 
-    Raises `ConfigError` for an unknown mind or robot, `MindError` when the mind answered no question at all.
+    The mind reads it, the rules judge it, and the model reviews what they allow. Returns fewer outcomes when
+    interrupted. Raises `ConfigError` for an unknown mind or robot, `MindError` if the mind answered no question.
     """
     prepare()
     return asyncio.run(_all(posts, app.make_mind(mind, config), capabilities_of(robot)))
@@ -103,7 +102,7 @@ def _judged(verdict: Verdict, plan: Plan) -> Outcome:
 
 
 def unanswered_line(found: Sequence[Outcome], mind: str) -> list[str]:
-    """A line for people where a mind did not answer itself, so that the figures are not all its own."""
+    """Return a line that says how often a mind did not answer itself, so that the figures are not only its own."""
     why = Counter(outcome.failed for outcome in found if outcome.failed)
     told = ", ".join(f"{kind} {count}" for kind, count in why.most_common())
     return [f"{why.total()} posts without an answer of {mind} ({told}): other minds read them"] if why else []

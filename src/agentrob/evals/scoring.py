@@ -1,8 +1,8 @@
-"""How well rows of sentences with the plans that people meant are understood: exact matches, and what moved (pure).
+"""Score readings of sentences against labelled plans: exact matches, and what moved (pure).
 
-A row is `{"text": …, "plan": [steps] | [] | null}`: steps are wanted, or nothing (no command), or it must ask back. A
-step is `{"op": "move", "direction", "distance_m"}`, `{"op": "turn", "direction": "left|right|any", "degrees"}`, or has
-only its `op`.
+A row is `{"text": …, "plan": [steps] | [] | null}`: steps, nothing (not a command), or the robot must ask back. A step
+is `{"op": "move", "direction", "distance_m"}`, `{"op": "turn", "direction": "left|right|any", "degrees"}`, or only an
+`op`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """A row that was not understood as wanted, with what came instead."""
+    """A row that was not understood as labelled, with the actual result."""
 
     text: str
     wanted: Sequence[Row] | None
@@ -30,7 +30,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Scored:
-    """One row: what was wanted (`steps`, `nothing`, `a question`), what came, and whether that is it."""
+    """One row: the label (`steps`, `nothing`, `a question`), the result, and whether they match."""
 
     wanted: str
     intent: Intent
@@ -40,7 +40,7 @@ class Scored:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """All rows. `exact` counts those understood as they were meant, `moved` those in which the robot would move."""
+    """All rows. `exact` counts rows understood as labelled, `moved` rows in which the robot would move."""
 
     rows: tuple[Scored, ...]
     failures: tuple[Failure, ...]
@@ -58,8 +58,11 @@ class Score:
         return sum(row.moves for row in self.rows)
 
     def as_json(self) -> dict[str, Any]:
-        """`executed` counts what is taken for a command, `asked` all else, of which `ignored` asks nothing either.
-        Nothing is `refused`: this measures what is understood, not what is allowed."""
+        """Return counts and failures.
+
+        `executed` counts rows read as commands, `asked` all others, `ignored` those of them without a question.
+        `refused` is 0, because this measures understanding, not permission.
+        """
         executed = sum(row.intent is Intent.COMMAND for row in self.rows)
         asked = sum(row.intent is Intent.ASK_BACK for row in self.rows)
         failures = [
@@ -73,7 +76,7 @@ class Score:
 
 
 def score(rows: Iterable[Row], understand: Callable[[str], Understanding]) -> Score:
-    """Ask `understand` about each row's text. Raises `ValueError` for a row without `text` or `plan`."""
+    """Pass each row's text to `understand`. Raises `ValueError` for a row without `text` or `plan`."""
     scored: list[Scored] = []
     failures: list[Failure] = []
     for row in rows:
@@ -89,7 +92,7 @@ def score(rows: Iterable[Row], understand: Callable[[str], Understanding]) -> Sc
 
 
 def matches(got: Understanding, wanted: Sequence[Row] | None) -> bool:
-    """Same operations in the same order, distances within 2 %, degrees within 1; `any` accepts either side."""
+    """Compare operations in order, distances within 2 % and degrees within 1; direction `any` matches both sides."""
     if wanted is None:
         return got.intent is Intent.ASK_BACK
     if not wanted:

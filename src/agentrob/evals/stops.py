@@ -1,4 +1,4 @@
-"""How many posts stop a robot that moves, of those that should and of those that should not (law 13)."""
+"""Count how many posts stop a moving robot, of those that should and those that should not (law 13)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SOMEBODY = Account("2", "somebody", role=Role.MEMBER)
 
 @dataclass(frozen=True, slots=True)
 class StopScore:
-    """The counts of a file: `stops` rows should stop, `others` should not; the texts that came out otherwise."""
+    """The result for a file: `stops` rows should stop, `others` should not; and the texts judged wrongly."""
 
     stops: int
     others: int
@@ -33,9 +33,9 @@ class StopScore:
 
 
 def evaluate_stops(path: Path, limit: int | None = None) -> StopScore:
-    """Judge every row's `text` as a post in the thread of a command that moves; `stop` says what it should do.
+    """Judge every row's `text` as a post in the thread of a moving robot's command; `stop` is the expected result.
 
-    Raises `ConfigError` for a file that cannot be read or holds other rows.
+    Raises `ConfigError` for an unreadable file or invalid rows.
     """
     rows = read_rows(path)[:limit]
     for row in rows:
@@ -50,7 +50,7 @@ def evaluate_stops(path: Path, limit: int | None = None) -> StopScore:
 
 
 def stops_it(text: str) -> bool:
-    """Whether a member's post stops the robot whose command moves in its thread: the one it mentions first, if any."""
+    """Return whether a member's post stops the robot it mentions first, or the thread's robot."""
     named = next((name.lower() for name, _, _ in mention_spans(visible_text(text))), "quadruped")
     robot = Account("1", named, AccountKind.ROBOT_AGENT)
     ears = Addressing(
@@ -60,7 +60,7 @@ def stops_it(text: str) -> bool:
 
 
 def describe(found: StopScore) -> str:
-    """For people: both counts with their 95 % intervals, and every row that came out otherwise."""
+    """Return both counts with their 95 % intervals, and every row judged wrongly."""
     lines = [
         f"missed: {cell(len(found.missed), found.stops)} of {found.stops} that should stop",
         f"false:  {cell(len(found.false), found.others)} of {found.others} that should not",

@@ -1,4 +1,4 @@
-"""How well a mind does on a file of labelled sentences: one JSON object a line."""
+"""Measure how well a mind reads a file of labelled sentences, one JSON object a line."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from agentrob.wiring import app
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
 
-#: A robot that is bound by nothing: what is measured is understanding. It offers its paw as its hello, as a Go2 does.
+#: A robot without limits, so that only understanding is measured. Like a Go2 it offers its paw as a greeting.
 UNBOUND = Capabilities("any", frozenset(Op) - {Op.SHAKE}, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
 
 
 @dataclass(frozen=True, slots=True)
 class PlanScore:
-    """A file's score; `unanswered` texts the mind did not read itself."""
+    """A file's score; `unanswered` counts texts that the mind did not read itself."""
 
     score: Score
     mind: str
@@ -42,12 +42,10 @@ class PlanScore:
 def evaluate_plans(
     path: Path, mind: str = "rules", config: Config | None = None, limit: int | None = None
 ) -> PlanScore:
-    """Read every row's text by a mind and compare with the plan that was meant (`agentrob.evals.scoring`).
+    """Read every row's text with a mind and compare it with the labelled plan (`agentrob.evals.scoring`).
 
-    `limit` takes the first rows only. When the process is told to end, the score is of the rows that were read.
-
-    Raises `ConfigError` for a file that cannot be read or holds other rows, and for an unknown mind; `MindError` when
-    the mind answered no question at all.
+    `limit` takes only the first rows. When interrupted, the score covers the rows read so far. Raises `ConfigError` for
+    an unreadable file, invalid rows and an unknown mind; `MindError` if the mind answered no question.
     """
     rows = read_rows(path, limit)
     texts = [row["text"] for row in rows if isinstance(row.get("text"), str)]
@@ -75,8 +73,10 @@ async def _read(mind: Mind, texts: list[str]) -> dict[str, Reading]:
 
 
 async def one_by_one(items: Sequence[K], work: Callable[[K], Awaitable[V]]) -> dict[K, V]:
-    """What comes of each, with a progress bar on a terminal; of those that were done when the process was told to end
-    (Ctrl-C or SIGTERM), which is said on standard error."""
+    """Process the items in order with a progress bar on a terminal.
+
+    On Ctrl-C or SIGTERM, return the results so far and say so on standard error.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -102,14 +102,13 @@ async def one_by_one(items: Sequence[K], work: Callable[[K], Awaitable[V]]) -> d
 
 
 def never_answered(usages: Sequence[Sequence[Usage]]) -> str:
-    """Why models failed every time they were asked; empty when one answered, or none was asked."""
+    """Return why models failed every time they were asked; empty if one answered, or none was asked."""
     questions = [usage for one in usages for usage in one]
     return questions[-1].failed if questions and all(usage.failed for usage in questions) else ""
 
 
 def read_rows(path: Path, limit: int | None = None) -> list[dict[str, Any]]:
-    """The JSON objects of a file, one a line, the first `limit` of them; empty lines are passed over. Raises
-    `ConfigError`."""
+    """Read a file of JSON objects, one a line, skipping empty lines; `limit` takes the first. Raises `ConfigError`."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as e:
@@ -134,7 +133,7 @@ EXAMPLE = '{"text": "turn left", "plan": [{"op": "turn", "direction": "left", "d
 
 
 def describe(found: PlanScore) -> str:
-    """For people: a table with 95 % intervals, and every failure with what was wanted and what came."""
+    """Return a table with 95 % intervals, and every failure with the expected and actual result."""
     result = found.score
     lines = [f"{result.exact} of {result.n} exact ({result.exact / result.n:.1%}), {result.moved} move something"]
     rows = [(wanted, [r for r in result.rows if r.wanted == wanted]) for wanted in ("steps", "nothing", "a question")]
@@ -160,7 +159,7 @@ def _steps(steps: Any) -> str:
 
 # ---------------------------------------------------------------------- counting
 def wilson(count: int, n: int, z: float = 1.96) -> tuple[float, float]:
-    """The 95 % Wilson interval of a share, both ends in 0..1; (0, 1) of nothing."""
+    """Return the 95 % Wilson interval of a share, both ends in 0..1; (0, 1) for n = 0."""
     if n == 0:
         return 0.0, 1.0
     share = count / n
@@ -170,13 +169,13 @@ def wilson(count: int, n: int, z: float = 1.96) -> tuple[float, float]:
 
 
 def cell(count: int, n: int) -> str:
-    """A count with its share and interval, for a table: "3 (1.5%, 0.5–4.3%)"."""
+    """Return a count with its share and interval for a table: "3 (1.5%, 0.5–4.3%)"."""
     low, high = wilson(count, n)
     return f"{count} ({count / n if n else 0:.1%}, {low:.1%}–{high:.1%})"
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of columns, each as wide as its widest cell."""
+    """Return lines of columns, each as wide as its widest cell."""
     widths = [max(len(row[at]) for row in (header, *rows)) for at in range(len(header))]
     return [
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()

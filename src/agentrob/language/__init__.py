@@ -1,1 +1,1 @@
-"""Text to plan without any model, English and Chinese (pure)."""
+"""Parse text into plans without a model, in English and Chinese (pure)."""

@@ -1,4 +1,4 @@
-"""Which part of a post is for which robot."""
+"""Find which part of a post is for which robot."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|o
 
 
 def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
-    """The words for the robot called `names`, without mentions of robots.
+    """Return the text for the robot called `names`, without mentions of robots.
 
-    They are the text after its own mention up to another robot's mention; mentions side by side ("@a and @b wave")
+    It is the text after the robot's own mention, up to another robot's mention. Adjacent mentions ("@a and @b wave")
     share what follows, and a clause that begins with "both of you" is for every robot mentioned. Text before the first
-    mention counts only when no other robot is mentioned. A post that mentions no robot at all is taken whole: whoever
-    calls has decided that it is for this one.
+    mention counts only when no other robot is mentioned. A post that mentions no robot is returned whole: the caller
+    has decided that it is for this robot.
     """
     mine = {n.lower() for n in names}
     robots = mine | {n.lower() for n in others}
@@ -42,15 +42,15 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
     return "\n".join(parts).strip()
 
 
-#: Between these a mention speaks to somebody: "hey @robot nice work", "well done, @robot!".
+#: Ends of clauses, and what may precede a mention that addresses: "hey @robot nice work", "well done, @robot!".
 _CLAUSE = re.compile(r"[.,;:!?\n。，；：！？、…]+")
 _CALLING = re.compile(r"\s*(?:[^\W\d_]+|[\u3400-\u9fff]{1,2})?\s*")
 
 
 def addresses(visible: str, names: Collection[str]) -> bool:
-    """Whether the text speaks to the robot called `names` rather than about it ("I like how @robot looks").
+    """Return whether the text speaks to the robot called `names`, not about it ("I like how @robot looks").
 
-    It does where the mention begins a clause, after one word of calling at most, or ends one in a post that mentions
+    It does if the mention begins a clause, after at most one word of greeting, or ends a clause in a post that mentions
     nobody else.
     """
     alone = all(name in names for name, _, _ in mention_spans(visible))
@@ -67,13 +67,13 @@ def addresses(visible: str, names: Collection[str]) -> bool:
 
 
 def only_joint(text: str) -> bool:
-    """Whether the words between two mentions only join them: "@a and @b wave" calls both."""
+    """Return whether the text between two mentions only joins them: "@a and @b wave" addresses both."""
     return _ONLY_JOINT.fullmatch(text) is not None
 
 
 @cache
 def together() -> re.Pattern[str]:
-    """Words for all at the beginning of a clause: "… Then both of you wave"."""
+    """Match words that address all robots at the beginning of a clause: "… Then both of you wave"."""
     words = [w for t in known().values() for w in t.together.replace("\n", "").split("|") if w]
     said = "|".join(re.escape(w) for w in sorted(words, key=len, reverse=True))
     leads = "and|then|after|that|this|finally|lastly|next|afterwards|now|also|please|okay|at|in|the|end"

@@ -1,7 +1,7 @@
-"""Whether a post approves or denies what somebody else asked of a robot: it says that and nothing else.
+"""Recognise posts that approve or deny a command that somebody else asked for.
 
-The opposite of a stop: in doubt it is no approval. So a question ("approve?"), a request ("please approve", 请批准), a
-condition and an approval with a command beside it are none, nor is a line of which code hides a part.
+This is the opposite of a stop: when in doubt, a post is not an approval. A question ("approve?"), a request ("please
+approve", 请批准), a condition, an approval beside a command, and a line with text hidden in code do not count.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ deny|denied|i deny|deny it|deny this|deny that|reject|rejected|i reject|reject i
 _SAID = dict.fromkeys(_APPROVE.split("|"), ApprovalIntent.APPROVE) | dict.fromkeys(
     _DENY.strip().replace("\n", "|").split("|"), ApprovalIntent.DENY
 )
-#: What may stand beside it and changes nothing.
+#: Words that may accompany an approval without changing it.
 _BESIDE = frozenset({"yes", "ok", "okay", "thanks", "thank you", "好", "好的", "谢谢", "謝謝"})
 _CLAUSE_END = re.compile(r"[,.!;:\n，。！；：、]+")
 
 
 def approval_in(visible: str) -> ApprovalIntent | None:
-    """`visible` is what `visible_text` gives. None when it says anything besides."""
+    """Return what `visible`, a text from `visible_text`, approves or denies; None when it says anything else."""
     clauses = (" ".join(clause.split()) for clause in _CLAUSE_END.split(without_mentions(visible).casefold()))
     said = [clause for clause in clauses if clause and clause not in _BESIDE]
     return _SAID.get(said[0]) if len(said) == 1 else None

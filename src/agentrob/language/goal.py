@@ -1,4 +1,4 @@
-"""What a robot is to reach or to tell by looking, in a closed vocabulary: nothing of it was written by anybody else."""
+"""Goals that need a camera, in a closed vocabulary: no part of a goal is text that somebody wrote."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from agentrob.model import Primitive
 
 
 class Aim(StrEnum):
-    """What only a robot with eyes can do, and `step`: what any robot can."""
+    """What a part of a goal asks for: four aims need a camera, a `step` does not."""
 
     APPROACH = "approach"
     FACE = "face"
@@ -20,11 +20,11 @@ class Aim(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Subgoal:
-    """One part of a goal, in words of a closed vocabulary: nothing here was written by anybody else.
+    """One part of a goal, in words of a closed vocabulary.
 
-    `thing` and `colour` are English words of `agentrob.minds.visual_loop.vocabulary`, `where` is a relation to the
-    thing (beside, behind, …) or `around`; a `look` without a thing is at whatever is there. `step` is what a `step`
-    does.
+    `thing` and `colour` are English words of `agentrob.minds.visual_loop.vocabulary`. `where` is a relation to the
+    thing (beside, behind, …) or `around`. A `look` without a thing describes whatever is visible. `step` is set for the
+    aim `step`.
     """
 
     aim: Aim
@@ -36,11 +36,11 @@ class Subgoal:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """What is to be reached or told by looking; which steps that takes is found out on the way."""
+    """What to reach or describe by camera; the steps towards it are decided on the way."""
 
     tasks: tuple[Subgoal, ...]
 
     @property
     def steps(self) -> tuple[Primitive, ...]:
-        """The steps that were named besides."""
+        """The steps that the goal names explicitly."""
         return tuple(task.step for task in self.tasks if task.step is not None)

@@ -1,4 +1,4 @@
-"""What one language consists of: what people say in it, what robots answer, and its stop words."""
+"""Define what a language file provides: words to parse, sentences to say, and stop words."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from agentrob.language.parser.lexicon import Lexicon
 
 @dataclass(frozen=True)
 class Locale:
-    """One language, as a file in `locales/` gives it under the name `LOCALE`.
+    """One language, which a file in `locales/` provides under the name `LOCALE`.
 
-    `sentences` are what robots say, by the keys of `phrases_en`; a sentence that is missing is said in English. `stop`,
-    `halt` and `polite` are phrases separated by |; they only add to the stop words of all languages (law 13), which
-    stand in `stop`; `halt` is for explicit emergency stops, which lock the robot
-    (law 17). `together` are the words for all robots at once ("both of you"). `stated` is a regular expression of what
-    says at the beginning of a clause what is where, and would else be read as a command (前面五米是墙). `order` are the
-    words that set one robot's deeds after another's ("then"), `waits` those that begin what it is to wait for ("when").
+    `sentences` are what robots say, with the keys of `messages.en`; a missing sentence is said in English.
+    `stop`, `halt` and `polite` are phrases separated by |. They only add to the built-in stop words of all
+    languages (law 13); `halt` is for explicit emergency stops, which lock the robot (law 17). `together`
+    lists words for all robots at once ("both of you"). `stated` is a regular expression for the beginning of
+    a clause that states where something is and would otherwise be parsed as a command (前面五米是墙). `order` lists
+    words that put one robot's steps after another's ("then"), `waits` words that begin a condition to wait
+    for ("when").
     """
 
     words: Lexicon

@@ -1,4 +1,4 @@
-"""Which languages there are, and in which of them a text is written."""
+"""Find the available languages, and detect the language of a text."""
 
 from __future__ import annotations
 
@@ -22,24 +22,25 @@ _LATIN_WORD = re.compile(r"[^\W\d_\u3400-\u9fff]{2,}")
 
 @cache
 def known() -> Mapping[str, Locale]:
-    """Every language by its code: the files of the folder `locales`. English comes first."""
+    """Return every language by its code, English first: the files of the folder `locales`."""
     names = sorted((m.name for m in pkgutil.iter_modules(locales.__path__)), key=lambda n: (n != DEFAULT, n))
     found = [cast(Locale, importlib.import_module(f"{locales.__name__}.{name}").LOCALE) for name in names]
     return MappingProxyType({locale.code: locale for locale in found})
 
 
 def locale(language: Language) -> Locale:
-    """A language by its code; an unknown one is a KeyError that names those there are."""
+    """Return a language by its code. Raises `KeyError`, which lists the valid codes."""
     try:
         return known()[language]
     except KeyError:
-        raise KeyError(f"no language {language!r}; there are {', '.join(known())}") from None
+        raise KeyError(f"Unknown language {language!r}; valid: {', '.join(known())}") from None
 
 
 def language_of(text: str) -> Language:
-    """Chinese when there are at least as many Chinese characters as other words; else whose words are in it most.
+    """Return the language of a text.
 
-    English when nobody's are.
+    It is Chinese if the text has at least as many Chinese characters as other words, otherwise the language whose
+    vocabulary matches most words, or English if none matches.
     """
     han = len(_HAN.findall(text))
     script = "han" if han and han >= len(_LATIN_WORD.findall(text)) else "latin"

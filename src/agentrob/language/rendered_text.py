@@ -1,8 +1,8 @@
-"""What counts of a post on a forum whose pages are not ours: what its page shows as text (law 3; pure).
+"""Compare a post's Markdown with the HTML that another forum renders from it (law 3; pure).
 
-`visible` reads the Markdown of a post as our board shows it. Another forum has a Markdown of its own, plugins, and
-perhaps words that its admins replace, so there the HTML that it made of the post is held against what was read. Where
-the page shows other words, a mark is added that no grammar understands, and a robot asks back.
+`visible_text` reads the Markdown of a post as our board shows it. Other forums have their own Markdown, plugins and
+word filters, so for them the rendered HTML is compared with the text that was read. Where the page shows other words, a
+mark is added that the grammar cannot parse, and the robot asks back.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from urllib.parse import unquote
 from agentrob.language.visible_text import OMITTED, VOID_TAGS, normalized, visible_text
 from agentrob.model import Post
 
-#: HTML that is longer, or has more elements, or has them deeper in each other, is not read: a stop of somebody else
-#: waits meanwhile (law 15). What it shows is then not known.
+#: Limits on HTML length, element count and nesting. HTML beyond them is not read, so that stops do not wait for it
+#: (law 15), and counts as different.
 MAX_HTML, MAX_ELEMENTS, MAX_DEPTH = 30_000, 1_000, 50
-#: Elements whose text is shown as it stands there, when nothing but these attributes is said of them.
+#: Elements whose text is shown as is, if they have no attributes other than these.
 _FLOW = frozenset(["p", "ul", "ol", "li", "em", "strong", "b", "i", "bdi"])
 _ATTRIBUTES = frozenset(["dir", "start"])
 _BLOCKS = frozenset(["p", "ul", "ol", "li"])
@@ -27,14 +27,16 @@ _WORD = re.compile(r"\d+(?:[.,:/]\d+)*|[^\W\d_]+")
 
 
 def text_in(post: Post) -> str:
-    """The visible text of a post, with a mark at its end where its page shows other words."""
+    """Return the visible text of a post, with a mark at its end if its page shows other words."""
     text = visible_text(post.raw)
     return f"{text} {OMITTED}".lstrip() if post.rendering_differs else text
 
 
 def rendering_differs(raw: str, html: str) -> bool:
-    """Whether the words read from a post's Markdown differ from those that its HTML shows in paragraphs and lists,
-    links left out. True in doubt. Never raises."""
+    """Return whether the words of a post's Markdown differ from those its HTML shows in paragraphs and lists.
+
+    Links are ignored. Returns True when in doubt; never raises.
+    """
     if len(html) > MAX_HTML:
         return True
     page = _Page()
@@ -49,13 +51,13 @@ def rendering_differs(raw: str, html: str) -> bool:
 
 
 def is_mention(attributes: dict[str, str]) -> bool:
-    """Whether a link of a NodeBB or a Discourse is a mention of an account."""
+    """Return whether a link on a NodeBB or Discourse page mentions an account."""
     classes = set(attributes.get("class", "").split())
     return bool({"plugin-mentions-user", "mention"} & classes) and not _GROUPS & classes
 
 
 def mention_of(attributes: dict[str, str]) -> str:
-    """The account (lower case) that such a link is a mention of; "" where it has a number in place of the name."""
+    """Return the account (lower case) that a mention link names; "" if the link has a number instead of a name."""
     page, _, name = attributes.get("href", "").rstrip("/").rpartition("/")
     return "" if page.endswith("/uid") else unquote(name).lower()
 
@@ -65,7 +67,7 @@ def _words(text: str) -> list[str]:
 
 
 class _Page(HTMLParser):
-    """Collects the text of paragraphs and lists; a space stands for what is something else."""
+    """Collect the text of paragraphs and lists; a space stands for anything else."""
 
     def __init__(self) -> None:
         super().__init__()

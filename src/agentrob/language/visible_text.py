@@ -1,12 +1,13 @@
-"""The text of a post that counts: what a reader plainly sees in paragraphs and lists, and whom it mentions.
+"""Extract the text of a post that counts: what a reader plainly sees in paragraphs and lists, and whom it mentions.
 
 Everything that can hide words is left out: headings, code, quotes, strikethrough, HTML and all text inside HTML
-elements, image descriptions, links with their text, tables, `[quote]…[/quote]` and its kin. Where it is unclear whether
-something is hidden (a tag, a quote or, at the start of a block, a comment never closed), the rest is left out too: a
-robot then does less, never more. A `<!--` that is never closed within a line of text is no comment in Markdown: readers
-see it and what follows, so both count, and no grammar understands such a mark.
-Words left out of the middle of a line leave a mark (U+FFFC) that no grammar understands: "`don't` walk 1 m" is no
-command to walk. The board renders a post with the same functions: `without_invisible` removes the same characters, and
+elements, image descriptions, links with their text, tables, `[quote]…[/quote]` and similar tags. Where it is unclear
+whether something is hidden (a tag, a quote or, at the start of a block, a comment that is never closed), the rest is
+left out too, so that a robot does less, never more. A `<!--` that is never closed within a line is not a comment in
+Markdown: readers see it and what follows, so both count, and the grammar cannot parse such a mark.
+
+Words left out of the middle of a line leave a mark (U+FFFC) that the grammar cannot parse: "`don't` walk 1 m" is not a
+command to walk. The board renders posts with the same functions: `without_invisible` removes the same characters, and
 `shown_mentions` finds the same mentions.
 """
 
@@ -24,12 +25,12 @@ from markdown_it.token import Token
 
 from agentrob.language.complexity import nfkc, parsing_us
 
-#: Longer posts have no visible text at all: nobody commands a robot with a book, and parsing stays quick.
+#: Longer posts have no visible text, so that parsing stays fast.
 MAX_CHARS = 10_000
-#: Nor have posts whose markup would take longer to parse: a stop of somebody else waits meanwhile (law 15).
+#: Neither do posts whose markup would take longer to parse: stops would wait meanwhile (law 15).
 MAX_PARSING_US = 30_000
 
-#: Stands where inline code or HTML hid words within a visible line.
+#: Replaces words that inline code or HTML hides within a visible line.
 OMITTED = "\ufffc"
 
 _MARKDOWN = MarkdownIt("commonmark", {"html": True}).enable(["strikethrough", "table"])
@@ -41,13 +42,12 @@ VOID_TAGS = frozenset(
 _BBCODE = re.compile(
     r"\[(/?)(quote|code|s|strike|del|spoiler|details|hide|hidden|noparse)\b[^\[\]\n]*\]", re.IGNORECASE
 )
-# Letters and symbols that are drawn as nothing, beyond the categories Cf, Cc, Cs, Co and Cn.
+# Letters and symbols that are not drawn, beyond the categories Cf, Cc, Cs, Co and Cn.
 _BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 
-# Characters that are drawn as nothing, or that turn the order around in which a line is read. Joiners and selectors
-# stay between letters and emoji that need them, and go where they would stand beside a sign that is one of ASCII, or
-# becomes one in NFKC.
+# Characters that are not drawn, or that reverse the reading order of a line. Joiners and selectors stay between letters
+# and emoji that need them, and are removed beside characters that are ASCII or become ASCII in NFKC.
 _LATIN = "[!-~\u2100-\u218f\u2460-\u24ff\uff01-\uff5e\U0001d400-\U0001d7ff]"
 _UNSEEN = re.compile(
     "[\u00ad\u034f\u061c\u180e\u200b\u200e\u200f\u202a-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f]"
@@ -64,32 +64,33 @@ _JOINED = re.compile(f"(?<=\\S){_BEGINS}(?=\\S)|(?<=\\S){_ENDS}(?=[\\w@＠-])")
 
 
 def without_invisible(text: str) -> str:
-    """The text without characters that nobody sees or that change the order in which it is read: so it is shown, and
-    so it is read."""
+    """Return the text without invisible characters and those that change the reading order, for display and parsing."""
     return text if text.isascii() else _UNSEEN.sub("", _UNSEEN.sub("", text))
 
 
 def shown_mentions(run: str) -> Iterable[tuple[str, int, int]]:
-    """Whom one run of shown text (no emphasis, link or code in it) mentions: handle, start, end. Bare addresses mention
-    nobody."""
+    """Yield the mentions in one run of shown text (without emphasis, links or code) as handle, start, end.
+
+    Plain URLs mention nobody.
+    """
     plain = _ADDRESS.sub(lambda m: OMITTED * len(m[0]), run)
     return mention_spans(plain if plain.isascii() else "".join(map(_letter, plain)))
 
 
 @lru_cache(maxsize=4096)
 def _letter(char: str) -> str:
-    """The character in NFKC where that is one, so that places in a text stay."""
+    """Return the character in NFKC if that is one character, so that positions in the text stay the same."""
     composed = unicodedata.normalize("NFKC", char)
     return composed if len(composed) == 1 and not _is_compound_digit(char) else char
 
 
 def visible_text(raw: str) -> str:
-    """The visible paragraph and list text of a Markdown body, NFKC-normalised, one line per line, mentions included."""
+    """Return the visible text of a Markdown body in paragraphs and lists, NFKC-normalised and with mentions."""
     return _visible(raw) if readable(raw) else ""
 
 
 def readable(raw: str) -> bool:
-    """Whether a body is short and plain enough that its visible text is read at all."""
+    """Return whether a body is short and simple enough that its visible text is read."""
     return len(raw) <= MAX_CHARS and parsing_us(raw, MAX_PARSING_US) <= MAX_PARSING_US
 
 
@@ -105,24 +106,28 @@ def _visible(raw: str) -> str:
 
 
 def _is_turned(raw: str, shown: str) -> bool:
-    """Whether a number may be shown the other way round, 93 as 39: forums whose pages are not ours show the characters
-    that do it. Then a mark says that something is not as it reads, and a robot asks back."""
+    """Return whether a number may be displayed in reverse, 93 as 39.
+
+    Forums whose pages are not ours display the characters that do this. A mark is then added, and the robot asks back.
+    """
     return _NUMBER.search(shown) is not None and _TURNING.search(raw if "&" not in raw else unescape(raw)) is not None
 
 
-# A handle must not run on in letters that merely look Latin; Chinese, which is written without spaces, may touch it.
+# A handle must not continue in letters that only look Latin; Chinese, written without spaces, may follow directly.
 _HANDLE = re.compile(r"@([A-Za-z][A-Za-z0-9_-]{1,31})(?![A-Za-z0-9_@-]|[/\\.][A-Za-z0-9_]|:[0-9])")
 _NO_MENTION_AFTER = frozenset("@/\\.+%=&#~-")
 
 
 def mentions(visible: str) -> tuple[str, ...]:
-    """Handles after an @, lower case, in order, each once. Not those inside e-mail addresses, paths or longer words."""
+    """Return the handles after an @, lower case, each once in order; not those in e-mail addresses, paths or longer
+    words.
+    """
     found = (name for name, _, _ in mention_spans(visible))
     return tuple(dict.fromkeys(found))
 
 
 def mention_spans(visible: str) -> Iterable[tuple[str, int, int]]:
-    """Every mention as (handle, start, end) with `visible[start]` the @."""
+    """Yield every mention as (handle, start, end); `visible[start]` is the @."""
     for match in _HANDLE.finditer(visible):
         before = visible[match.start() - 1] if match.start() else " "
         after = visible[match.end()] if match.end() < len(visible) else " "
@@ -132,7 +137,7 @@ def mention_spans(visible: str) -> Iterable[tuple[str, int, int]]:
 
 
 def without_mentions(visible: str) -> str:
-    """The text with a space for every mention."""
+    """Return the text with each mention replaced by a space."""
     text, at = [], 0
     for _, start, end in mention_spans(visible):
         text.append(visible[at:start])
@@ -141,14 +146,14 @@ def without_mentions(visible: str) -> str:
 
 
 def _joins_words(char: str) -> bool:
-    """Whether a character would make one word with its neighbour: letters, digits, marks, but no CJK."""
+    """Return whether a character would form one word with its neighbour: letters, digits, marks, but not CJK."""
     if "\u3040" <= char <= "\u30ff" or "\u3400" <= char <= "\u9fff" or "\uac00" <= char <= "\ud7af":
         return False
     return char == "_" or unicodedata.category(char)[0] in "LNM"
 
 
 class _Walker:
-    """Collects the text of visible paragraphs from Markdown tokens, in reading order."""
+    """Collect the text of visible paragraphs from Markdown tokens, in reading order."""
 
     def __init__(self) -> None:
         self.out: list[str] = []
@@ -196,8 +201,10 @@ class _Walker:
                 self.out.append(" ")  # pictures hide their words but still separate those around them
 
     def _without_link(self, link_start: int) -> None:
-        """Words of a link are no command; but a link reference named "quote" would swallow the brackets of a [quote]:
-        put them back."""
+        """Remove the words of a link, which are never a command.
+
+        A link reference named "quote" would swallow the brackets of a [quote], so put those back.
+        """
         text = "".join(self.out[link_start:])
         bracketed = f"[{normalized(text).strip()}]"
         if _BBCODE.fullmatch(bracketed):
@@ -207,7 +214,7 @@ class _Walker:
 
 
 def _run(text: str) -> str:
-    """A run of text as it is read: bare addresses left out, and an @ only where the board makes a mention of it."""
+    """Return a run of text as it is parsed: without plain URLs, with an @ only where the board renders a mention."""
     kept, at = [], 0
     for _, start, end in shown_mentions(text):
         kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end], _ENDS * (end == len(text))]
@@ -220,7 +227,7 @@ def _disarmed(text: str) -> str:
 
 
 class _OpenElements(HTMLParser):
-    """Follows which HTML elements are open; all text inside any of them is left out."""
+    """Track which HTML elements are open; text inside any of them is left out."""
 
     def __init__(self) -> None:
         super().__init__(convert_charrefs=False)
@@ -229,11 +236,11 @@ class _OpenElements(HTMLParser):
 
     @property
     def depth(self) -> int:
-        """How many elements are open; a comment, script or tag left unfinished counts as one."""
+        """The number of open elements; an unfinished comment, script or tag counts as one."""
         return len(self._open) + bool(self.rawdata) + self._lost
 
     def feed(self, data: str) -> None:
-        """Never raises: after markup that the parser cannot follow, all that comes is taken for hidden."""
+        """Parse more markup; never raises. After markup that the parser cannot follow, everything counts as hidden."""
         if self._lost:
             return
         try:
@@ -255,7 +262,7 @@ class _OpenElements(HTMLParser):
 
 
 def normalized(text: str) -> str:
-    """NFKC without invisible and bidirectional characters; spaces become plain spaces, line ends `\\n`."""
+    """Return NFKC text without invisible and bidirectional characters, with plain spaces and line feeds."""
     # NFKC would make 11⁄2 of 1½ and 22 of 2²: such digits stay apart from their neighbours.
     text = "".join(f" {c} " if not c.isascii() and _is_compound_digit(c) else c for c in text)
     shown = "".join(filter(None, map(_shown, nfkc(text))))
@@ -285,12 +292,12 @@ def _shown(char: str) -> str:
 
 
 def _is_selector(char: str) -> bool:
-    """Variation selectors: they change how the character before them is drawn and are nothing themselves."""
+    """Return whether a character is a variation selector, which only changes how the one before it is drawn."""
     return "\u180b" <= char <= "\u180f" or "\ufe00" <= char <= "\ufe0f" or "\U000e0100" <= char <= "\U000e01ef"
 
 
 def _without_bbcode(text: str) -> str:
-    """Drop `[quote]…[/quote]` and the like, nested ones too; one that is never closed hides all that follows."""
+    """Remove `[quote]…[/quote]` and the like, nested ones too; an unclosed one hides everything after it."""
     kept: list[str] = []
     depth = 0
     at = 0

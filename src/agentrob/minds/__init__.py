@@ -1,1 +1,1 @@
-"""Minds: who turns a post into a plan."""
+"""Minds turn a post into a plan."""

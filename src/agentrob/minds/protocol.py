@@ -1,4 +1,4 @@
-"""What a mind is: it reads one post and says what is wanted. It never moves anything."""
+"""The protocol of a mind: it reads one post and says what is requested. It never moves anything."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from agentrob.model import Capabilities, Plan, Understanding
 
 @dataclass(frozen=True, slots=True)
 class Addressee:
-    """For whom a post is read: the robot's own mention patterns (without @), those of others, what it can do.
+    """The robot for which a post is read: its mention names (without @), those of other robots, what it can do.
 
-    `step_m` is the length of one of its steps, where somebody has measured it; without it "two steps" is asked back.
+    `step_m` is the length of one of its steps, if configured; without it the robot asks back about "two steps".
     """
 
     names: Sequence[str]
@@ -29,20 +29,20 @@ class Mind(Protocol):
     name: str
 
     async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
-        """`text` is the visible text (law 3), mentions included; `history` the plans done before in this thread,
-        oldest first.
+        """Read `text`, the visible text (law 3) with mentions; `history` are the plans executed in this thread, oldest
+        first.
 
-        Raises `agentrob.errors.MindError` when the mind cannot answer at all.
+        Raises `agentrob.errors.MindError` if the mind cannot answer.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was made of a post, and how: for reports and records (law 19).
+    """What was understood from a post, and how: for reports and records (law 19).
 
-    `mind` is who answered in the end. `usage` is one entry per question to a model, failed ones included. `fallback` is
-    why the mind that was asked first did not answer itself (a word of `ErrorKind`), empty when it did.
+    `mind` is the mind that answered in the end. `usage` has one entry per question to a model, including failed ones.
+    `fallback` is why the mind that was asked first did not answer (an `ErrorKind`), empty if it did.
     """
 
     understanding: Understanding
@@ -53,30 +53,30 @@ class Reading:
 
 @runtime_checkable
 class MeteredMind(Protocol):
-    """A mind that tells what its answer took."""
+    """A mind that reports what its answer cost."""
 
     name: str
 
     async def read(
         self, text: str, addressee: Addressee, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
     ) -> Reading:
-        """As `Mind.understand`. `spent` is what the same command used up before."""
+        """Like `Mind.understand`. `spent` is what the same command used before."""
         ...
 
 
 @runtime_checkable
 class ManagedMind(Protocol):
-    """A mind that holds something: it gets ready before the first post and gives back what it holds."""
+    """A mind with resources: it prepares before the first post, and closes."""
 
     async def prepare(self) -> None:
-        """Load what the first post would wait for. Never raises."""
+        """Load what the first post would otherwise wait for. Never raises."""
         ...
 
     async def close(self) -> None: ...
 
 
 async def read(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Reading:
-    """Ask any mind; one that tells nothing of what it took is believed to have taken nothing."""
+    """Ask any mind; one that does not report usage counts as free."""
     if isinstance(mind, MeteredMind):
         return await mind.read(text, addressee, history)
     return Reading(await mind.understand(text, addressee, history), mind.name)

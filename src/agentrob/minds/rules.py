@@ -1,4 +1,4 @@
-"""The mind that needs no model: a thin face of the grammar."""
+"""The mind without a model: the grammar as a `Mind`."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from agentrob.language.parser.small_talk import SmallTalk
 from agentrob.minds.protocol import Addressee
 from agentrob.model import Intent, Plan, Understanding
 
-#: How fast a robot walks "for two seconds" when no speed is said, if its limits allow.
+#: Speed of "walk for two seconds" without a speed, within the robot's limits.
 PACE_MPS = 0.3
-#: Who greets or thanks is answered as one who asks, with a greeting or a welcome.
+#: Greetings and thanks are answered like questions.
 _TALK: dict[SmallTalk | None, Intent] = {
     SmallTalk.CANCEL: Intent.CANCEL,
     SmallTalk.QUESTION: Intent.QUESTION,
@@ -24,7 +24,7 @@ _TALK: dict[SmallTalk | None, Intent] = {
 
 
 class RulesMind:
-    """Understands by rules alone: the same post always means the same, within milliseconds."""
+    """Understand by rules alone: the same post always has the same meaning, within milliseconds."""
 
     name = "rules"
 

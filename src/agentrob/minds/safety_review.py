@@ -1,7 +1,7 @@
-"""A model's second look at a command that the rules let pass: it can only add a refusal, never lift one (law 7).
+"""Let a model review a command that the rules allow: it can only add a refusal, never lift one (law 7).
 
-It gets the post as data, the plan in our words and what was done before in the thread; it holds no tools and answers in
-a closed schema: fine or refuse, which kind of harm, which words. What people read is our own sentence for that kind.
+The model gets the post as data, the plan in our words and what was done before in the thread. It has no tools and
+answers in a closed schema: fine or refuse, which kind of harm, which words. People read our own sentence for that kind.
 """
 
 from __future__ import annotations
@@ -24,33 +24,33 @@ from agentrob.minds.llm.prompt import HISTORY_PLANS, clean, post_as_data, prompt
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Decision, Language, Plan, Verdict
 
-#: The kinds of harm, as law 7's screening names them. `other`: refused without saying which.
+#: Kinds of harm (law 7). `other`: refused without a kind.
 Harm = Literal["people", "animals", "property", "bounds", "safety", "deception", "surveillance", "abilities", "other"]
 
 
-#: The longest words and reasons that are kept of an answer.
+#: Longest quotation and reason that are kept from an answer.
 TOLD_CHARS = 300
-#: What models write where there is no harm.
+#: What models write if there is no harm.
 _NO_HARM = frozenset(["", "none", "null", "no", "na", "nothing", "false", "fine", "unknown"])
 _FINE = re.compile(r"fine\W*\Z", re.IGNORECASE)
 _REFUSE = re.compile(r"\W*(?:refus|den[iy]|reject|block|forbid|prohibit|declin|unsafe|no\b|not\b)", re.IGNORECASE)
 
 
 def _decision(given: Any) -> Any:
-    """fine or refuse; whatever else was said, for the schema to refuse."""
+    """Return fine or refuse; return anything else as it is, for the schema to reject."""
     text = str(given).strip()
     return "refuse" if _REFUSE.match(text) else "fine" if _FINE.match(text) else given
 
 
 class Judgement(BaseModel):
-    """What a model says of a command."""
+    """A model's answer about a command."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     @model_validator(mode="before")
     @classmethod
     def _read_as_it_was_meant(cls, data: Any) -> Any:
-        """A refusal counts however it is spelt: another case, a kind of harm of the model's own, too many words."""
+        """Accept refusals in other spellings: another case, an unknown kind of harm, texts that are too long."""
         if not isinstance(data, dict):
             return data
         data = {str(key).lower().strip(): value for key, value in data.items()}
@@ -64,14 +64,14 @@ class Judgement(BaseModel):
 
     @classmethod
     def from_broken(cls, text: str) -> Self | None:
-        """A refusal that can be read in an answer which is no whole JSON object; None without one."""
+        """Return a refusal found in an answer that is not complete JSON; None without one."""
         found = re.findall(r"[\"']decision[\"']\s*:\s*[\"']([^\"'\n]{1,40})", text, re.IGNORECASE)
         refused = found and _decision(found[-1]) == "refuse"
         return cls(decision="refuse", why="the answer broke off") if refused else None
 
     @property
     def refuses(self) -> bool:
-        """Who names a harm refuses."""
+        """Whether it refuses; naming a harm is a refusal too."""
         return self.decision == "refuse" or self.harm is not None
 
     decision: Literal["fine", "refuse"]
@@ -86,10 +86,10 @@ class Judgement(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class SafetyReview:
-    """What a model had against a command.
+    """The result of a model's review.
 
-    `refusal` is None when it had nothing against it, and when it did not answer; then `failed` says why (a word of
-    `ErrorKind`). `why` is its own sentence, untrusted, for records only. `usage` is what it took.
+    `refusal` is None if the model does not object, and if it did not answer; then `failed` says why (an `ErrorKind`).
+    `why` is the model's own sentence, untrusted, for records only. `usage` is what the review cost.
     """
 
     mind: str
@@ -111,10 +111,10 @@ async def review_command(
     limit_s: float | None = None,
     goal: str = "",
 ) -> SafetyReview:
-    """Ask a model about a command. `text` is the part of the post for this robot, `scene` what is known to be around,
-    `goal` in our words what is to be looked for, with the plan's steps in it. `limit_s`: the model's own unless given.
+    """Ask a model about a command; never raises if the model fails.
 
-    Never raises for a model that fails.
+    `text` is the part of the post for this robot, `scene` what is known about its surroundings, `goal` in our words
+    what to look for, including the plan's steps. `limit_s` defaults to the model's own limit.
     """
     part = clean(text)
     system_prompt, begins = prompts(capabilities, "screen", model.shares_prompt)
@@ -133,7 +133,7 @@ async def review_command(
 
 
 def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict | None:
-    """The refusal in our words; None when the model has nothing against it. Pure."""
+    """Return the refusal in our words; None if the model does not object. Pure."""
     if not judgement.refuses:
         return None
     harm = judgement.harm or "other"
@@ -146,10 +146,10 @@ def refusal_of(judgement: Judgement, text: str, language: Language) -> Verdict |
 def apply_review(
     by_rules: Verdict, screened: SafetyReview | None, language: Language, required: bool = False
 ) -> Verdict:
-    """The rules' verdict, or a refusal more. Pure: whatever a model says, what the rules do not allow stays so (what
-    needs an approval may still have one, so there it counts too).
+    """Return the rules' verdict, or the review's refusal. Pure.
 
-    `required`: the owner wants no motion without a model's look; then it is asked back where none could be had.
+    A review never changes what the rules do not allow; what needs an approval can still be refused. `required`: the
+    owner wants every command reviewed before it moves; without a review the robot asks back.
     """
     if by_rules.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         return by_rules
@@ -161,7 +161,7 @@ def apply_review(
 
 
 def harms() -> tuple[str, ...]:
-    """Every kind of harm that a model may name."""
+    """Return every kind of harm that a model may name."""
     return get_args(Harm)
 
 
@@ -179,7 +179,9 @@ def _message(part: str, understood: str, capabilities: Capabilities, history: Se
 
 
 def _quoted(words: str, text: str) -> str:
-    """The words as code when they do stand in the post; nothing otherwise: what is shown is the post's own."""
+    """Return the words as code if they are in the post, otherwise an empty string: only the post's own words are
+    shown.
+    """
     parts = clean(words).split()
     match = re.search(r"\s+".join(map(re.escape, parts)), text, re.IGNORECASE) if parts else None
     return quote(match[0]) if match else ""

@@ -1,1 +1,1 @@
-"""Is this command possible, allowed and within limits, and why not (pure)."""
+"""Decide whether a command is possible, allowed and within limits, and say why not (pure)."""

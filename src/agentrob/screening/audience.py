@@ -1,8 +1,8 @@
-"""What of a post that speaks to several robots is to be judged for one of them (pure).
+"""Find what of a post to several robots must be judged for one of them (pure).
 
-Its own part, and all that might be meant for it too or be so for everybody. Set aside is only what another one is
-plainly told of its own place: "@humanoid, there is a chair in front of you" says nothing of what is before the others.
-Where that is not plain, the whole post is judged.
+That is its own part, and everything that may also apply to it. Only what another robot is plainly told about its own
+place is left out: "@humanoid, there is a chair in front of you" says nothing about the other robots' way. If that is
+not clear, the whole post is judged.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from agentrob.language.visible_text import mention_spans
 from agentrob.screening.text.described_hazards import clauses
 from agentrob.screening.text.harm import plain_words
 
-#: A mention that begins a sentence or a clause calls somebody; any other may only name them.
+#: A mention at the beginning of a sentence or clause addresses somebody; any other may only name them.
 _BEGINS = re.compile(
     r"(?:^|[.!?;:,\n。！？；：，、])\s*(?:(?:and|then|but|while|meanwhile|now|next|also|finally)\s+)*$"
     r"|(?:然后|再|接着|同时|另外|而)\s*$",
     re.IGNORECASE,
 )
-#: How words go on that are said to whoever was just called, rather than of them ("@bob stands before you").
+#: How text continues that is said to the account just mentioned, not about it ("@bob stands before you").
 _CALLED = re.compile(
     r"[\s,:，：]*(?:(?:please|kindly|now|then|first|hey|hi|hello|ok|okay)[\s,]+)*"
     r"(?:you(?:'re)?|there(?:'s)?|here(?:'s)?|can|could|would|will you|do|don't|be|mind|watch out|careful|walk|go|move"
@@ -31,7 +31,7 @@ _CALLED = re.compile(
     re.IGNORECASE,
 )
 _SECOND_PERSON = re.compile(r"\b(?:you|your|yours)\b|[你您]")
-#: Said to all, or of what was said to others.
+#: Words that address everybody, or refer to what was said to others.
 _SHARED = re.compile(
     r"\b(?:both|all|each|every\w*|together|robots|two of you|same|too|also|likewise|as well|similarly|it|its|that|those"
     r"|these|them|there(?!'s| is| are))\b|都|大家|你们|一起|两个|也|一样|同样|[它那]"
@@ -39,11 +39,11 @@ _SHARED = re.compile(
 
 
 def text_for_robot(text: str, names: Sequence[str], others: Sequence[str], *, known: bool = False) -> str:
-    """What of `text` (the visible text of a post) the robot called `names` is judged by; `others` are whom it mentions
-    besides. The whole text unless it plainly speaks to this one and to another.
+    """Return the part of `text` (the visible text of a post) by which the robot called `names` is judged.
 
-    `known`: every word of its own part is understood, as in a goal of a closed vocabulary, so that it says nothing
-    besides what is wanted; then only what was said to others may do so.
+    `others` are the other robots it mentions. Returns the whole text unless it plainly addresses this robot and another
+    one. `known`: every word of the robot's own part was understood, as in a goal of a closed vocabulary; then only text
+    for others may add something.
     """
     mine = {name.lower() for name in names}
     robots = mine | {name.lower() for name in others}
@@ -67,7 +67,7 @@ def text_for_robot(text: str, names: Sequence[str], others: Sequence[str], *, kn
 
 
 def _of_all(said: str) -> str:
-    """What was said to another one, without what tells of its own place."""
+    """Return what was said to another robot, without what describes its own place."""
     plain = plain_words(said)
     if not _CALLED.match(plain) or re.search(
         r"\b(?:both|all|each|every\w*|together|two of you)\b|都|大家|你们|一起", plain

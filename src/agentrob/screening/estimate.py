@@ -1,10 +1,10 @@
-"""How long a plan takes, roughly and rather too long than too short."""
+"""Estimate how long a plan takes, rather too long than too short."""
 
 from __future__ import annotations
 
 from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
 
-#: Starting, settling, correcting and measuring at rest, in seconds, for each walk and turn. The G1 sways long and
+#: Seconds per walk or turn for starting, settling, correcting and measuring at rest. The G1 sways long and
 #: corrects by whole strides (`docs/figures.md` has its times).
 SETTLING_S = 2.0
 SETTLING_OF_MODEL_S = {"g1": 8.0}
@@ -40,4 +40,4 @@ def step_seconds(step: Primitive, capabilities: Capabilities) -> float:
         return (step.distance_m or 0.0) / speed_mps + settling_s
     if step.op is Op.TURN:
         return (step.degrees or 0.0) / limits.turn_dps + settling_s
-    return GESTURE_S.get(step.op, max(GESTURE_S.values()))  # one that nobody here has timed: the longest
+    return GESTURE_S.get(step.op, max(GESTURE_S.values()))  # no measured time: assume the longest

@@ -1,4 +1,4 @@
-"""What a screened command may use up at most, so that whoever carries it out can do less but never more (law 7)."""
+"""Compute the upper bounds of a screened command, so that its execution can do less but never more (law 7)."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from agentrob.language.goal import Aim, Goal
 from agentrob.model import ActionResult, Capabilities, Direction, Mandate, Op, Outcome, Plan, Primitive
 
-#: Sums of decimal fractions are not exact; a tenth of a millimetre or degree is not an excess.
+#: Tolerance for rounding errors in sums of distances (metres) and angles (degrees).
 ROUNDING = 1e-4
-#: What the parts of a goal imply: nothing walks that only has to look.
+#: Operations that each aim implies: a robot that only looks does not walk.
 _IMPLIED = {
     Aim.APPROACH: (Op.MOVE, Op.TURN),
     Aim.FACE: (Op.TURN,),
@@ -22,7 +22,7 @@ _IMPLIED = {
 
 
 def mandate_of(plan: Plan, capabilities: Capabilities) -> Mandate:
-    """The mandate of a screened plan: exactly its calls, metres and degrees, and the robot's time for a command."""
+    """Return the mandate of a screened plan: exactly its calls, metres and degrees, and the robot's time limit."""
     return Mandate(
         calls=dict(Counter(step.op for step in plan.steps)),
         distance_m=plan.distance_m,
@@ -33,10 +33,10 @@ def mandate_of(plan: Plan, capabilities: Capabilities) -> Mandate:
 
 
 def goal_mandate(goal: Goal, most: Mandate, capabilities: Capabilities) -> Mandate:
-    """The mandate of a screened goal: the operations that it implies, within `most` and the limits of a command.
+    """Return the mandate of a screened goal: the operations it implies, within `most` and the limits of a command.
 
-    `most` is what the robot's owner allows for looking: metres, degrees, seconds, steps, speed, pictures in `calls`.
-    The steps that the goal names come on top, as often as they are named, within the same limits.
+    `most` is what the robot's owner allows for visual goals: metres, degrees, seconds, steps, speed, and pictures in
+    `calls`. Steps that the goal names are added, as often as they are named, within the same limits.
     """
     limits, named = capabilities.limits, Plan(goal.steps)
     searching = {op for task in goal.tasks for op in _implied(task.aim, task.where)} & capabilities.ops
@@ -62,11 +62,10 @@ def _implied(aim: Aim, where: str) -> tuple[Op, ...]:
 
 
 def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Primitive) -> str | None:
-    """Why `step` would exceed the mandate after `used`, in English, or None when it is within.
+    """Return why `step` would exceed the mandate after `used`, in English, or None if it is within.
 
-    A step that is no step, by an amount below zero or none where one belongs, is never within.
-
-    Steps count by what was asked of them, whatever came of it: an attempt is used up. Only skipped ones do not count.
+    A malformed step, for example with a negative or missing amount, always violates it. Steps count with the amounts
+    that were requested, whatever their outcome; only skipped steps do not count.
     """
     tried = [result for result in used if result.outcome is not Outcome.SKIPPED]
     steps = [*(result.primitive for result in tried), step]
@@ -76,7 +75,7 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
     degrees = sum(s.degrees or 0.0 for s in steps)
     seconds = sum(result.duration_s for result in tried)
     if not _plain(step):
-        return f"{step.op} {step.asked()} is no step that can be done."
+        return f"{step.op} {step.asked()} is not a valid step."
     if len(steps) > mandate.steps:
         return f"The command allows {mandate.steps} steps; this would be step {len(steps)}."
     if step.moves and mandate.motions is not None and motions > mandate.motions:
@@ -95,7 +94,7 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
 
 
 def _plain(step: Primitive) -> bool:
-    """Amounts are numbers above zero and stand only where they belong: a walk back would be room for a longer one."""
+    """Return whether amounts are positive exactly where they belong; a negative walk would extend the mandate."""
     if step.op is Op.MOVE:
         speed = (step.speed_mps,) if step.speed_mps is not None else ()
         return step.direction is not None and step.degrees is None and all(map(_positive, (step.distance_m, *speed)))

@@ -1,7 +1,7 @@
-"""Who may do what: decided by the account as the forum vouches for it, never by anything in a text (laws 1 and 2).
+"""Decide who may do what, by the account as the forum vouches for it, never by a text (laws 1 and 2).
 
-What a forum keeps of a robot's rights narrows the laws and never widens them: whatever stands there, commanding needs
-an operator, and no agent approves or releases. What needs an approval and may have one is neither allowed nor refused.
+A forum's rights for a robot can only narrow the laws: commanding always needs an operator, and agents never approve or
+release. A command that needs an approval and may get one is neither allowed nor refused.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ Action = Literal["look", "stop", "command", "approve", "release", "home"]
 _CLASSES = {Op.GET_FRONT_IMAGE: ActionClass.PHOTO, Op.BACKFLIP: ActionClass.RISKY} | dict.fromkeys(
     (Op.MOVE, Op.TURN), ActionClass.MOVE
 )
-#: Where a forum keeps no rights of robots.
+#: Rights on forums that store none.
 _DEFAULT = RobotRights(command=dict.fromkeys(ActionClass, str(Role.OPERATOR)))
 
 
 def classes_of(plan: Plan) -> tuple[ActionClass, ...]:
-    """The classes of action that a plan has, each once; whatever is no photo, walk or flip is a gesture."""
+    """Return the action classes of a plan, each once; anything other than a photo, motion or flip is a gesture."""
     return tuple(dict.fromkeys(_CLASSES.get(step.op, ActionClass.GESTURE) for step in plan.steps))
 
 
@@ -35,12 +35,12 @@ def may(
     rights: RobotRights | None = None,
     classes: Collection[str] = (),
 ) -> Verdict:
-    """Whether `account` may do `action` now.
+    """Return whether `account` may do `action` now.
 
-    `owner` is the handle of the robot's owner as its configuration has it, `rights` what the forum keeps of the robot,
-    `classes` what a command would do. Everybody signed in looks and stops; operators command, where `rights` let them;
-    the robot's owner and human admins release it and set its home, and approve. Suspended accounts may nothing, not
-    even stop; robot and monitoring agents may look and are never obeyed, whatever their role.
+    `owner` is the handle of the robot's owner in its configuration, `rights` what the forum stores about the robot,
+    `classes` the action classes of a command. Everybody signed in may look and stop. Operators may command, as far as
+    `rights` allow. The robot's owner and human admins may release it, set its home, and approve. Suspended accounts may
+    do nothing, not even stop. Robot and monitoring agents may only look, whatever their role.
     """
     if account.suspended:
         return _refused("rights.suspended", "refuse.suspended", language)
@@ -57,15 +57,17 @@ def may(
     if action in ("release", "home") and not _releases(account, owner, rights or _DEFAULT):
         return _refused("rights.owner", "refuse.owner", language)
     if action not in ("stop", "command", "approve", "release", "home"):
-        raise ValueError(f"no action named {action!r}; there are look, stop, command, approve, release and home")
+        raise ValueError(f"Unknown action {action!r}; valid: look, stop, command, approve, release, home")
     return Verdict(Decision.ALLOW, f"rights.{action}")
 
 
 def may_approve(
     account: Account, author: Account, language: Language = "en", rights: RobotRights | None = None
 ) -> Verdict:
-    """Whether `account` may approve or deny now what `author` asked of the robot: nobody their own, unless the robot's
-    rights say so."""
+    """Return whether `account` may now approve or deny a command of `author`.
+
+    Nobody may approve their own, unless the robot's rights allow it.
+    """
     rights = rights or _DEFAULT
     granted = may(account, "approve", language, rights=rights)
     if granted.decision is Decision.ALLOW and account.id == author.id and not rights.approve_own:
@@ -74,7 +76,7 @@ def may_approve(
 
 
 def _objection(account: Account, rights: RobotRights, classes: Collection[str], language: Language) -> Verdict | None:
-    """Why not, or whose leave it needs besides; None when it may."""
+    """Return why the account may not command, or which approval it needs; None if it may."""
     if account.role.rank < Role.OPERATOR.rank:
         return _refused("rights.operator", "refuse.operator", language)
     if rights.closed_s is not None:
@@ -95,7 +97,7 @@ def _objection(account: Account, rights: RobotRights, classes: Collection[str], 
 
 
 def _reaches(account: Account, who: str, owner: str) -> bool:
-    """Whether the account is what `who` says: a role and all above it, or the owner and admins."""
+    """Return whether the account is in `who`: a role and all above it, or the owner and admins."""
     if who == "owner":
         return _owns(account, owner) or account.role is Role.ADMIN
     return who in frozenset(Role) and account.role.rank >= Role(who).rank
@@ -106,8 +108,10 @@ def _owns(account: Account, owner: str) -> bool:
 
 
 def _releases(account: Account, owner: str, rights: RobotRights) -> bool:
-    """A person's to do: no agent takes a robot out of its halt or says where its home is. Nobody's where the forum says
-    so."""
+    """Return whether the account may release the robot or set its home.
+
+    Only people may; the forum's rights may exclude everybody.
+    """
     allowed = account.role is Role.ADMIN or _owns(account, owner) or _owns(account, rights.owner)
     return (
         account.kind is AccountKind.HUMAN
@@ -118,7 +122,7 @@ def _releases(account: Account, owner: str, rights: RobotRights) -> bool:
 
 
 def _approves(account: Account, owner: str, rights: RobotRights) -> bool:
-    """A person's to do, and never less than an operator's."""
+    """Return whether the account may approve: only people, and at least operators."""
     if account.kind is not AccountKind.HUMAN or account.role.rank < Role.OPERATOR.rank:
         return False
     return _reaches(account, rights.approve, rights.owner or owner)

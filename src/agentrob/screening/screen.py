@@ -1,14 +1,14 @@
-"""Whether a whole command is allowed, possible and within limits, and why not (laws 2, 7 and 10).
+"""Decide whether a whole command is allowed, possible and within limits, and why not (laws 2, 7 and 10).
 
-Pure rules, asked before queueing and again immediately before motion. The first rule that objects decides, and its name
-(`limit.command_distance`, `harm.collide`, `rights.operator`, …) is stable: reports and records carry it.
+Pure rules, checked before queueing and again immediately before motion. The first rule that objects decides. Its name
+(`limit.command_distance`, `harm.collide`, `rights.operator`, …) is stable, because reports and records contain it.
 
 Not covered here:
-- where the robot is and what stands in its way (the guard looks at every step, in the driver's process);
-- what is harmful in this place only, unless the post or a description of the scene says so;
-- harm said in words that no rule knows, in another language, or spread over several posts;
-- whether a measure that was asked is what was meant, and whether an authorised account is in the right hands;
-- how often somebody commands (rates), freshness and repetition (the agent), the robot's battery and health (the guard).
+- where the robot is and what obstructs it (the guard checks every step, in the driver's process);
+- what is harmful only in this place, unless the post or a description of the scene says so;
+- harm in words that no rule knows, in another language, or spread over several posts;
+- whether a requested distance is the one that was meant, and whether an authorised account is in the right hands;
+- rate limits, freshness and repetition (the agent), the robot's battery and health (the guard).
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from agentrob.screening.text.side_remarks import doubtful_remark
 
 
 def prepare() -> None:
-    """Compile all words that are looked for (about half a second): to be done before a process serves.
+    """Compile all patterns (about half a second) before a process begins to serve.
 
-    A screen that was not prepared finds the same, and compiles for each text what it may hold.
+    Without it the screen gives the same results, but compiles patterns for each text as needed.
     """
     for room in (harm, described_hazards, side_remarks, places):
         room.prepare()
@@ -51,14 +51,14 @@ def screen(
     part: str | None = None,
     rights: RobotRights | None = None,
 ) -> Verdict:
-    """Look at the whole command on today's state.
+    """Check the whole command against today's state.
 
-    `text` is the visible text it was read from, `author` the account as it is now, `allow_flip` the consent of the
-    robot's owner, not needed in simulation, `step_s` the longest step in seconds where a forum cannot be heard often
-    (law 16), `scene` a description of the place in English, where there is one. `part` is what of a text to several
-    robots tells of this one's place (`agentrob.screening.audience`), by default the whole. `rights` is what the forum
-    keeps of who may command this robot; what needs an approval by them is asked for last, when nothing else objects.
-    The reason is a sentence in `language`.
+    `text` is the visible text it was parsed from and `author` the account as it is now. `allow_flip` is the owner's
+    consent to flips, which simulated robots do not need. `step_s` is the longest step in seconds on forums that cannot
+    be polled often (law 16). `scene` describes the place in English, if known. `part` is the part of a text to several
+    robots that concerns this one's place (`agentrob.screening.audience`); by default the whole text. `rights` is what
+    the forum stores about who may command this robot; a required approval is the last thing to be reported. The reason
+    is a sentence in `language`.
     """
     granted = may(author, "command", language, rights=rights, classes=classes_of(plan))
     if granted.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
@@ -80,14 +80,14 @@ def screen(
 
 
 def harm_in_words(text: str, scene: str, language: Language) -> Verdict | None:
-    """A refusal of a post that is not understood, when its words name harm, or would be harm in this place."""
+    """Refuse a post that was not understood if its words name harm, or would be harmful in this place."""
     return harm_of(text, language) or harm_in_scene(text, scene, None, language)
 
 
 def _objections(
     plan: Plan, capabilities: Capabilities, allow_flip: bool, language: Language
 ) -> Iterator[tuple[str, str]]:
-    """(rule, reason) of everything that speaks against the plan, the plainest first."""
+    """Yield (rule, reason) for everything that speaks against the plan, the plainest first."""
     if not plan.steps:
         yield "plan.empty", say("refuse.empty", language)
     yield from _impossible(plan, capabilities, language)
@@ -120,7 +120,9 @@ def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> I
 
 
 def _well_formed(step: Primitive) -> bool:
-    """Positive, finite amounts exactly where they belong: not every plan comes from the grammar."""
+    """Return whether a step has positive, finite amounts exactly where they belong: plans may not come from the
+    grammar.
+    """
     if step.op is Op.MOVE:
         amounts = [step.distance_m, *([] if step.speed_mps is None else [step.speed_mps])]
         return step.direction is not None and step.degrees is None and all(map(_positive, amounts))
@@ -159,7 +161,7 @@ def _beyond_a_command(plan: Plan, capabilities: Capabilities, language: Language
             yield _over(rule, asked, limit, language)
 
 
-#: Feet and inches give long decimals: a tenth of a millimetre above a limit is the limit.
+#: Tolerance for converted feet and inches: a tenth of a millimetre above a limit is within it.
 _ROUNDING = 1e-4
 
 

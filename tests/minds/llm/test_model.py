@@ -265,7 +265,7 @@ async def test_calls_of_unknown_tools_and_beyond_bounds_come_back_with_the_probl
     assert "distance_m: Input should be less than or equal to 5" in call.problem
     answers(server, (200, called("act_move", "{" * 5000)))
     (call,) = (await model.turn("", [UserMessage("Go.")], [MOVE])).value.calls
-    assert call.problem == "This is no JSON object."
+    assert call.problem == "This is not a JSON object."
     await model.close()
 
 

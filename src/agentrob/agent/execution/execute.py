@@ -43,14 +43,13 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class ExecutionHooks:
-    """How the agent holds a running command.
+    """Callbacks through which the agent controls a running command.
 
-    `since` tells since when (monotonic seconds) no stop may have come. `permit` judges a plan of the command anew on
-    today's state. `ended` gives a stable word as soon as the command must end
-    (`stop`, `shutdown`, or what cancelled it). `alive` waits until the stop channel is proven alive, `silent` tells
-    that it no longer is. `stop` stops the robot at our own wish, `on_step` hears which step begins and its number
-    from 0, and no step takes longer than `step_s`. `on_run` is given the run before its first step, and can read from
-    it at any time what was measured so far.
+    `since` returns since when (monotonic seconds) no stop may have come. `permit` judges a plan of the command on
+    today's state. `ended` returns a stable word as soon as the command must end (`stop`, `shutdown`, or what cancelled
+    it). `alive` waits until the stop channel is proven alive; `silent` returns whether it no longer is. `stop` stops
+    the robot on our own initiative. `on_step` is called with each step and its number from 0; a step takes at most
+    `step_s`. `on_run` gets the run before its first step, and can read from it at any time what was measured so far.
     """
 
     since: Callable[[], Awaitable[float]]

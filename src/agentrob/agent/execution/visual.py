@@ -1,7 +1,7 @@
-"""A screened goal through the robot's driver: a model calls the steps, and each goes the way of a plan's step.
+"""Execute a screened goal through the robot's driver: a model calls the steps, each checked like a plan's step.
 
-What the model calls is judged anew before it moves anything: the mandate, the post, its author's rights, the limits,
-the stop channel, the lease and, in the driver's process, the guard. A stop cuts the model off in mid-thought.
+Every call is judged again before it moves anything: the mandate, the post, its author's rights, the limits, the stop
+channel, the lease and, in the driver's process, the guard. A stop interrupts the model at once.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class CommandEnded(Exception):
 
 @dataclass(frozen=True, slots=True)
 class VisualTask:
-    """What is to be reached, by whose eyes, and for how much at most. `told` is the goal in our words."""
+    """A goal, the model that sees, and its limits. `told` is the goal in our words."""
 
     goal: Goal
     told: str
@@ -61,7 +61,7 @@ class VisualTask:
 
 
 class VisualRun(Run):
-    """One loop under way; the hands of `agentrob.minds.visual_loop.loop`."""
+    """One visual loop in progress; the `ToolExecutor` of the loop."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class VisualRun(Run):
             self, visual_task.budget, visual_task.spent,
         )  # fmt: skip
 
-    # ------------------------------------------------------------ the hands
+    # ------------------------------------------------------------ the tool executor
     @property
     def used(self) -> Sequence[ActionResult]:
         return self.results
@@ -94,7 +94,7 @@ class VisualRun(Run):
             return None
 
     async def act(self, step: Primitive) -> StepAttempt:
-        """Do a step if it may be done; raises `CommandEnded` when the whole command must end."""
+        """Execute a step if permitted; raises `Cut` if the whole command must end."""
         self.stepping = True
         try:
             if (problem := await self._problem(step)) is not None:

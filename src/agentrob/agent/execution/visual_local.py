@@ -1,4 +1,4 @@
-"""A goal without a forum: whoever sits at the robot's machine lets a model look and steer, for `agentrob drive`."""
+"""Execute a goal without a forum: a model steers the robot on this machine, for `agentrob drive`."""
 
 from __future__ import annotations
 

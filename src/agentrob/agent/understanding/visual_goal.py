@@ -1,4 +1,4 @@
-"""Whether a post is a goal for the robot's eyes, what it may cost, and how it is judged (laws 7 and 10)."""
+"""Decide whether a post is a visual goal, what it may cost, and how it is judged (laws 7 and 10)."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def goal_for(text: str, addressee: Addressee, by_rules: Understanding) -> Goal |
 
 
 def replace_no_camera_answer(understood: Understanding) -> Understanding:
-    """What a robot with eyes asks back, where one without them says that it has none."""
+    """Replace the rules' answer "I have no camera" for a robot that has one."""
     if understood.intent is not Intent.ASK_BACK or not any(w in understood.question for w in _NO_EYES):
         return understood
     return replace(understood, question=say("visual.ask", understood.language))
@@ -64,7 +64,10 @@ def visual_task_of(
     goal: Goal, eyes: ChatModel, capabilities: Capabilities, look: LookConfig, language: Language,
     spent: Sequence[Usage] = (),
 ) -> VisualTask:  # fmt: skip
-    """All that a loop needs. The model is told the goal in English, and answers in the language of the post."""
+    """Return all that a visual loop needs.
+
+    The model gets the goal in English, and answers in the language of the post.
+    """
     most = Mandate(
         {Op.GET_FRONT_IMAGE: look.pictures}, look.distance_m, look.degrees, look.seconds, look.calls + look.pictures,
         look.speed_mps,

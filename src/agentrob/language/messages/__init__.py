@@ -1,1 +1,1 @@
-"""The sentences that robots say."""
+"""The sentences that robots say, in all languages."""

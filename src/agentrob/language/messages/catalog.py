@@ -13,7 +13,7 @@ from agentrob.language.registry import DEFAULT, known
 from agentrob.language.visible_text import OMITTED, without_invisible
 from agentrob.model import Language
 
-#: The most that is repeated of what people, or a camera, said.
+#: Longest quotation of people's or a camera's words.
 QUOTE_CHARS = 100
 
 
@@ -33,7 +33,7 @@ def can_say(key: str) -> bool:
 
 
 def quote(words: str) -> str:
-    """Somebody's words as inline code: one line, at most 100 characters, with mentions disarmed."""
+    """Return somebody's words as inline code on one line, at most 100 characters, with mentions disarmed."""
     plain = " ".join(without_invisible(words).replace("`", "'").replace("@", "(at)").replace(OMITTED, "…").split())
     if len(plain) > QUOTE_CHARS:
         plain = plain[: QUOTE_CHARS - 1] + "…"

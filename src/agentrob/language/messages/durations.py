@@ -1,4 +1,4 @@
-"""Lengths of time in words (pure): a reply says how long, since it does not know in which time zone it is read."""
+"""Format durations in words (pure). Replies give durations because they do not know the reader's time zone."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ _CHINESE = {"day": "天", "hour": "小时", "minute": "分钟", "second": "秒"}
 
 
 def duration(seconds: float, language: Language = "en") -> str:
-    """In the largest unit that it fills and the next smaller one, rounded: "10 minutes", "2 hours 50 minutes". At least
-    one second. Languages other than Chinese say it in English."""
+    """Return a duration in its largest unit and the next smaller one, rounded: "10 minutes", "2 hours 50 minutes".
+
+    The shortest is one second. Languages other than Chinese use English.
+    """
     whole, units = max(1, round(seconds)), list(_SECONDS)
     for larger, smaller in zip(units, [*units[1:], units[-1]], strict=True):
         size, step = _SECONDS[larger], _SECONDS[smaller]

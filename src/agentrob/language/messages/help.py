@@ -1,4 +1,4 @@
-"""What a robot answers to "help": made from its capabilities, every example a sentence that the grammar understands."""
+"""Write a robot's answer to "help" from its capabilities; the grammar understands every example in it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from agentrob.model import Capabilities, Direction, Language, Op, Primitive
 
 
 def help_text(capabilities: Capabilities, name: str, language: Language) -> str:
-    """Markdown for the robot called `name` (its handle without @). The examples are code: they command nobody."""
+    """Return Markdown for the robot called `name` (its handle without @). Examples are code, so they command nobody."""
     limits = capabilities.limits
     lines = [
         say("help.intro", language, name=name, model=capabilities.model),
@@ -42,7 +42,7 @@ def help_text(capabilities: Capabilities, name: str, language: Language) -> str:
 
 
 def examples(capabilities: Capabilities) -> list[Primitive]:
-    """One step of each kind that this robot can do within its limits."""
+    """Return one step of each kind that this robot can do within its limits."""
     limits = capabilities.limits
     walks = [d for d in (Direction.FORWARD, Direction.BACKWARD, Direction.LEFT) if d in capabilities.move_directions]
     steps = [
@@ -57,12 +57,12 @@ def examples(capabilities: Capabilities) -> list[Primitive]:
 
 
 def thread_examples(language: Language) -> list[str]:
-    """What can be said of a walk that was done before in the thread."""
+    """Return what can be said about an earlier walk in the thread."""
     return [say(key, language) for key in ("help.again", "help.slower", "help.back")]
 
 
 def within(step: Primitive, capabilities: Capabilities) -> Primitive:
-    """The same step, no further than one step may go."""
+    """Return the step, shortened to the limits of one step."""
     limits = capabilities.limits
     if step.distance_m is not None:
         return replace(step, distance_m=min(step.distance_m, limits.step_m))
@@ -70,7 +70,7 @@ def within(step: Primitive, capabilities: Capabilities) -> Primitive:
 
 
 def _chain(capabilities: Capabilities) -> list[Primitive]:
-    """A walk, a turn and a picture, as far as the robot can."""
+    """Return a walk, a turn and a picture, as far as the robot can do them."""
     firsts = {step.op: step for step in reversed(examples(capabilities))}
     return [firsts[op] for op in (Op.MOVE, Op.TURN, Op.HELLO, Op.GET_FRONT_IMAGE) if op in firsts]
 

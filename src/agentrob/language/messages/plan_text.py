@@ -1,4 +1,4 @@
-"""A plan as the sentence that means it: what is shown back to people, and what the grammar reads as the same plan."""
+"""Render steps and plans as text: as commands that the grammar reads back, and as labels for reports."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _OUTLINED = 10
 
 
 def sentence(plan: Plan | Sequence[Primitive], language: Language) -> str:
-    """All steps in order; equal ones together ("wave 2 times"). Empty for an empty plan."""
+    """Return all steps in order, with equal ones combined ("wave 2 times"); empty for an empty plan."""
     steps = plan.steps if isinstance(plan, Plan) else plan
     parts = []
     for step, run in groupby(steps):
@@ -23,12 +23,12 @@ def sentence(plan: Plan | Sequence[Primitive], language: Language) -> str:
 
 
 def outline(steps: Sequence[Primitive], language: Language) -> str:
-    """The same, of at most ten steps."""
+    """Return the same for at most ten steps."""
     return sentence(steps[:_OUTLINED], language) + (" …" if len(steps) > _OUTLINED else "")
 
 
 def operation_names(ops: frozenset[Op], language: Language) -> str:
-    """What a robot with these operations can do, by names alone: "walk, turn, wave"."""
+    """Return the names of what a robot with these operations can do: "walk, turn, wave"."""
     verbs = [say(f"verb.{op}", language) for op in (Op.MOVE, Op.TURN) if op in ops]
     others = [step_sentence(Primitive(op), language) for op in Op if op in ops and op not in (Op.MOVE, Op.TURN)]
     return say("list.joint", language).join([*verbs, *others])
@@ -56,5 +56,5 @@ def _render(key: str, step: Primitive, language: Language) -> str:
 
 
 def _number(value: float | None) -> str:
-    """Without exponent and needless zeros, to a tenth of a millimetre."""
+    """Format a number without exponent or trailing zeros, to four decimals."""
     return f"{value or 0.0:.4f}".rstrip("0").rstrip(".")

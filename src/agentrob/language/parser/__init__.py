@@ -1,1 +1,1 @@
-"""From words to steps."""
+"""Parse words into steps."""

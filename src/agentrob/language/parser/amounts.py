@@ -1,4 +1,4 @@
-"""Puts together what belongs together: numbers with their units, "take" with "a picture". Tokens in, tokens out."""
+"""Combine tokens that belong together: numbers with their units, "take" with "a picture"."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _INCH_M = 0.0254
 
 
 def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
-    """Replace number and unit by one amount wherever they stand together; lone numbers and units stay."""
+    """Replace adjacent numbers and units by one amount; single numbers and units stay."""
     found: list[Token] = []
     at, unit_m = 0, 0.0  # how long one unit of the last length is
     while at < len(tokens):
@@ -44,7 +44,7 @@ def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
 
 
 def with_pictures(tokens: Sequence[Token]) -> list[Token]:
-    """Replace "take … picture" by one operation, and "take three pictures" by that and how often."""
+    """Replace "take … picture" by one operation, and "take three pictures" by the operation and a count."""
     found: list[Token] = []
     at = 0
     while at < len(tokens):
@@ -78,7 +78,9 @@ def _are_steps(tokens: Sequence[Token], at: int) -> bool:
 
 
 def _settled(tokens: Sequence[Token], at: int) -> Token:
-    """What depends on the next word: "go ahead" is a direction before a length, otherwise encouragement."""
+    """Resolve a token that depends on the next word: "go ahead" is a direction before a length, otherwise
+    encouragement.
+    """
     token = tokens[at]
     if token.kind is TokenKind.SHOW and token.value == "talk":  # "I want to see", and no picture
         return replace(token, kind=TokenKind.TALK)
@@ -111,7 +113,7 @@ def _append(found: list[Token], amount: Token, unit_m: float) -> None:
 
 
 def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, int]:
-    """The amount that begins at this place and how many tokens it takes, or (None, 0)."""
+    """Return the amount that begins at this position and its number of tokens, or (None, 0)."""
     value, here = _quantity(tokens, at, text)
     if value is None:
         return None, 0
@@ -150,7 +152,7 @@ def _half_follows(tokens: Sequence[Token], at: int) -> bool:
 
 
 def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None, int]:
-    """A number as people say it, before its unit: 2 · two and a half · half a · 1/2 · 1 1/2 · a · 两个半."""
+    """Read a number before its unit as people say it: 2 · two and a half · half a · 1/2 · 1 1/2 · a · 两个半."""
     first = tokens[at]
     if first.kind is TokenKind.HALF:
         return 0.5, at + 1
@@ -182,7 +184,7 @@ def _is_fraction(token: Token, text: str) -> bool:
 
 
 def _skip_soft(tokens: Sequence[Token], at: int) -> int:
-    """Past at most two words without weight: "two more feet", "five uh feet"."""
+    """Skip at most two words without meaning: "two more feet", "five uh feet"."""
     for _ in range(2):
         if at < len(tokens) and tokens[at].kind is TokenKind.SOFT:
             at += 1
@@ -190,9 +192,9 @@ def _skip_soft(tokens: Sequence[Token], at: int) -> int:
 
 
 def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | None:
-    """The part after a unit: 一米五 is 1.5 m, 一米零五 1.05 m, 1米20 1.2 m, 一米半 1.5 m.
+    """Read the fraction after a unit: 一米五 is 1.5 m, 一米零五 1.05 m, 1米20 1.2 m, 一米半 1.5 m.
 
-    A digit with a unit of its own is not meant.
+    A digit with a unit of its own does not count.
     """
     if at >= len(tokens) or tokens[at].start != tokens[at - 1].end or text[tokens[at].start - 1].isascii():
         return None

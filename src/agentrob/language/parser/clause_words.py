@@ -1,6 +1,6 @@
-"""Words that work on a whole clause: and, not, if, no wait, never mind, after each.
+"""Handle words that affect a whole clause: and, not, if, no wait, never mind, after each.
 
-What stands around them is read in `clauses`; the two share the state of one sentence, `SentenceState`.
+`clauses` reads the words around them; both share `SentenceState`.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from agentrob.model import Op
 
 AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
 _VERBS = ([TokenKind.MOVE], [TokenKind.TURN])
-#: What talk is, by how it begins.
+#: The kind of a remark, by its first token.
 _KINDS: dict[Value, RemarkKind] = {"question": RemarkKind.QUESTION, "ask": RemarkKind.WISH, "tell": RemarkKind.WISH}
-#: What may be wanted even though it stands within talk.
+#: Tokens that may be requested even within talk.
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.AGAIN, TokenKind.BACK)
-#: What may begin a further clause of talk.
+#: Tokens that may begin a further clause of talk.
 _TELLING = (TokenKind.TALK, TokenKind.TALK_START, TokenKind.IS, TokenKind.ASKED, TokenKind.THANKS, TokenKind.REPORT)
-#: What can stand after a "no" that corrects.
+#: Tokens that can follow a "no" that corrects.
 _CORRECTING = (
     TokenKind.MOVE,
     TokenKind.TURN,
@@ -38,39 +38,39 @@ class Mode(Enum):
     WANTED = auto()
     TALK = auto()
     DENIED = auto()
-    SUBJECT = auto()  # what a picture is to be of
+    SUBJECT = auto()  # the subject of a picture
 
 
 class SentenceState:
-    """The state of reading one sentence, and what each mark does to it."""
+    """The state while one sentence is read, and what each clause word does to it."""
 
     def __init__(self) -> None:
         self.sentence = Sentence()
         self.mode = Mode.WANTED
         self.cur: Draft | None = None
-        self.boundary = True  # whether a clause may begin here
+        self.boundary = True  # a clause may begin here
         self.begins = True  # the same within talk, also after words such as "and you should …"
         self.joined_by_and = False
         self.talk_has_motion = False
         self.talk_doubts = False  # a question, or something is denied in it
         self.denied: Token | None = None
         self.denial_used = False
-        self.pending = Draft(0, 0)  # manners said before their verb
+        self.pending = Draft(0, 0)  # manners before their verb
         self.fixing: Token | None = None
         self.way_back = False
         self.each: Token | None = None
         self.faster: Token | None = None
         self.agreed: Token | None = None
         self.named: Token | None = None
-        self.remark: Remark | None = None  # the stretch of talk or of a denial that was begun last
+        self.remark: Remark | None = None  # the most recent stretch of talk or denial
         self.tokens: list[Token] = []
-        #: By place in `tokens`: what carries nothing before and after.
+        #: Tokens without meaning before and after each position in `tokens`.
         self.soft_before: dict[int, list[Token]] = {}
         self.soft_after: dict[int, list[Token]] = {}
         self.at = 0
 
     def _next(self, steps: int = 1) -> TokenKind:
-        """The kind of the token so many places on."""
+        """Return the kind of the token `steps` positions ahead."""
         return self.tokens[self.at + steps].kind if self.at + steps < len(self.tokens) else TokenKind.END
 
     def _separate(self, token: Token) -> None:
@@ -97,7 +97,7 @@ class SentenceState:
             self.mode = Mode.WANTED
 
     def _asks_how(self) -> bool:
-        """Whether a question word stands right before, or with a manner between: "how", "how far"."""
+        """Return whether a question word precedes, possibly with a manner between: "how", "how far"."""
         before = self.tokens[max(0, self.at - 2) : self.at]
         if len(before) > 1 and before[1].kind in (TokenKind.VAGUE, TokenKind.SLOW, TokenKind.FASTER):
             before = before[:1]
@@ -143,7 +143,7 @@ class SentenceState:
             self.cur.closed = True
 
     def _fix(self, token: Token) -> None:
-        """What follows corrects what was said; if nothing was said before, it is only a manner of beginning."""
+        """Note that what follows corrects what was said; at the beginning of a sentence it has no meaning."""
         if self.mode is Mode.DENIED:
             self._end_denial()
         if self.mode is not Mode.TALK:
@@ -173,7 +173,7 @@ class SentenceState:
             self._begin_talk(token)
 
     def _each(self, token: Token) -> None:
-        """ "… and take a photo after each", "after each turn, take a photo"."""
+        """Handle "… and take a photo after each" and "after each turn, take a photo"."""
         last = self.sentence.drafts[-1] if self.sentence.drafts else None
         after = TokenKind(str(token.value)) if token.value else TokenKind.END
         if self.mode is Mode.DENIED:
@@ -186,14 +186,14 @@ class SentenceState:
                 self.cur.closed = True
 
     def _thanks(self, token: Token) -> None:
-        """ "Thank you, Henry" at an end: a name."""
+        """Handle a name after thanks: "Thank you, Henry"."""
         at = 2 if self._next() is TokenKind.COMMA else 1
         wishes = at > 1 and self.soft_before.get(self.at + at)  # "thanks, show me your teeth" names nobody
         if not wishes and self._next(at) is TokenKind.WORD and self._next(at + 1) in (TokenKind.END, TokenKind.COMMA):
             self.named = self.tokens[self.at + at]
 
     def _agree(self, token: Token) -> None:
-        """ "Right, take a photo", "right, walk forward 2 m": no direction where a command of its own follows."""
+        """Handle "right, take a photo": "right" is not a direction if a command of its own follows."""
         if self.at or self.mode is not Mode.WANTED:
             return
         rest = [t.kind for t in self.tokens[self.at + 2 :]]
@@ -222,7 +222,7 @@ class SentenceState:
         self.joined_by_and = False
 
     def _kind(self, token: Token, otherwise: RemarkKind) -> RemarkKind:
-        """What talk is that begins with this token."""
+        """Return the kind of remark that begins with this token."""
         soft = self.soft_before.get(self.at, [])
         before = self.tokens[self.at - 1].kind if self.at else TokenKind.END
         helped = before is TokenKind.REQUEST and token.kind is TokenKind.TALK and token.value is None  # 帮他挥手
@@ -230,12 +230,12 @@ class SentenceState:
         return RemarkKind.WISH if for_somebody else _KINDS.get(token.value, otherwise)
 
     def _besides(self, kind: RemarkKind, token: Token) -> None:
-        """A stretch that is no deed begins here."""
+        """Begin a remark here."""
         self.remark = Remark(kind, token.start, token.end)
         self.sentence.remarks.append(self.remark)
 
     def _goes_on(self, token: Token) -> None:
-        """The stretch of talk or of a denial that was begun reaches to here."""
+        """Extend the current remark to this token."""
         if self.remark is None:
             return
         self.remark.end = token.end

@@ -1,7 +1,7 @@
-"""Sorts tokens into clauses: one draft per deed, with talk, negations and reports of the past set aside.
+"""Group tokens into clauses: one draft per step; talk, negations and reports of the past are set aside.
 
-People rarely punctuate, so a clause begins wherever a verb, direction or amount no longer fits the one before. A draft
-only collects what was said; whether that is enough to move is decided in `steps`.
+People rarely punctuate, so a clause begins wherever a verb, direction or amount does not fit the one before. A draft
+only collects what was said; `steps` decides whether that is enough to move.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from agentrob.model import Direction, Op
 
 
 def sentences_of(tokens: Sequence[Token]) -> list[Sentence]:
-    """Cut into sentences and read each."""
+    """Split tokens into sentences and read each."""
     found: list[Sentence] = []
     start = 0
     for at, token in enumerate([*tokens, Token(TokenKind.END)]):
@@ -48,7 +48,7 @@ class _Reader(SentenceState):
         return self.sentence
 
     def _set_aside(self, tokens: Sequence[Token]) -> None:
-        """What carries nothing, each beside the token that it stands before or after."""
+        """Remove tokens without meaning, and keep each beside the token before or after it."""
         self.sentence.start, self.sentence.end = tokens[0].start, tokens[-1].end
         self.tokens, self.soft_before, self.soft_after = [], {}, {}
         soft: list[Token] = []
@@ -95,13 +95,15 @@ class _Reader(SentenceState):
         self.begins = separates or (self.begins and kind in HANDLERS)
 
     def _leaves_talk(self, token: Token) -> bool:
-        """A verb after a comma begins a command again, unless the talk itself told of motion ("I stood up, …")."""
+        """Return whether a verb after a comma begins a command again; not if the talk described motion ("I stood up,
+        …").
+        """
         if self.talk_has_motion or not self.boundary or self.joined_by_and:
             return False
         return token.kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 
     def _deny(self, token: Token) -> None:
-        """What is denied is dropped; with "and" within its reach nobody can tell what is meant."""
+        """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
         if token.kind in (
             TokenKind.MOVE,
@@ -248,7 +250,7 @@ class _Reader(SentenceState):
         cur.amount, cur.end = token, token.end
 
     def _another(self) -> None:
-        """ "Again wave", 再来个后空翻: a deed of its own, not what was done before and then that."""
+        """Handle "again wave" or 再来个后空翻: a new step, not a repetition followed by a step."""
         cur = self._open()
         if cur is not None and cur.verb is TokenKind.AGAIN and cur.bare and not cur.back:
             self.sentence.drafts.remove(cur)
@@ -257,7 +259,7 @@ class _Reader(SentenceState):
             cur.vague = True
 
     def _qualify(self, token: Token) -> None:
-        """Words that say how, how often, or are not known."""
+        """Handle words that say how or how often, and unknown words."""
         kind = token.kind
         if kind is TokenKind.PICTURE:
             self._another()
@@ -293,7 +295,7 @@ class _Reader(SentenceState):
             self._unknown(token)
 
     def _of(self, token: Token) -> None:
-        """What follows is the subject of a picture or a greeting."""
+        """Handle the subject of a picture or a greeting."""
         cur = self.cur
         if cur is None:
             return
@@ -320,7 +322,7 @@ class _Reader(SentenceState):
             last.amount = replace(last.amount, value=360.0)
 
     def _counts(self, last: Draft) -> bool:
-        """ "Wave twice", "wave, twice"."""
+        """Return whether a count applies to the last draft: "wave twice", "wave, twice"."""
         afterwards = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.COMMA and not last.counted
         return not last.unknown and (self._open() is last or afterwards)
 
@@ -368,7 +370,7 @@ class _Reader(SentenceState):
 
 
 def _hand_over(pending: Draft, draft: Draft) -> None:
-    """Give the manners that were said beforehand to a draft."""
+    """Apply manners that were said before the verb to a draft."""
     draft.slow, draft.slower = draft.slow or pending.slow, draft.slower or pending.slower
     draft.faster, draft.vague = draft.faster or pending.faster, draft.vague or pending.vague
     draft.speed_mps = pending.speed_mps if draft.speed_mps is None else draft.speed_mps
@@ -386,7 +388,9 @@ _SIDES = (Direction.LEFT, Direction.RIGHT)
 
 
 def _goes(verb: TokenKind, amount: TokenKind) -> bool:
-    """Whether an amount can belong to a verb: nobody turns by metres, but people say "move thirty degrees left"."""
+    """Return whether an amount can belong to a verb: nobody turns by metres, but people say "move thirty degrees
+    left".
+    """
     return not (verb is TokenKind.TURN and amount in (TokenKind.LENGTH, TokenKind.STEPS))
 
 
@@ -395,6 +399,6 @@ def _value(token: Token) -> float:
 
 
 def _count(token: Token) -> int:
-    """How often, 0 when that is no whole number."""
+    """Return the count as a whole number, 0 if it is not one."""
     value = _value(token)
     return int(value) if value == value // 1 and value < 1e6 else 0

@@ -1,4 +1,4 @@
-"""What was said of one deed, and what else stands in its sentence: collected, not yet judged."""
+"""What was said about each step and what else its sentence contains, collected but not yet judged."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from agentrob.model import Direction, Op
 
 @dataclass
 class Draft:
-    """What was said of one deed.
+    """What was said about one step.
 
-    `verb` is MOVE, TURN, OP, AGAIN, BEYOND, or None when only a direction or an amount was said.
+    `verb` is MOVE, TURN, OP, AGAIN, BEYOND, or None if only a direction or an amount was said.
     """
 
     start: int
     end: int
     verb: TokenKind | None = None
     op: Op | None = None
-    or_else: tuple[Op, ...] = ()  # what a robot that lacks this gesture does instead
+    or_else: tuple[Op, ...] = ()  # alternatives for a robot that lacks this gesture
     direction: Direction | None = None
     amount: Token | None = None
     speed_mps: float | None = None
@@ -31,24 +31,24 @@ class Draft:
     vague: bool = False
     times: int = 1
     counted: bool = False
-    more: bool = False  # so many times besides the first
-    only: Op | None = None  # 再转一次: what is done again was nothing but this
+    more: bool = False  # this many times in addition to the first
+    only: Op | None = None  # 再转一次: repeats a plan of only this operation
     ahead: bool = False  # "three times: …"
     each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
-    watched: bool = False  # 让我看看: a picture, or somebody wants to watch what is said with it
+    watched: bool = False  # 让我看看: a picture, or a wish to watch the step
     back: bool = False  # the way back
-    beyond: str = ""  # eyes, hands, path, wait: what it would take
-    place: bool = False  # to where, in words that are not known
+    beyond: str = ""  # eyes, hands, path, wait: the ability that is missing
+    place: bool = False  # the destination is in unknown words
     spun: bool = False  # "spin around": once is half a turn, three times are three turns
     after_and: bool = False  # "and" or "then" stands before it
     hesitant: bool = False  # after an "uh"
-    fixes: Token | None = None  # said in place of the draft before
+    fixes: Token | None = None  # replaces the draft before
     unknown: list[tuple[int, int]] = field(default_factory=list)
     odd_number: bool = False
     stop_word: bool = False
-    waits: bool = False  # a stop word that only an end can have
-    joined: bool = False  # nothing separated it from the draft before
+    waits: bool = False  # a stop word that is only valid at the end
+    joined: bool = False  # not separated from the draft before
     closed: bool = False
 
     @property
@@ -59,17 +59,17 @@ class Draft:
 
     @property
     def takes_manner(self) -> bool:
-        """Whether a speed or an amount may be said of it."""
+        """Whether a speed or an amount can apply to it."""
         return self.is_motion or self.verb is TokenKind.AGAIN
 
     @property
     def vaguely_begun(self) -> bool:
-        """Whether so far it has no deed, only words or a direction: what follows may tell what they belong to."""
+        """Whether it has only words or a direction so far, which may belong to what follows."""
         return self.verb is None and self.amount is None and not (self.bare_picture or self.stop_word)
 
     @property
     def is_action(self) -> bool:
-        """Whether it names something to do, and not only words, a place or an amount."""
+        """Whether it names an action, and not only words, a place or an amount."""
         return bool(self.verb or self.bare_picture or (self.direction and self.amount))
 
     @property
@@ -83,7 +83,7 @@ class Draft:
 
 
 class RemarkKind(StrEnum):
-    """What a stretch of a sentence is that is no deed."""
+    """The kind of a stretch of a sentence that is not a step."""
 
     REMARK = "remark"  # "I am bored"
     QUESTION = "question"  # "what do you see"
@@ -94,10 +94,10 @@ class RemarkKind(StrEnum):
 
 @dataclass
 class Remark:
-    """A stretch of a sentence that is no deed.
+    """A stretch of a sentence that is not a step.
 
-    `deeds`: a clause of it begins with one all the same, which may be wanted ("so that I can see and turn left");
-    `beyond`: with words that may be half of one, or what no robot here can do ("… and sing", "… and buff it").
+    `actions`: one of its clauses begins with an action, which may be requested ("so that I can see and turn left");
+    `beyond`: one begins with words that may be part of a request or are beyond the robots' abilities ("… and sing").
     """
 
     kind: RemarkKind
@@ -109,7 +109,7 @@ class Remark:
 
 @dataclass
 class Sentence:
-    """Everything between two ends of sentences. Each of its clauses is in `drafts`, in `remarks`, or a mark below."""
+    """Everything between two sentence ends; each clause is in `drafts`, in `remarks`, or sets a field below."""
 
     start: int = 0
     end: int = 0
@@ -142,6 +142,6 @@ class Sentence:
 
     @property
     def says_nothing(self) -> bool:
-        """Whether it is only manners."""
+        """Whether it is only politeness."""
         said = self.drafts or self.talked or self.report or self.condition or self.denied or self.cancelled
         return not (said or self.help or self.wants_status)

@@ -1,10 +1,10 @@
-"""From the visible text of a post to what one robot is asked to do, in English or Chinese, without any model.
+"""Parse the visible text of a post into what one robot is asked to do, in English or Chinese, without a model.
 
-    text ── addressing ──► words for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
-         ── clauses ──► one draft per deed ── steps ──► steps, or the sentence to ask back with
+    text ── addressing ──► text for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
+         ── clauses ──► one draft per step ── steps ──► steps, or a question
 
-To teach it a word, add it to the table of its language (`locales/en.py`, `locales/zh.py`). To teach it a language,
-put such a file beside them: `docs/languages.md`.
+To add a word, add it to the table of its language (`locales/en.py`, `locales/zh.py`). To add a language, add a file
+beside them: see `docs/languages.md`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import without_mentions
 from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
 
-#: What is longer is not read as a command (a stop is): nobody needs so many words, and reading stays quick.
+#: Longer texts are not parsed as commands (stops still are), so that parsing stays fast.
 MAX_CHARS = 2_000
 _WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
 _NOTHING_KNOWN = ParseContext()
@@ -43,11 +43,11 @@ def parse(
     ops: frozenset[Op],
     background: ParseContext = _NOTHING_KNOWN,
 ) -> Understanding:
-    """Read the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
+    """Parse the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
 
-    Only `Intent.COMMAND` carries a plan. `ops` are those of the robot: examples in questions are taken from them, but
-    a wish for another operation is understood too, so that the screen can say that the robot cannot do it.
-    `background` is what is known besides: what was done before in the thread, how fast and with what steps it walks.
+    Only `Intent.COMMAND` carries a plan. `ops` are the robot's operations, from which examples in questions are taken.
+    A request for another operation is parsed too, so that the screen can say that the robot cannot do it. `background`
+    is the context: earlier plans in the thread, the robot's speed and step length.
     """
     part = part_for(visible, names, others)
     language = language_of(part)
@@ -68,8 +68,10 @@ def parse(
 
 
 def commands_nothing(words: str, language: Language) -> bool:
-    """Whether words are only manners or a remark, which may be left out beside a command (law 18). Unknown words may be
-    wanted, and so may questions and things to be told."""
+    """Return whether words are only politeness or a remark, which may be left out beside a command (law 18).
+
+    Unknown words, questions and requests for an answer may ask for something, so they do not count.
+    """
     if not words.strip():
         return True
     sentences, _ = _sentences(words, (), language)
@@ -80,7 +82,7 @@ def commands_nothing(words: str, language: Language) -> bool:
 
 
 def small_talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> SmallTalk | None:
-    """What a post is that `parse` finds to want nothing, if anything plain: a cancel, a question, a report."""
+    """Classify a post in which `parse` finds no command: a cancellation, a question, a report; None if unclear."""
     part = part_for(visible, names, others)
     if len(part) > MAX_CHARS or stop_intent(part):
         return None
@@ -97,7 +99,7 @@ def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[lis
 
 
 def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
-    """The robot's own name as people call it by without an @ ("Rex, sit"), blanked; a name that is a word stays one."""
+    """Blank out the robot's own name without an @ ("Rex, sit"), unless the name is also a known word."""
     for name in names:
         if (name.lower(),) not in words.phrases:
             part = re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", " " * len(name), part, flags=re.IGNORECASE)
@@ -105,7 +107,7 @@ def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
 
 
 def _without_command(sentences: Sequence[Sentence], language: Language) -> Understanding | None:
-    """Help or status, when the post asks for it and wants no motion besides."""
+    """Return help or status if the post asks for it and requests no motion."""
     drafts = [d for s in sentences for d in s.drafts]
     if any(d.is_motion or d.op or d.verb is TokenKind.BEYOND for d in drafts):
         return None
@@ -127,7 +129,7 @@ def _ask(
 
 
 def _examples(can: Capabilities, hints: Sequence[Sequence[Primitive]]) -> list[list[Primitive]]:
-    """Two commands that would work with this robot; the first are like the one that was not understood."""
+    """Return two commands that work with this robot, first those similar to what was not understood."""
     steps = help_examples(can)
     firsts = {step.op: step for step in reversed(steps)}
     chain = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]

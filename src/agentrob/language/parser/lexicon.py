@@ -1,8 +1,7 @@
-"""Words and what they mean to the grammar: the parts of speech, and cutting a text into them.
+"""Map words to meanings, and split a text into tokens.
 
-A language is one file of the folder `locales` with a table from meanings to the phrases people use. A meaning is one
-or more symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" says verb and direction at once ("back
-up").
+A language is a file in the folder `locales` with a table from meanings to the phrases people use. A meaning is one or
+more symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" is a verb with a direction ("back up").
 """
 
 from __future__ import annotations
@@ -17,23 +16,23 @@ from agentrob.model import Language
 
 
 class TokenKind(StrEnum):
-    """Parts of speech of the robot's small world."""
+    """Parts of speech in the domain of a robot."""
 
-    MOVE = "move"  # a verb of going, in any direction; values "sideways", "to" (to a place)
+    MOVE = "move"  # a verb of motion in any direction; values "sideways", "to" (to a place)
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
-    OP = "op"  # a whole gesture or picture: "wave"; value "shake/hello": this, or for who lacks it that
-    BEYOND = "beyond"  # what no robot here can do: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
-    AGAIN = "again"  # what was done before, once more; values: "back", the way back; "more"; "move", "turn": one
+    OP = "op"  # a gesture or picture: "wave"; value "shake/hello": the second if the robot lacks the first
+    BEYOND = "beyond"  # beyond the robots' abilities: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
+    AGAIN = "again"  # repeat what was done before; values: "back", the way back; "more"; "move", "turn": one
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back
     NUMBER = "number"
     LENGTH_UNIT = "length_unit"  # value: metres
     ANGLE_UNIT = "angle_unit"  # value: degrees
     SPEED_UNIT = "speed_unit"  # value: metres per second
-    STEP_UNIT = "step_unit"  # a step has no length, unless the robot has one
+    STEP_UNIT = "step_unit"  # a step has no length unless the robot's configuration gives one
     TIME_UNIT = "time_unit"  # value: seconds
-    PER_SECOND = "per_second"  # 每秒 before the length
+    PER_SECOND = "per_second"  # 每秒 before a length
     LENGTH = "length"  # a number with its unit, in metres
     ANGLE = "angle"  # in degrees
     SPEED = "speed"  # in metres per second
@@ -52,33 +51,35 @@ class TokenKind(StrEnum):
     VAGUE = "vague"  # "a bit"
     SLOW = "slow"  # value "er": slower than before
     FASTER = "faster"
-    SOFT = "soft"  # politeness, hesitation, articles: carries nothing; its values: see `Soft`
+    SOFT = "soft"  # politeness, hesitation, articles: no meaning of its own; values: see `Soft`
     THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
     COMMA = "comma"  # separates clauses and ends a negation; values "colon", and "word": one that may also be an adverb
     END = "end"  # ends a sentence
     ASKED = "asked"  # a question mark, 吗
-    REQUEST = "request"  # can you, please: what follows is wanted
-    WISH = "wish"  # we should, you can: what follows is wanted unless within talk
-    TALK = "talk"  # opens what commands nothing: a statement; values: "question"; "ask" and "tell": wants an answer
+    REQUEST = "request"  # can you, please: what follows is requested
+    WISH = "wish"  # we should, you can: what follows is requested unless within talk
+    TALK = "talk"  # begins a statement, which is not a command; values: "question"; "ask" and "tell": wants an answer
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
-    REPORT = "report"  # the past: the whole sentence commands nothing
+    REPORT = "report"  # the past: the sentence is not a command
     CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
     FIX = "fix"  # "no wait", 不对: what follows corrects what was said
-    CANCEL = "cancel"  # "never mind": what was posted before is not wanted any more
+    CANCEL = "cancel"  # "never mind": cancels earlier posts
     HELP = "help"
     STATUS = "status"  # value "battery": also within a question; "asked": only there
     MORE_STOP = "stop"  # "and stop" at the end; value "wait": only there
     GO_AHEAD = "go_ahead"  # encouragement, or a direction when a length follows
-    WORD = "word"  # not known; value "number": one that cannot be told, "place": where
+    WORD = "word"  # an unknown word; value "number": an unreadable number, "place": a place
 
 
 class Soft(StrEnum):
-    """What a word that carries nothing may still do to its neighbours; a number is "a": one, before a unit."""
+    """How a word without meaning of its own affects its neighbours; a numeric value stands for "a": one, before a
+    unit.
+    """
 
     HELLO = "hello"
     UH = "uh"  # hesitates: what was begun may begin anew
@@ -96,7 +97,7 @@ Value = float | str | None
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A phrase with its meaning; `start` and `end` are its place in the text."""
+    """A phrase with its meaning; `start` and `end` are its position in the text."""
 
     kind: TokenKind
     value: Value = None
@@ -105,14 +106,14 @@ class Token:
 
 
 class Piece(NamedTuple):
-    """A word, a number in digits, one Chinese character or a mark, lower case."""
+    """A word, a number in digits, one Chinese character or a punctuation mark, in lower case."""
 
     text: str
     start: int
     end: int
 
 
-#: Reads a number from the pieces at a position: (value, how many pieces), or None.
+#: Reads a number from the pieces at a position: (value, number of pieces), or None.
 NumberReader = Callable[[Sequence[Piece], int], tuple[float, int] | None]
 
 
@@ -122,9 +123,10 @@ _SIDE_WORDS = {TokenKind.DIR, TokenKind.AGREE, TokenKind.BACK}
 
 @dataclass(frozen=True)
 class Lexicon:
-    """One language. `phrases` maps pieces to meanings, `number` reads its numerals, which are written with `numerals`.
+    """The vocabulary of one language.
 
-    `misspelt` maps what people mistype to what they mean; `twins` maps a character to the one that it stands for.
+    `phrases` maps pieces to meanings; `number` reads its numerals, which consist of `numerals`. `misspelt` maps common
+    typing mistakes to the intended words; `twins` maps a character to its standard variant.
     """
 
     language: Language
@@ -134,7 +136,7 @@ class Lexicon:
     misspelt: Mapping[str, str] = field(default_factory=dict)
     twins: Mapping[int, int] = field(default_factory=dict)
     vocabulary: frozenset[str] = field(init=False)
-    #: Words that people begin, break off and say again: "turn ri right", "thir thirty degrees".
+    #: Beginnings of words that people break off and repeat: "turn ri right", "thir thirty degrees".
     broken_off: frozenset[str] = field(init=False)
     _tree: dict[str, Any] = field(init=False)
 
@@ -153,7 +155,7 @@ class Lexicon:
         object.__setattr__(self, "broken_off", starts)
 
     def longest(self, pieces: Sequence[Piece], at: int) -> tuple[int, Meaning | None]:
-        """The longest phrase at this place: (how many pieces, its meaning), or (0, None)."""
+        """Return the longest phrase at this position as (number of pieces, meaning), or (0, None)."""
         node, best, meaning = self._tree, 0, None
         for here in range(at, len(pieces)):
             if pieces[here].text not in node:
@@ -193,7 +195,7 @@ _PLAIN_WORDS, _PLAIN_HAN = re.compile("[a-z ]*"), re.compile(" *([\u3400-\u9fff]
 
 
 def _phrase(written: str) -> tuple[str, ...]:
-    """The pieces of a phrase of a table; most are plain words, which are quick to cut."""
+    """Return the pieces of a phrase in a table; plain words and Chinese are split without the regular expression."""
     if _PLAIN_WORDS.fullmatch(written):
         return tuple(written.split())
     if han := _PLAIN_HAN.fullmatch(written):
@@ -201,7 +203,7 @@ def _phrase(written: str) -> tuple[str, ...]:
     return tuple(piece.text for piece in pieces_of(written))
 
 
-#: Marks mean the same in every language.
+#: Punctuation means the same in every language.
 PUNCTUATION = {
     "comma": ",|/|;|(|)|[|]|—|，|、|；|（|）|【|】",
     "comma=colon": ":|：",
@@ -225,7 +227,7 @@ _LONGEST_NUMBER = 15
 
 
 def digits(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
-    """A number in digits: "2", "0.5", "1/2"; none of more digits than anybody means."""
+    """Read a number in digits: "2", "0.5", "1/2"; None if it has too many digits to be meant."""
     first = pieces[at].text
     if len(first) > _LONGEST_NUMBER or first[-1] not in "0123456789" or first[0] not in "0123456789.":
         return None
@@ -255,7 +257,7 @@ _DASHES = frozenset("–—―")
 
 
 def pieces_of(text: str) -> list[Piece]:
-    """Cut a text into pieces. A hyphen joins words ("forty-five"), a dash with spaces around it separates them."""
+    """Split a text into pieces. A hyphen joins words ("forty-five"), a dash between spaces separates them."""
     lowered = _same_length_lower(text).replace("’", "'").replace("‘", "'")
     found: list[Piece] = []
     for match in _PIECE.finditer(lowered):
@@ -278,15 +280,15 @@ def _stands_alone(text: str, at: int) -> bool:
 
 
 def _same_length_lower(text: str) -> str:
-    """Lower case that keeps every character's place (İ would become two)."""
+    """Return the text in lower case with every character at its position (İ would become two characters)."""
     lowered = text.lower()
     return lowered if len(lowered) == len(text) else "".join(c.lower() if len(c.lower()) == 1 else c for c in text)
 
 
 def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, str]]]:
-    """Cut a text into tokens, the longest known phrase first; line ends separate like commas.
+    """Split a text into tokens, the longest known phrase first; line ends separate like commas.
 
-    Besides, the words that were taken for mistyped ones, each as (written, meant).
+    Also return the words that were taken for typing mistakes, each as (written, meant).
     """
     found: list[Token] = []
     pieces, mistyped = _spelt(pieces_of(text.translate(words.twins) if words.twins else text), words)
@@ -312,7 +314,7 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
 
 
 def _odd_numerals(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
-    """How many pieces here are some number that nobody reads: "1,500", "2-3", 两三 of 两三米; 0 when it is none."""
+    """Return how many pieces here form a number that cannot be read: "1,500", "2-3", 两三 in 两三米; 0 for none."""
     end = at
     while end < len(pieces) and (pieces[end].text[0] in "\0.0123456789" or pieces[end].text in words.numerals):
         end += 1
@@ -320,7 +322,7 @@ def _odd_numerals(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
 
 
 def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple[str, str]]]:
-    """With what was mistyped put right."""
+    """Return the pieces with typing mistakes corrected, and the corrections."""
     wrong = {p.text: words.misspelt[p.text] for p in pieces if p.text in words.misspelt}
     if not wrong:
         return pieces, []
@@ -328,10 +330,10 @@ def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple
 
 
 def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
-    """How many pieces here are no words but pictographs, or words begun and said again at once; 0 for none.
+    """Return how many pieces here are emoji or words that are broken off and repeated; 0 for none.
 
-    "t turn", "yo to your", "ff four"; before a number or direction also what began as another one: "fif ninety
-    degrees", "to the r left", "nin degree ninety degrees".
+    Examples: "t turn", "yo to your", "ff four"; before a number or direction also the beginning of another one: "fif
+    ninety degrees", "to the r left", "nin degree ninety degrees".
     """
     piece = pieces[at].text
     if len(piece) == 1 and ("\u2600" <= piece <= "\u27bf" or "\U0001f300" <= piece <= "\U0001faff"):
@@ -353,7 +355,7 @@ def _is_unit(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
 
 
 def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
-    """Whether a number or direction stands here."""
+    """Return whether a number or direction stands here."""
     if at >= len(pieces):
         return False
     meaning = words.longest(pieces, at)[1]
@@ -361,13 +363,13 @@ def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
 
 
 # ---------------------------------------------------------------------- spelling mistakes
-#: What such slips would make of them, and what people may mean by them.
+#: Real words that are one typing mistake away from a known word, and must not be corrected.
 _OTHER_WORDS = frozenset("ever mere mete ford feat riot rotes sake step steps taps trod".split())  # noqa: SIM905
 _SHORTEST, _SHORTEST_WITH_GAP = 4, 5
 
 
 def misspellings(word: str) -> frozenset[str]:
-    """The likely slips of one word of at least four Latin letters. First letters are not left out."""
+    """Return the likely typing mistakes of a word of at least four Latin letters; the first letter is never dropped."""
     if len(word) < _SHORTEST or not (word.isascii() and word.isalpha()):
         return frozenset()
     return frozenset(_slips(word)) - _OTHER_WORDS - {word}
@@ -387,7 +389,10 @@ _CLAUSE = re.compile(r"(?:[^，,。.！!？?；;：:\n]|(?<=\d)\.(?=\d))+")
 
 
 def without_statements(part: str, stated: str) -> str:
-    """With such clauses blanked; `stated` is a language's expression of their beginning. What is asked stays."""
+    """Blank out clauses that state where something is, so that they are not parsed as commands: 前面五米是墙.
+
+    `stated` is a language's pattern for their beginning. Questions stay.
+    """
     if not stated:
         return part
     said = re.compile(rf"\s*{stated}")

@@ -1,4 +1,4 @@
-"""How people put right what they said: afterthoughts, false starts, "no wait, right"."""
+"""Apply corrections in speech: afterthoughts, false starts, "no wait, right"."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
 
 
 def settled(drafts: Sequence[Draft]) -> list[Draft]:
-    """Join afterthoughts to what they complete, and drop false starts."""
+    """Join afterthoughts with what they complete, and drop false starts."""
     joined: list[Draft] = []
     for draft in drafts:
         if draft.fixes is None and draft.verb is None and not draft.unknown and _completes(joined, draft):
@@ -46,7 +46,7 @@ def _leaves_out_the_verb(last: Draft, draft: Draft) -> bool:
 
 
 def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
-    """ "Turn right and take a photo, ninety degrees": an amount or side said late completes the last motion."""
+    """Apply a late amount or side to the last motion: "turn right and take a photo, ninety degrees"."""
     last = next((d for d in reversed(drafts) if d.takes_manner), None)
     if last is None or (last.verb is None and last.fixes is None) or last.unknown or not extra.is_motion:
         return False
@@ -88,7 +88,10 @@ def _belongs(last: Draft, extra: Draft) -> bool:
 
 
 def _is_false_start(start: Draft, again: Draft) -> bool:
-    """ "Move forward uh move three feet": begun twice, without a pause or hesitating, the first without an amount."""
+    """Return whether a motion was begun twice: "move forward uh move three feet".
+
+    There is no pause between, or a hesitation, and the first has no amount.
+    """
     if not start.is_motion or start.amount is not None or start.unknown or start.verb is None or not again.is_motion:
         return False
     if start.verb is TokenKind.TURN and again.amount is not None and not _is_angle(again.amount):
@@ -110,7 +113,7 @@ def _begins_anew(start: Draft, picture: Draft, again: Draft) -> bool:
 
 # ------------------------------------------------------------------ corrections
 def corrected(drafts: Sequence[Draft]) -> tuple[list[Draft], Token | None]:
-    """With each correction in the place of what it corrects; besides, the first whose meaning is not plain."""
+    """Replace what corrections correct; also return the first correction whose meaning is unclear."""
     done: list[Draft] = []
     unclear: Token | None = None
     for draft in drafts:
@@ -122,7 +125,7 @@ def corrected(drafts: Sequence[Draft]) -> tuple[list[Draft], Token | None]:
 
 
 def _correct(done: list[Draft], fix: Draft) -> bool:
-    """ "Turn left, no wait, right": the side; "…, no wait, walk 1 m": the deed, where it is plain which."""
+    """Apply a correction ("turn left, no wait, right"); return whether it is clear what it corrects."""
     last = done[-1]
     if fix.unknown or last.unknown or fix.verb is TokenKind.AGAIN or fix.bare_picture:
         return False
@@ -138,7 +141,7 @@ def _correct(done: list[Draft], fix: Draft) -> bool:
 
 
 def _overlay(last: Draft, fix: Draft) -> bool:
-    """Put what is said anew over what was said; whether the two go together."""
+    """Overwrite the last draft with what was said again; return whether the two are compatible."""
     if fix.direction is None and fix.amount is None:
         return False
     if last.verb is TokenKind.TURN and (fix.direction in _AHEAD or (fix.amount and not _is_angle(fix.amount))):
@@ -154,7 +157,7 @@ def _overlay(last: Draft, fix: Draft) -> bool:
 
 
 def _alike(amount: Token, other: Token) -> bool:
-    """Whether one may stand for the other: "two, no, three metres"."""
+    """Return whether one amount may replace the other: "two, no, three metres"."""
     return TokenKind.NUMBER in (amount.kind, other.kind) or _is_angle(amount) is _is_angle(other)
 
 

@@ -1,6 +1,6 @@
-"""What was done before, once more: "again", "the same but slower", "do this twice", "and now back".
+"""Repeat earlier steps: "again", "the same but slower", "do this twice", "and now back".
 
-It is taken from what was said in the same post, else from the last plan that was done in the thread; a note tells it.
+Steps are repeated from the same post, otherwise from the last executed plan in the thread; a note lists them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import TokenKind
 from agentrob.model import Capabilities, Direction, Language, Op, Plan, Primitive
 
-#: The most that one post is taken to mean.
+#: The most steps of one post.
 MAX_STEPS = 100
 #: What "slowly" means, in metres per second.
 SLOW_MPS = 0.2
@@ -31,8 +31,8 @@ _OPPOSITE = {
 class ParseContext:
     """What is known besides the words of a post.
 
-    `history`: the plans done before in the thread, oldest first. `pace_mps`: how fast a robot walks for a time that is
-    said without a speed. `step_m`: the length of the robot's step, where it has one. `can`: what the robot can do, so
+    `history`: plans executed in the thread, oldest first. `pace_mps`: the robot's speed for a walk that is given in
+    seconds without a speed. `step_m`: the length of the robot's step, if configured. `can`: what the robot can do, so
     that examples stay within it.
     """
 
@@ -43,7 +43,7 @@ class ParseContext:
 
 
 class AmbiguousRepetition(Exception):
-    """Why something cannot be done again, as a sentence."""
+    """Raised with a sentence that says why steps cannot be repeated."""
 
 
 def repeated_steps(
@@ -75,13 +75,13 @@ def repeated_steps(
 
 
 def reversed_path(steps: Sequence[Primitive]) -> list[Primitive]:
-    """The same path in reverse, without its gestures and pictures."""
+    """Return the same path in reverse, without gestures and pictures."""
     moves = [step for step in reversed(steps) if step.op in (Op.MOVE, Op.TURN) and step.direction]
     return [replace(step, direction=_OPPOSITE[step.direction]) for step in moves if step.direction]
 
 
 def _changed(steps: Sequence[Primitive], draft: Draft, said: str, language: Language) -> list[Primitive]:
-    """ "The same but slower, to the left, two metres": only where it is plain which step is meant."""
+    """Apply changes ("the same but slower, to the left, two metres") where it is clear which step is meant."""
     unclear = AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(steps, language)))
     plain = not (draft.counted or draft.slow or draft.direction or draft.amount or draft.speed_mps)
     walks = [step for step in steps if step.op is Op.MOVE]

@@ -1,7 +1,7 @@
-"""Whether a post sets the deeds of several robots in order: "@a walk 1 m, then @b wave", "when @a is done, @b wave".
+"""Detect posts that put the steps of several robots in order: "@a walk 1 m, then @b wave", "when @a is done, @b wave".
 
-Each robot reads its own part alone and begins at once; none knows when another has ended. So such a post is asked back
-by every robot in it.
+Each robot reads only its own part and begins at once; none knows when another has finished. So every robot mentioned in
+such a post asks back.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cache
 from agentrob.language.registry import known
 from agentrob.language.visible_text import mention_spans
 
-#: What may stand between such a word and the robot, or the mark next to it.
+#: What may stand between an ordering word and the mention.
 _BETWEEN = r"(?:[\s,，:：、]|please\b|let\b|have\b|make\b|ask\b|tell\b|and\b|it's\b|请|让|叫|由|轮到)*"
 _POLITE = re.compile(
     r"(?:\W|\b(?:ok|okay|alright|well|so|hi|hello|please|thanks|great|now|and|yes)\b|[好的那嗯啊])*", re.I
@@ -21,10 +21,10 @@ _POLITE = re.compile(
 
 
 def ordering_words(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
-    """The words that set this robot's part in order with another's, "" when there are none.
+    """Return the words that order this robot's part relative to another's; "" if there are none.
 
-    `names` and `others` are as for `addressing.part_for`. A single robot that is mentioned after such a word and after
-    other words counts too: those may be for the robot in whose thread it was posted.
+    `names` and `others` are as for `addressing.part_for`. A single robot that is mentioned after such a word and other
+    words counts too: those words may be for the robot in whose thread the post is.
     """
     robots = {n.lower() for n in (*names, *others)}
     spans = [(name, start, end) for name, start, end in mention_spans(visible) if name in robots]
@@ -48,8 +48,9 @@ def ordering_words(visible: str, names: Sequence[str], others: Sequence[str]) ->
 
 @cache
 def _patterns() -> tuple[re.Pattern[str], ...]:
-    """An order right before a robot's name; a condition in the clause before it; an order at the end of its part, or
-    at its beginning."""
+    """Return the patterns, in order: an ordering word right before a mention; a condition in the clause before it; an
+    ordering word at the end of its part; one at the beginning of its part.
+    """
     order, waits = _either("order"), _either("waits")
     flags = re.IGNORECASE
     return (
@@ -62,12 +63,12 @@ def _patterns() -> tuple[re.Pattern[str], ...]:
 
 @cache
 def _first() -> re.Pattern[str]:
-    """The first robot's part is said to come first."""
+    """Match words that put the first robot's part first."""
     return re.compile(r"(?P<words>\bfirst|首先|先)[\s.,!?;。，！？；]*$", re.IGNORECASE)
 
 
 def _either(field: str) -> str:
-    """The words of all languages, the longest first; those in Latin letters whole."""
+    """Return an alternation of the words of all languages, longest first; words in Latin letters match whole words."""
     words = {w.strip() for t in known().values() for w in getattr(t, field).replace("\n", "").split("|")} - {""}
     return "|".join(
         rf"(?<![A-Za-z]){re.escape(w)}" if w.isascii() else w for w in sorted(words, key=lambda w: (-len(w), w))

@@ -1,4 +1,4 @@
-"""What a post is that commands nothing: "never mind", a question, a report of the past, a greeting."""
+"""Classify posts without a command: "never mind", a question, a report of the past, a greeting."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from agentrob.language.parser.drafts import Sentence
 
 
 class SmallTalk(StrEnum):
-    """What posts are besides commands, stops, help and status. None of them moves anything."""
+    """Posts other than commands, stops, help and status. None of them moves anything."""
 
     CANCEL = "cancel"  # what its author posted before is not wanted any more
     QUESTION = "question"
@@ -19,7 +19,7 @@ class SmallTalk(StrEnum):
 
 
 def small_talk_in(sentences: Sequence[Sentence]) -> SmallTalk | None:
-    """The first of cancel, question, past, greeting, thanks that is found."""
+    """Return the first that applies: cancel, question, past, greeting, thanks."""
     if any(s.cancelled for s in sentences):
         return SmallTalk.CANCEL
     if any(s.question or s.asked for s in sentences):

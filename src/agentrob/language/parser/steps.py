@@ -1,7 +1,7 @@
-"""From what was said to what is done: drafts in, steps out, or the reason why it is not enough to move.
+"""Turn drafts into steps, or into the reason why they are not enough to move.
 
-Fails closed: one motion clause that is not wholly understood, and nothing moves at all. A distance is never guessed;
-the one assumption made, a bare "turn left" as 90°, is told in a note.
+Fails closed: if one motion clause is not fully understood, nothing moves. Distances are never guessed; the only
+assumption, 90° for a bare "turn left", is stated in a note.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.model import Direction, Language, Op, Primitive
 
-#: Bounds of the language, whatever a robot can do: beyond them something was misunderstood.
+#: Limits of the grammar for any robot: larger amounts mean a misunderstanding.
 MAX_DISTANCE_M = 100.0
 MAX_DEGREES = 3600.0
 SLOW_FROM_MPS, FAST_TO_MPS = 0.01, 10.0
@@ -25,13 +25,13 @@ SLOW_FROM_MPS, FAST_TO_MPS = 0.01, 10.0
 
 @dataclass
 class ParsedSteps:
-    """Steps that are understood, in order; `problem` is the first reason not to do them, as a sentence."""
+    """The steps that were understood, in order; `problem` is the first reason not to execute them, as a sentence."""
 
     steps: list[Primitive]
     notes: list[str]
     problem: str = ""
     picture_after: TokenKind | None = None
-    hints: list[list[Primitive]] = field(default_factory=list)  # what the first that is not understood might be
+    hints: list[list[Primitive]] = field(default_factory=list)  # candidates for the first step that was not understood
 
     def object_to(self, problem: str) -> None:
         self.problem = self.problem or problem
@@ -44,7 +44,7 @@ class ParsedSteps:
 def read_steps(
     sentences: Sequence[Sentence], text: str, language: Language, ops: frozenset[Op], background: ParseContext
 ) -> ParsedSteps:
-    """Turn the drafts of a whole post into steps; `ops` are those of the robot."""
+    """Turn the drafts of a whole post into steps; `ops` are the robot's operations."""
     return _StepBuilder(text, language, ops, background).build(sentences)
 
 
@@ -53,12 +53,12 @@ def _is_question(sentence: Sentence) -> bool:
 
 
 def _is_aside(sentence: Sentence) -> bool:
-    """Whether a whole sentence commands nothing: a report of the past, or a question."""
+    """Return whether a whole sentence is not a command: a report of the past, or a question."""
     return sentence.report or (sentence.asked and not sentence.requested and _is_question(sentence))
 
 
 def _carry_over(sentences: Sequence[Sentence]) -> None:
-    """ "Turn right. No! Left!": a correction that is a sentence of its own begins the next one."""
+    """Apply a correction that is a sentence of its own to the next one: "Turn right. No! Left!"."""
     for before, sentence, after in zip(sentences, sentences[1:], sentences[2:], strict=False):
         if sentence.fix_unclear and not sentence.drafts and before.drafts and after.drafts and not after.talked:
             after.drafts[0].fixes = after.drafts[0].fixes or sentence.fix_unclear
@@ -66,10 +66,10 @@ def _carry_over(sentences: Sequence[Sentence]) -> None:
 
 
 def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> str:
-    """What makes a sentence doubtful: conditions, denials without an end, questions. Empty when nothing does.
+    """Return what makes a sentence doubtful: conditions, unclear denials, questions; empty if nothing does.
 
-    A condition or denial that stands alone ("Don't … walk 1 m") may mean its neighbours when the post `wants` anything.
-    So may somebody who is near the robot: it is told only where nothing else is wanted.
+    A condition or denial that stands alone ("Don't … walk 1 m") may apply to its neighbours if the post `wants`
+    anything. The same holds for a person near the robot, who is ignored only if nothing else is requested.
     """
     if (near := sentence.somebody) is not None and (wants or sentence.requested or sentence.somebody_does):
         return say("ask.words", language, words=quote(text[near.start : near.end]))
@@ -95,7 +95,7 @@ _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
 class _StepBuilder:
-    """Makes steps of drafts, one after the other."""
+    """Build steps from drafts, one after the other."""
 
     def __init__(self, text: str, language: Language, ops: frozenset[Op], background: ParseContext) -> None:
         self.text = text
@@ -148,8 +148,10 @@ class _StepBuilder:
         return reading
 
     def _account(self, sentence: Sentence, first: int) -> None:
-        """What stands beside the deeds of a post, of which the first is at `first`: told as left out where it is a
-        mere remark; where something may be wanted of the robot, it is asked back."""
+        """Account for what accompanies the steps of a post, of which the first is at `first`.
+
+        A mere remark is noted as left out; if it may ask something of the robot, the robot asks back.
+        """
         if _is_aside(sentence):
             begun = min((d.start for d in sentence.drafts if d.is_action), default=sentence.end)
             told = sentence.report and (sentence.reported_at or 0) <= begun and sentence.condition is None
@@ -262,7 +264,7 @@ class _StepBuilder:
             reading.steps += [step] * draft.times
 
     def _gesture(self, op: Op, draft: Draft, said: str) -> Primitive:
-        """ "Shake hands": what was asked for, or what this robot has in its place."""
+        """Return the gesture that was requested, or what this robot does instead ("shake hands")."""
         if op in self.ops or not (others := [other for other in draft.or_else if other in self.ops]):
             return Primitive(op)
         step = Primitive(others[0])
@@ -343,7 +345,7 @@ class _StepBuilder:
 
 
 def _hints(draft: Draft) -> list[list[Primitive]]:
-    """Steps of the kinds that may have been meant, with what was said of them."""
+    """Return steps of the kinds that may have been meant, with what was said about them."""
     kind = draft.amount.kind if draft.amount else None
     value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
     degrees = value if kind in (TokenKind.ANGLE, TokenKind.NUMBER) and 5 <= value <= 360 else 90.0
@@ -366,7 +368,7 @@ def _in_bounds(step: Primitive) -> bool:
 
 
 def _after_each(steps: Sequence[Primitive], after: TokenKind) -> list[Primitive]:
-    """A picture after every step, or after every walk or turn only, in place of those between."""
+    """Insert a picture after every step, or only after every walk or turn, and remove other pictures."""
     wanted = {TokenKind.MOVE: (Op.MOVE,), TokenKind.TURN: (Op.TURN,)}.get(after, tuple(op for op in Op))
     pictured: list[Primitive] = []
     for step in steps:

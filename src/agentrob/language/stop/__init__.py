@@ -1,1 +1,1 @@
-"""Which texts stop a robot: at rest, and while it moves."""
+"""Recognise posts that stop a robot: at rest, and while it moves."""

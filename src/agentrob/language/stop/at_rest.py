@@ -1,7 +1,8 @@
-"""Whether a post says stop: its first clause, without mention, politeness and punctuation, is only stop words.
+"""The narrow stop rule: the first clause of a post is only stop words, apart from mentions, politeness and punctuation.
 
-Kept apart from the grammar on purpose: nothing that is learned or added there can weaken a stop. In doubt a robot
-stops ("stop?", "no stop"), but words that only contain one do not stop it ("walk 2 m and stop", "don't stop", 停车场).
+It is separate from the grammar on purpose, so that no change to the grammar can weaken a stop. When in doubt a robot
+stops ("stop?", "no stop"), but text that merely contains a stop word does not stop it ("walk 2 m and stop", "don't
+stop", 停车场).
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ hold your position
 do not move|don't move|dont move|whoa|quit|quit it|quit moving|cancel|cancel that|cancel it|cancel everything
 cancel all
 """
-#: Law 17: only what names an emergency stop locks the robot; "halt" is a stop as any other.
+#: Law 17: only an explicit emergency stop locks the robot; "halt" is an ordinary stop.
 _HALT_EN = "emergency stop|emergency-stop|e-stop|estop|e stop|emergency halt"
 _POLITE_EN = """
 please|pls|plz|now|right now|at once|immediately|instantly|asap|quickly|quick|just|robot|dog|doggy|hey|hi|hello|ok
@@ -55,7 +56,7 @@ def _phrases(*lists: str) -> frozenset[str]:
 
 @dataclass(frozen=True)
 class StopWords:
-    """The lists as sets; `stop_words` adds what the files of further languages bring, and takes nothing away."""
+    """The stop words of all languages as sets; language files add to the built-in lists and cannot remove from them."""
 
     halt: frozenset[str]
     stop: frozenset[str]
@@ -66,6 +67,7 @@ class StopWords:
 
 @cache
 def stop_words() -> StopWords:
+    """Return the built-in stop words together with those of the language files."""
     locales = known().values()
     halt = _phrases(_HALT_EN, _HALT_ZH, *(t.halt for t in locales))
     stop = _phrases(_STOP_EN, _STOP_ZH, *(t.stop for t in locales)) | halt
@@ -83,10 +85,10 @@ _LONG_RUN = re.compile(r"([a-z])\1{2,}")
 
 
 def stop_intent(visible: str) -> Intent | None:
-    """`Intent.STOP` or `Intent.HALT` when the text is a stop (law 13), otherwise None.
+    """Return `Intent.STOP` or `Intent.HALT` if the text is a stop (law 13), otherwise None.
 
-    `visible` is what `visible_text` gives. Only an explicit emergency stop is a `HALT` (law 17): it also
-    refuses all motion until the robot's owner releases it.
+    `visible` comes from `visible_text`. Only an explicit emergency stop is a `HALT` (law 17), which also blocks all
+    motion until the robot's owner releases it.
     """
     for clause in _clauses(without_mentions(visible)):
         verdict = _read_clause(clause)
@@ -99,7 +101,7 @@ _EMPTY = object()
 
 
 def _read_clause(clause: str) -> Intent | object | None:
-    """STOP, HALT, None when it says something else, `_EMPTY` when it has nothing but politeness."""
+    """Return STOP or HALT, `_EMPTY` for a clause of politeness only, and None for anything else."""
     said: list[str] = []
     for phrase in _segments(clause):
         if phrase is None:
@@ -112,7 +114,7 @@ def _read_clause(clause: str) -> Intent | object | None:
 
 
 def _segments(clause: str) -> Iterator[str | None]:
-    """Cut a clause into stop words and politeness, longest first; None as soon as something else turns up."""
+    """Split a clause into stop words and politeness, longest first; yield None at the first other word."""
     plain = clause.casefold().replace("’", "'").replace(OMITTED, " ")
     words = [_LONG_RUN.sub(r"\1", word) for word in _WORD.findall(plain)]
     lists = stop_words()
@@ -134,7 +136,7 @@ def _segments(clause: str) -> Iterator[str | None]:
 
 
 def _han_segments(run: str) -> Iterator[str | None]:
-    """Chinese has no spaces: find any way to cut the whole run into known words, in time linear in its length."""
+    """Split a Chinese run, which has no spaces, into known words in linear time; yield None if that is impossible."""
     lists = stop_words()
     word_before: list[str | None] = [""] + [None] * len(run)  # by position; None where no cutting leads
     for end in range(1, len(run) + 1):
@@ -158,13 +160,16 @@ def _clauses(text: str) -> Iterator[str]:
     yield text[at:]
 
 
-#: A post that is nothing but a stop is no longer, and addresses no more than these.
+#: Limits on the length and mentions of a post that counts as only a stop.
 _ONLY_CHARS, _ONLY_NAMES = 120, 3
 
 
 def is_only_stop(raw: str) -> bool:
-    """Whether a body says stop and nothing else: it is short, and every clause of what was typed, not only of what is
-    visible, is stop words and politeness. No limit holds for such a post (law 15), so it must carry nothing else."""
+    """Return whether a body says stop and nothing else.
+
+    It must be short, and every clause as typed, not only the visible ones, must be stop words and politeness. No rate
+    limit holds for such a post (law 15), so it must carry nothing else.
+    """
     if len(raw) > _ONLY_CHARS or stop_intent(visible_text(raw)) is None:
         return False
     typed = nfkc(raw)

@@ -1,8 +1,8 @@
-"""A stop that is bound in a command: it is one part of what the robot is to do, so the post stops nothing (law 13).
+"""Recognise a stop that is part of a command, so that the post does not stop the robot (law 13).
 
-"Walk 1 m and stop", "turn left 90 degrees, pause, then turn back", 前进两米后停下. Either the shape of the post says
-so, or the grammar does, which then understands it as a command with and without its stop. The patterns hold for a
-whole post in lower case and simplified characters, without mentions.
+Examples: "walk 1 m and stop", "turn left 90 degrees, pause, then turn back", 前进两米后停下. Either the shape of the
+post matches, or the grammar parses it as a command with and without its stop. The patterns match a whole post
+in lower case and simplified characters, without mentions.
 """
 
 from __future__ import annotations
@@ -14,21 +14,20 @@ from dataclasses import dataclass
 from agentrob.language.parser.grammar import MAX_CHARS, parse
 from agentrob.model import Intent, Op
 
-#: The clauses of a text that stop a robot which moves, as `stop_moving` judges them.
+#: Returns the clauses of a text that stop a moving robot (`stop_while_moving`).
 StoppingClauses = Callable[[str], Sequence[str]]
 
-#: No longer post is a command by its shape, in characters: the patterns are not linear in its length.
+#: Longest post, in characters, that is matched by shape: the patterns are not linear in its length.
 _LONGEST_SHAPE = 400
 
 
 def is_bound_in_command(
     text: str, visible: str, names: Sequence[str], robots: Sequence[str], stopping: StoppingClauses
 ) -> bool:
-    """Whether the stop in a post for the robot called `names` is only a part of a command.
+    """Return whether the stop in a post for the robot called `names` is only part of a command.
 
-    `text` is what of the post is for this robot, as the patterns need it; `visible` is the whole post and `robots` the
-    other robots' handles in it. Whatever else stops in the post, a warning beside it for example, keeps it from being
-    bound.
+    `text` is the part of the post for this robot, normalised for the patterns; `visible` is the whole post and `robots`
+    the handles of other robots in it. Anything else in the post that stops, such as a warning, still stops the robot.
     """
     if _has_shape(text, stopping):
         return True
@@ -36,15 +35,15 @@ def is_bound_in_command(
 
 
 def _one_of(lines: str) -> str:
-    """A group of alternatives, which are cut at `|` or at the end of a line."""
+    """Return a group of alternatives, which are separated by `|` or line ends."""
     return "(?:" + "|".join(line.strip() for line in lines.strip().splitlines()) + ")"
 
 
 @dataclass(frozen=True, slots=True)
 class _Shape:
-    """A command that has a stop as its end or in its middle; `command` has the groups head, joint, stop and tail.
+    """A command with a stop at its end or in its middle; `command` has the groups head, joint, stop and tail.
 
-    It counts where the head or the tail names an amount or a place (`goal`), or the tail goes on with a deed (`more`).
+    It counts if the head or the tail names an amount or a place (`goal`), or the tail continues with a motion (`more`).
     """
 
     command: re.Pattern[str]
@@ -76,7 +75,7 @@ _MANNERS = "(?:(?:and then|can you|could you|first|hey|hi|next|now|ok|okay|pleas
 _MANNER = "(?:carefully |gently |quickly |slowly )?"
 _ARRIVED = "(?:as soon as|once|when) you (?:are|arrive|get|hit|reach|see)"
 _JOINT = r"(?:,|\b(?:afterwards|and|then)\b)"
-#: Such a clause before a command says that it is for later: "for the next run: trot forward ...".
+#: A clause before a command that puts it off: "for the next run: trot forward ...".
 _LATER = _one_of(
     r"""
     \bafter (?:that|the|this)\b|\bafterwards\b|\blater\b|\bnext\b|\bonce (?:it|this|you)|\bround\b|\bsecond\b
@@ -87,14 +86,14 @@ _STOP = (
     "(?:come to (?:a|an) (?:complete |full )?)?"
     "(?:brake|freeze|halt|halting|hold still|pause|pausing|stand still|stay still|stop|stopping|wait)"
 )
-#: How it may go on after the stop: "... and stop facing the window".
+#: How the sentence may continue after the stop: "... and stop facing the window".
 _AFTER_STOP = _one_of(
     f"""
     about|after|and|at|before|behind|beside|by|close to|facing|for|in|inside|just|like|near|next to|on|once|outside
     right (?:at|before|behind|by|in|next)|short|so|then|there|under|until|when|with|{_ACT}|{_NUMBER}
     """
 )
-#: What a place is named by: "up to the door".
+#: Words before a place: "up to the door".
 _PLACE = (
     r"\b(?:across|along|around|at|before|behind|beside|by|facing|in front of|into|near|next to|onto|over to|past|to"
     r"|towards?|up to) (?:a|an|door|her|his|my|our|room|that|the|this|your|[a-z]+'s)\b"
@@ -130,7 +129,7 @@ _ACT_ZH = _one_of(
     巡逻|往|抬|拍|挥|摇|朝|爬
     """
 )
-#: Such a clause before a command says that it is for later: 下一个任务：往前走两米，停三秒.
+#: A clause before a command that puts it off: 下一个任务：往前走两米，停三秒.
 _LATER_ZH = "(?:下一|下次|之后|做完|完了|待会|接下来|明天|第二|等下|等会|走完)"
 _STOP_ZH = "(?:停(?:下来|住|止|下|低|一停)?|定住|定格|暂停|歇|站住|站定|等(?:着|我|待|一下)?|静止)"
 _AFTER_STOP_ZH = "(?:一|再|在|坐|拍|挥|接着|朝|然后|等|趴|跟住|蹲|转|面|于|[0-9一二两三四五六七八九十半几])"
@@ -145,8 +144,8 @@ _CHINESE = _Shape(
     goal=re.compile(rf"{_NUMBER_ZH}个?半?{_UNIT_ZH}|姿势|(?:到|去|往|向|朝|在)(?!这|此).{{1,20}}"),
     more=re.compile("(?:之后|再|接着|最后|然后|跟住)[^，,。]"),
 )
-#: The robot may be named where the post is nothing but motions, each with its amount, and a word other than a comma
-#: binds the stop at the end: 小车前行三秒后停住.
+#: The post may name the robot if it consists only of motions with amounts, and a word, not only a comma, joins the
+#: stop at the end: 小车前行三秒后停住.
 _ROBOT_ZH = "(?:底盘|机器人|机器狗|机械狗|机身|小狗|小车|狗狗|车子)"
 _DIRECTION_ZH = "(?:向|往|朝)(?:前|右|后|左)(?:侧|方|边)?"
 _MOTION_ZH = _one_of(
@@ -170,9 +169,9 @@ _MENTION = re.compile(r"@\w+")
 
 
 def _has_shape(text: str, stopping: StoppingClauses) -> bool:
-    """Whether the shape of the post is a command with a goal that has its stop at the end or in between.
+    """Return whether the post has the shape of a command with a goal and a stop at its end or in between.
 
-    It need not be a command that the grammar understands: it asks back then, which is no reason to stop.
+    The grammar need not understand it: the robot then asks back, which is no reason to stop.
     """
     if len(text) > _LONGEST_SHAPE:
         return False
@@ -202,9 +201,9 @@ _SHOUT = re.compile("[!！]")
 
 
 def _is_whole_command(visible: str, names: Sequence[str], robots: Sequence[str]) -> bool:
-    """Whether the grammar understands the post as a command that ends in its stop: it is one too without it.
+    """Return whether the grammar parses the post as a command that ends in its stop, and still does without it.
 
-    A command without any stop word is one as well: "take a photo of what is in front of you" warns of nothing.
+    A command without any stop word counts as well: "take a photo of what is in front of you" is not a warning.
     """
     if len(visible) > MAX_CHARS:
         return False
@@ -221,5 +220,5 @@ def _is_command(text: str, names: Iterable[str], robots: Iterable[str]) -> bool:
 
 
 def _warns_besides(text: str, stopping: StoppingClauses) -> bool:
-    """Whether a clause that stops is no command by itself: the grammar leaves it out as a remark beside the command."""
+    """Return whether a clause that stops is not a command by itself; the grammar would drop it as a remark."""
     return any(not _BOUND_STOP.search(clause) and not _is_command(clause, (), ()) for clause in stopping(text))

@@ -1,9 +1,9 @@
-"""Law 13 while a robot moves or a command of its waits: a stop word or a warning anywhere in a post stops it.
+"""The wide stop rule (law 13) while a robot moves or a command waits: a stop word or warning anywhere stops it.
 
-This is the wide rule; `stop.stop_intent` is the narrow one, which holds always. In doubt the answer is a stop: a false
-stop costs a repeat, a missed one a leg. A word does not count where it is plainly denied ("don't stop"), asked about
-("why did it stop?"), told of the past, or a part of another word ("bus stop"); nor does any in a post that is a whole
-command in which the stop is bound ("walk 1 m and stop"). The time is linear in the length of the post.
+`stop_intent` is the narrow rule, which always holds. When in doubt the answer is a stop: a false stop costs a repeat, a
+missed stop may cost a leg. A word does not count if it is plainly denied ("don't stop"), asked about ("why did it
+stop?"), in the past, or part of another word ("bus stop"); nor in a post that is a whole command with a stop in it
+("walk 1 m and stop"). Takes linear time.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ _SPELT = re.compile(r"\b[a-z](?:[ .*_-]{1,2}[a-z]){3,10}\b")
 _LEET = str.maketrans("01345@$", "oleasas")
 _AGAIN = re.compile("(stop|wait|halt|no)\\1+")
 _LONG_RUN = re.compile(r"([a-z])\1{2,}")
-#: What is around a word is looked at this far, in characters; longer clauses are read piece by piece.
+#: Context around a word in characters, and the length at which a clause is split into pieces.
 _NEAR = 80
 _LONGEST_CLAUSE = 400
 
 
 def stop_while_moving(visible: str, names: Sequence[str] = (), robots: Sequence[str] = ()) -> Intent | None:
-    """`Intent.STOP` or `HALT` when a post stops the robot called `names` that moves, otherwise None.
+    """Return `Intent.STOP` or `HALT` if a post stops the moving robot called `names`, otherwise None.
 
-    `visible` is what `visible_text` gives; `robots` are the other handles in it that may be robots': what follows such
-    a mention is for them.
+    `visible` comes from `visible_text`; `robots` are the other handles in it that may be robots: text after such a
+    mention is for them.
     """
     if narrow := stop_intent(visible):
         return narrow
@@ -53,7 +53,7 @@ def stop_while_moving(visible: str, names: Sequence[str] = (), robots: Sequence[
 
 
 def _for_me(visible: str, mine: set[str], robots: set[str]) -> str:
-    """The text without what follows a mention of another robot, up to the next mention of this one."""
+    """Return the text without what follows another robot's mention, up to the next mention of this one."""
     spans = [(name in mine, start, end) for name, start, end in mention_spans(visible) if name in mine | robots]
     kept, at, other = [], 0, False
     for i, (is_mine, start, end) in enumerate(spans):
@@ -69,7 +69,7 @@ def _for_me(visible: str, mine: set[str], robots: set[str]) -> str:
 
 
 def _clauses(text: str) -> Iterator[tuple[str, str]]:
-    """The clauses of a plain text, words that are spelt letter by letter put together, and the mark that ends each."""
+    """Yield the clauses of a plain text, with letter-by-letter spellings joined, and the mark that ends each."""
     text = _SPELT.sub(lambda m: word if (word := re.sub("[^a-z]", "", m[0])) in _vocabulary() else m[0], text)
     pieces = _CLAUSE_END.split(text)
     for at in range(0, len(pieces), 2):
@@ -83,7 +83,7 @@ def _stopping_clauses(text: str) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """In lower case, with simplified characters and straight apostrophes, as the patterns are written."""
+    """Return the text in lower case, with simplified characters and straight apostrophes, as the patterns expect."""
     return text.casefold().replace("’", "'").replace("‘", "'").replace(OMITTED, " ").translate(zh.SIMPLIFIED)
 
 
@@ -125,7 +125,7 @@ def _stops_en(words: list[str], clause: str, shouted: bool) -> bool:
 
 
 def _counts(said: str, found: re.Match[str], question: re.Match[str] | None, cry: bool) -> bool:
-    """Whether a stop word is a wish."""
+    """Return whether a stop word is a request to stop."""
     before = said[max(0, found.start() - _NEAR) : found.start()]
     near = said[max(0, found.start() - _NEAR) : found.end() + _NEAR]
     come = any(n.start() <= len(before) < n.end() for n in en.COME_TO.finditer(near))
@@ -140,7 +140,7 @@ def _counts(said: str, found: re.Match[str], question: re.Match[str] | None, cry
 
 @cache
 def _further() -> tuple[str, ...]:
-    """The stop words that the files of further languages bring."""
+    """Return the stop words that further language files add, as patterns."""
     lists = "\n".join(t.stop for code, t in known().items() if code not in ("en", "zh"))
     phrases = {p.strip() for p in re.split(r"[|\n]", lists.casefold()) if p.strip()}
     return tuple(rf"\b{re.escape(p)}\b" for p in sorted(phrases))
@@ -154,7 +154,7 @@ def _vocabulary() -> frozenset[str]:
 
 @lru_cache(maxsize=4096)
 def _right(word: str) -> str:
-    """What a word was meant to be: "stpo" stop, "stooop" stop, "pls" please."""
+    """Return the word that was meant: "stpo" is stop, "stooop" is stop, "pls" is please."""
     if word in en.SLANG:
         return en.SLANG[word]
     for candidate in (word, _LONG_RUN.sub(r"\1", word), _LONG_RUN.sub(r"\1\1", word)):
@@ -174,8 +174,10 @@ def _right(word: str) -> str:
 
 
 def _is_slip(word: str, meant: str) -> bool:
-    """One letter too many, too few, or another, or two swapped (Damerau-Levenshtein distance 1). The first letter is
-    right, or swapped with the second."""
+    """Return whether `word` is `meant` with one typing mistake (Damerau-Levenshtein distance 1).
+
+    The first letter must be right, or swapped with the second.
+    """
     if word == meant:
         return True
     longer, shorter = (word, meant) if len(word) > len(meant) else (meant, word)

@@ -1,7 +1,7 @@
-"""English words of the wide rule for stops (law 13), as patterns over one clause in lower case without mentions.
+"""English words of the wide stop rule (law 13), as patterns over one clause in lower case without mentions.
 
-The end of a line parts two alternatives, as `|` does; a line that is indented further goes on within a group that the
-line before left open. `stop_moving` puts slips right first, and says when a word that is found does not count.
+A line end separates alternatives, as `|` does; a line with deeper indentation continues the group that the line before
+left open. `while_moving` corrects typing mistakes first, and decides when a word that is found does not count.
 """
 
 # ruff: noqa: SIM905 (tables of words)
@@ -11,14 +11,14 @@ import re
 
 
 def any_of(lines: str, **parts: str) -> re.Pattern[str]:
-    """One of these lines, as whole words; `<name>` stands for `parts[name]`."""
+    """Compile a pattern that matches one of these lines as whole words; `<name>` stands for `parts[name]`."""
     found = "|".join(line.strip() for line in lines.strip().splitlines())
     for name, part in parts.items():
         found = found.replace(f"<{name}>", f"(?:{part})")
     return re.compile(rf"\b(?:{found})\b")
 
 
-#: What a robot does, and is told not to.
+#: What a robot does and can be told not to do.
 _MOTION = (
     "advance|approach|break|budge|bump|carry on|climb|come|coming|continue|crash|cross|do|drive|driving|drop"
     "|enter|execute|fall|follow|get|go|going|hit|hurt|jump|keep|move|moving|proceed|push|run|running|spin"
@@ -41,7 +41,7 @@ _HARM = (
     "|walk (?:into|off)|walking (?:into|off)"
 )
 
-#: A stop by its word. Whether it is wished, denied, asked about or a thing is told by what is around it.
+#: Stop words. The context decides whether one is a request, denied, asked about, or a noun.
 STOP = any_of(
     """
     stop|stops|stopping|halt|halts|halting|freeze|freezing|brake|brakes|braking|abort|aborting|cease|ceasing|desist
@@ -318,7 +318,7 @@ GOVERNS = frozenset(
 )
 
 # ---------------------------------------------------------------------- slips
-#: Words that a slip of the finger makes of others, with the words nearby that are meant as they stand.
+#: Words that typing mistakes are corrected to, and similar words that must not be corrected.
 MEANT = "stop halt freeze brake wait pause abort careful danger enough whoa hold stopping cancel watch emergency crash"
 OTHERS = frozenset(
     """

@@ -1,7 +1,7 @@
-"""Chinese words of the wide rule for stops (law 13), as patterns over one clause in simplified characters.
+"""Chinese words of the wide stop rule (law 13), as patterns over one clause in simplified characters.
 
-The end of a line parts two alternatives, as `|` does; a line that is indented further goes on within a group that the
-line before left open. `stop_moving` says when a word that is found does not count.
+A line end separates alternatives, as `|` does; a line with deeper indentation continues the group that the line before
+left open. `while_moving` decides when a word that is found does not count.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import re
 
 
 def any_of(lines: str, **parts: str) -> re.Pattern[str]:
-    """One of these lines; `<name>` stands for `parts[name]`."""
+    """Compile a pattern that matches one of these lines; `<name>` stands for `parts[name]`."""
     found = "|".join(line.strip() for line in lines.strip().splitlines())
     for name, part in parts.items():
         found = found.replace(f"<{name}>", f"(?:{part})")
@@ -78,7 +78,7 @@ SHOUTED = re.compile(
     "(?:我的|他的|她的|那个|看|有|前面|后面|旁边|左边|右边)*(?:玻璃门|花盆|箱子|猫|狗|小孩|孩子|宝宝|人|脚|手"
     "|腿|墙|桌子|椅子|楼梯|台阶|玻璃|花瓶|杯子|水|车|老人|电线|门|灯)(?:啊|呀)?"
 )
-#: Put out of sight before words are looked for: parts of other words, and denials.
+#: Masked before matching: parts of other words, and denials.
 NO_STOP = any_of(
     """
     停车(?:场|位|费|库|难|坪|票|证)|停(?:电|产|业|课|工|水|机坪|靠|泊|战|火|播|薪|职|售|运|办|牌|顿|滞)|调停

@@ -1,1 +1,1 @@
-"""A model fills in a form; the plan is built from it and checked against the post."""
+"""A model fills in a form; the plan is built from the form and checked against the post."""

@@ -1,7 +1,7 @@
-"""What a text itself says: its numbers with units, directions, actions and words of doubt, each with its place. Pure.
+"""Find what a text itself says: numbers with units, directions, actions and words of doubt, with their positions. Pure.
 
-Kept apart from the grammar on purpose: it is what a model's reading is checked against, and two independent readers do
-not share a mistake. It may know more words than the grammar, since words alone never move anything.
+It is separate from the grammar on purpose: a model's reading is checked against it, and two independent readers do not
+share a mistake. It may know more words than the grammar, because evidence alone never moves anything.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ class EvidenceKind(StrEnum):
     NOT = "not"
     IF = "if"
     SLOW = "slow"
-    AGAIN = "again"  # what was done before, once more
-    BACK = "back"  # what was done before, reversed
+    AGAIN = "again"  # repeats what was done before
+    BACK = "back"  # reverses what was done before
     BREAK = "break"  # between two clauses
     END = "end"  # between two sentences
 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Something that stands in the text at `start` to `end`. `value` is in SI units and degrees."""
+    """Something the text says from `start` to `end`. `value` is in SI units and degrees."""
 
     kind: EvidenceKind
     start: int
@@ -49,11 +49,11 @@ V = TypeVar("V")
 
 # ---------------------------------------------------------------------- the words
 def _table(rows: Mapping[str, V]) -> dict[str, V]:
-    """Phrases separated by | to what they mean."""
+    """Map phrases separated by | to their meaning."""
     return {phrase.strip(): value for phrases, value in rows.items() for phrase in phrases.split("|")}
 
 
-#: Only forms that can order something: "walked" and "has turned" are none.
+#: Only forms that can be commands; "walked" and "has turned" are not.
 ACTIONS: dict[str, tuple[Op, ...]] = _table(
     {
         "walk|move|go|step|advance|proceed|stroll|march|travel|"
@@ -109,7 +109,7 @@ FIXED_ANGLES: dict[str, float] = _table(
     }
 )
 
-#: Words that are neither: (kind, value).
+#: Other words that matter: (kind, value).
 QUALIFIERS: dict[str, tuple[str, float]] = _table(
     {
         "don't|do not|dont|not|never|no|without|avoid|instead of|rather than|neither|nor|refuse|stop|"
@@ -172,7 +172,7 @@ UNITS: dict[str, tuple[str, float]] = {
 
 # ---------------------------------------------------------------------- the patterns
 _HAN = r"\u3400-\u9fff"
-# Ranges, signs, thousands, products and powers are no evidence of either number.
+# Ranges, signs, thousands, products and powers are not evidence of either number.
 _DIGITS = re.compile(
     r"(?<![a-z0-9_.])(?:(?P<whole>\d{1,6})[ ]+(?P<over>[1-9])/(?P<under>[1-9]\d?)|(?P<n>\d{1,6})/(?P<d>[1-9]\d?)"
     r"|(?P<plain>\d{1,6}(?:\.\d{1,6})?|\.\d{1,6}))(?![\d])(?![.,/:^×][\d])"
@@ -205,7 +205,7 @@ _PER_SECOND = re.compile(r"每秒钟?$")
 
 
 def evidence_in(text: str) -> tuple[Evidence, ...]:
-    """Everything that a text says, in order."""
+    """Return everything that a text says, in order."""
     low = _same_length_lower(text)
     amounts = list(_amounts(low))
     taken = [False] * (len(low) + 1)
@@ -221,7 +221,7 @@ def _same_length_lower(text: str) -> str:
 
 # ---------------------------------------------------------------------- amounts
 def _amounts(low: str) -> Iterator[Evidence]:
-    """Numbers with the unit after them; without one as bare numbers. Of two that overlap the first and longest."""
+    """Yield numbers with their units, or as plain numbers; of overlapping ones the first and longest."""
     end = 0
     for start, stop, value in sorted(_numbers(low), key=lambda n: (n[0], -n[1])):
         if start < end:
@@ -260,7 +260,7 @@ def _and_a_half(low: str, stop: int, value: float) -> tuple[int, float]:
 
 
 def _numbers(low: str) -> Iterator[tuple[int, int, float]]:
-    """Every number in digits or words: start, end, value."""
+    """Yield every number in digits or words: start, end, value."""
     for match in _DIGITS.finditer(low):
         if _BEFORE_BAD.search(low[: match.start()][-1:]) or _AFTER_BAD.match(low[match.end() : match.end() + 4]):
             continue
@@ -284,7 +284,7 @@ def _digits_value(match: re.Match[str]) -> float:
     return int(match["whole"]) + int(match["over"]) / int(match["under"])
 
 
-#: Numbers that take more letters are none that a robot walks or turns by.
+#: Numbers with more letters are not distances or angles for a robot.
 _LONGEST_NUMBER = 60
 
 
@@ -318,7 +318,7 @@ def _chinese(words: str) -> float | None:
 
 # ---------------------------------------------------------------------- words
 def _pattern(phrases: dict[str, object]) -> re.Pattern[str]:
-    """Longest phrase first; Latin words whole, Chinese ones anywhere."""
+    """Return an alternation, longest phrase first; Latin words match whole words, Chinese ones anywhere."""
     parts = [
         rf"(?<![a-z']){re.escape(p)}(?![a-z'])" if p.isascii() and p[0].isalpha() else re.escape(p)
         for p in sorted(phrases, key=len, reverse=True)
@@ -326,14 +326,14 @@ def _pattern(phrases: dict[str, object]) -> re.Pattern[str]:
     return re.compile("|".join(parts))
 
 
-#: What 起来 may follow so that it means to get up.
+#: Characters before 起来 with which it means to get up.
 _RISES_AFTER = "站坐爬立你您请快就再并后吧先"
 _ALL: dict[str, object] = {**dict.fromkeys((*ACTIONS, *DIRECTIONS, *FIXED_ANGLES, *QUALIFIERS))}
 _WORDS = _pattern(_ALL)
 
 
 def _words(low: str, taken: list[bool]) -> Iterator[Evidence]:
-    """Words with a meaning, outside of amounts. One phrase can be several things ("back up": going, backward)."""
+    """Yield words with a meaning, outside of amounts. One phrase can be several ("back up": motion, backward)."""
     for match in _WORDS.finditer(low):
         start, end, phrase = match.start(), match.end(), match[0]
         if any(taken[start:end]) or (phrase == "." and low[end : end + 1].isdigit()):

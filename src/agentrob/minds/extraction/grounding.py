@@ -1,10 +1,10 @@
-"""The check against invention: every action, number and direction a model extracted must stand in the post. Pure.
+"""Check a model's extraction for inventions: every action, number and direction must be in the post. Pure.
 
-A step must quote words of the post, and no clause of the post may be left over that is more than manners or a remark
-(law 18). The clause around these words, not the quote alone, must name the action, the
-direction and the amount; what it leaves open may come from a clause that nothing else uses ("turn right, 90 degrees"),
-or, where it refers to what was done before ("again", "and now back"), from the plan before. Numbers of the plan are
-the post's own, converted by us, never the model's. One doubtful word, "not" or "if", in the same sentence: no.
+A step must quote words of the post, and no clause of the post may be left over unless it is only politeness or a remark
+(law 18). The clause around the quoted words, not the quotation alone, must name the action, the direction and the
+amount. What it leaves open may come from a clause that nothing else uses ("turn right, 90 degrees") or, if it refers to
+earlier steps ("again", "and now back"), from the previous plan. The plan's numbers are the post's own, converted by us,
+never the model's. A doubtful word, "not" or "if", in the same sentence rejects the step.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from agentrob.model import Direction, Op, Plan, Primitive
 
 T = TypeVar("T")
 Lack = Literal["words", "action", "direction", "amount", "speed", "count", "denial", "condition", "left_out", "bounds"]
-#: Bounds of what is taken for a distance or an angle at all; the robot's own limits are the screen's.
+#: Limits on plausible distances and angles; the screen checks the robot's own limits.
 MAX_DISTANCE_M, MAX_DEGREES, MAX_STEPS = 100.0, 3600.0, 50
 SLOW_MPS = 0.2
-#: A bare "turn left" is taken as this, and the reply says so.
+#: The angle of a bare "turn left"; the reply states it.
 BARE_TURN_DEG = 90.0
-#: A number without a unit is taken as degrees of a turn from here on, as the grammar does.
+#: Smallest number without a unit that counts as degrees of a turn, as in the grammar.
 LEAST_BARE_DEG = 5.0
 _OPPOSITE = {
     Direction.FORWARD: Direction.BACKWARD,
@@ -50,7 +50,7 @@ class Grounded:
 
 @dataclass(frozen=True, slots=True)
 class Ungrounded:
-    """What the post does not say: which thing, of which step (None: of the whole), as the model has it."""
+    """What the post does not say, and of which step (None: of the whole), counted as in the model's answer."""
 
     lack: Lack
     step: int | None = None
@@ -58,14 +58,14 @@ class Ungrounded:
 
 @dataclass
 class _Clause:
-    """A stretch of the text with one deed at most, and what it says."""
+    """A stretch of the text with at most one action, and what it says."""
 
     start: int
     end: int
     sentence: int
     mentions: list[Evidence] = field(default_factory=list)
     claims: int = 0
-    bare: bool = False  # says nothing besides: an afterthought such as "90 degrees"
+    bare: bool = False  # only an afterthought such as "90 degrees"
     used: bool = False  # … which completed a step
 
     def of(self, kind: EvidenceKind) -> list[Evidence]:
@@ -85,12 +85,12 @@ class _Clause:
 
 
 def ground(steps: Sequence[ExtractedStep], text: str, history: Sequence[Plan] = ()) -> Grounded | Ungrounded:
-    """Check what a model extracted from `text` against the text itself and the plans done before, newest last."""
+    """Check what a model extracted from `text` against the text itself and the earlier plans, newest last."""
     return _Check(text, history[-1].steps if history else ()).run(steps)
 
 
 def claimed(step: ExtractedStep) -> Primitive:
-    """A step as the model has it, to show what was understood; nothing that may be done."""
+    """Return a step as the model reads it, to show what was understood; it is never executed."""
     amount_m = metres(step.amount, step.unit) if step.amount and step.unit else None
     amount_deg = degrees(step.amount, step.unit) if step.amount and step.unit else None
     if step.action is Op.MOVE:
@@ -109,7 +109,7 @@ class _Lacking(Exception):
 
 
 class _Check:
-    """One text and what was done before it."""
+    """One text and the steps before it."""
 
     def __init__(self, text: str, before: Sequence[Primitive]) -> None:
         self._text = text
@@ -146,7 +146,7 @@ class _Check:
 
     # ------------------------------------------------------------ where a step stands
     def _place(self, step: ExtractedStep, at: int) -> tuple[int, _Clause]:
-        """The clause that a step quotes and that names its deed, not before the step before it."""
+        """Return the clause that a step quotes and that names its action, not before the previous step's."""
         span = _find(self._text, step.words, at)
         if span is None:
             raise _Lacking("words")
@@ -169,13 +169,16 @@ class _Check:
         return step.action is Op.MOVE and bool(clause.of(EvidenceKind.LENGTH)) and not clause.ops  # "then 2 m back"
 
     def _most(self, clause: _Clause) -> int:
-        """How many steps a clause can be: one, as many as it counts, or what it refers to."""
+        """Return how many steps a clause can be: one, as many as it counts, or as many as it refers to."""
         most = self._counted(clause)
         return most * max(1, len(self._before)) if clause.refers else most
 
     def _counted(self, clause: _Clause) -> int:
-        """How often a clause says, 1 where it does not. A number counts where a word of counting stands beside it
-        ("three times", 三次), or what is counted right after it ("three photos", "two waves")."""
+        """Return how often a clause says to act, 1 by default.
+
+        A number counts beside a word of counting ("three times", 三次), or right before what is counted ("three
+        photos").
+        """
         counts = {m.value for m in clause.of(EvidenceKind.TIMES)}
         for number in clause.of(EvidenceKind.NUMBER):
             after = next((m for m in self._mentions if m.start >= number.end), None)
@@ -236,7 +239,7 @@ class _Check:
         return move
 
     def _from_before(self, step: ExtractedStep, clause: _Clause) -> Primitive | None:
-        """A step done before, once more or reversed; what the clause says itself takes its place."""
+        """Return an earlier step, repeated or reversed, with the changes that the clause names."""
         back = bool(clause.of(EvidenceKind.BACK))
         kind = EvidenceKind.LENGTH if step.action is Op.MOVE else EvidenceKind.ANGLE
         said = {m.value for m in clause.of(kind)}
@@ -259,7 +262,9 @@ class _Check:
 
     # ------------------------------------------------------------ the whole
     def _of_the_whole(self, places: Sequence[_Clause]) -> Lack | None:
-        """Denials and conditions in a sentence that is used, and clauses that the model left out, wholly or in part."""
+        """Return what is wrong with the whole: denials and conditions in a used sentence, or clauses that were left
+        out.
+        """
         used = {c.sentence for c in places}
         for clause in self._clauses:
             placed = any(clause is p for p in places)
@@ -277,14 +282,14 @@ class _Check:
         return None
 
     def _is_remark(self, clause: _Clause) -> bool:
-        """Whether a clause that no step was made of is manners, a remark, or how fast to walk."""
+        """Return whether a clause without a step is politeness, a remark, or a speed."""
         words = _without(self._text, clause, (EvidenceKind.SLOW, EvidenceKind.SPEED))
         return commands_nothing(_MANNERS.sub("", words), self._language)
 
     def _repeats_all(self, clause: _Clause) -> bool:
-        """Whether what a clause refers to is done wholly, in its order, and nothing of the clause is left over.
+        """Return whether everything a clause refers to is done in order, and nothing of the clause is left over.
 
-        Where it names a kind of step ("the same walk"), that is the only one of its kind.
+        If it names a kind of step ("the same walk"), that must be the only one of its kind.
         """
         before = [step for step in self._before if not clause.ops or step.op in clause.ops]
         done = self._repeated.get(clause.start, [])
@@ -305,14 +310,14 @@ class _Check:
 
 # ---------------------------------------------------------------------- parts of a step
 def _asked(step: ExtractedStep) -> float | None:
-    """What the model says the amount is, in metres or degrees."""
+    """Return the amount as the model reads it, in metres or degrees."""
     if step.amount is None or step.unit is None:
         return None
     return metres(step.amount, step.unit) if step.action is Op.MOVE else degrees(step.amount, step.unit)
 
 
 def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind: EvidenceKind) -> float:
-    """The amount that the post says, when the model says the same."""
+    """Return the amount that the post says, if the model says the same."""
     values = {m.value for m in clause.of(kind)} or _completed_by(free, lambda c: {m.value for m in c.of(kind)})
     if not values and kind is EvidenceKind.ANGLE:  # "turn one eighty to the right"
         values = {m.value for m in clause.of(EvidenceKind.NUMBER) if m.value >= LEAST_BARE_DEG}
@@ -323,7 +328,7 @@ def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind:
 
 
 def _completed_by(free: Sequence[_Clause], said: Callable[[_Clause], set[T]]) -> set[T]:
-    """What afterthoughts say ("turn right and take a photo, 90 degrees"), which then are used."""
+    """Return what afterthoughts say ("turn right and take a photo, 90 degrees"), and mark them as used."""
     found: set[T] = set()
     for clause in free:
         if clause.bare and (values := said(clause)):
@@ -396,7 +401,7 @@ def _is_bare(text: str, clause: _Clause) -> bool:
 
 
 def _without(text: str, clause: _Clause, kinds: Sequence[EvidenceKind]) -> str:
-    """The words of a clause but for such mentions, which are blanked."""
+    """Return the words of a clause with evidence of these kinds blanked out."""
     rest = list(text[clause.start : clause.end])
     for mention in clause.mentions:
         if mention.kind in kinds:
@@ -405,7 +410,7 @@ def _without(text: str, clause: _Clause, kinds: Sequence[EvidenceKind]) -> str:
 
 
 def _full(clause: _Clause, verb: Evidence) -> bool:
-    """Whether a clause says enough of a deed for a further verb to begin another; "move, uh, move 2 m" is one."""
+    """Return whether a clause is complete, so that a further verb begins another; "move, uh, move 2 m" is one."""
     if not any(m.kind is EvidenceKind.ACTION and m.end <= verb.start for m in clause.mentions):
         return False
     if verb.op in clause.ops:
@@ -421,7 +426,7 @@ def _full(clause: _Clause, verb: Evidence) -> bool:
 
 
 def _find(text: str, words: str, at: int) -> tuple[int, int] | None:
-    """Where words stand in a text, but for case, spaces and marks at their ends; at or after `at`, or around it."""
+    """Find words in a text, ignoring case, spaces and marks at their ends; at or after `at`, or around it."""
     parts = words.strip(" \t\n.,;:!?\"'`。，！？；：").split()
     if not parts:
         return None

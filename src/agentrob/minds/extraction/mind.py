@@ -1,11 +1,11 @@
-"""The mind that asks a model, and believes only what the post itself says.
+"""The mind that asks a model, and trusts only what the post itself says.
 
-    post ── rules ──► stop, help, status, "never mind": done without a model
+    post ── rules ──► stop, help, status, "never mind": answered without a model
          ── model ──► closed schema ── grounding ──► the post's own numbers ── cross-check with the rules ──► plan
                                           └─► asks back                             └─► asks back
 
-The model sees the part of the post that is for this robot, as data; it holds no tools. It can make the robot do only
-what the words of the post say, and never what the rules read otherwise. When no model answers, the rules do.
+The model sees the part of the post that is for this robot, as data; it has no tools. It can make the robot do only what
+the post says, and never what the rules read differently. If no model answers, the rules do.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ from agentrob.minds.rules import RulesMind
 from agentrob.minds.usage import Usage
 from agentrob.model import Capabilities, Intent, Language, Plan, Primitive, Understanding
 
-#: What the rules settle alone, at once and without cost.
+#: Intents that the rules answer alone, at once and without cost.
 _SETTLED = (Intent.STOP, Intent.HALT, Intent.HELP, Intent.STATUS, Intent.CANCEL)
 
 
 class ModelMind:
-    """Understands free words through a model (or a chain of them), checked against the words themselves.
+    """Understand free text through a model (or several with fallback), checked against the text itself.
 
-    With `rules_first` the model reads only what the rules ask back. `limit_s` bounds a reading by all models of a chain
-    together; then the rules answer.
+    With `rules_first` the model reads only posts about which the rules ask back. `limit_s` limits a reading by all
+    models together; after it the rules answer.
     """
 
     def __init__(self, model: ChatModel, limit_s: float | None = None, rules_first: bool = False) -> None:
@@ -55,7 +55,7 @@ class ModelMind:
     async def read(
         self, text: str, addressee: Addressee, history: Sequence[Plan] = (), spent: Sequence[Usage] = ()
     ) -> Reading:
-        """What is wanted, who read it, and what that took. Never raises for a model that fails: the rules answer."""
+        """Read a post and report who read it at what cost. Never raises if a model fails: the rules answer."""
         by_rules = await self._rules.understand(text, addressee, history)
         part = clean(part_for(text, addressee.names, addressee.others))
         # Where words are hidden within a line, a model would read over the gap; a book is no command.
@@ -87,11 +87,11 @@ class ModelMind:
         return Reading(understood, answer.mind, answer.usage, fallback=failed[-1] if failed else "")
 
     async def prepare(self) -> None:
-        """Load the model's library before the first post, best when an agent starts. Never raises."""
+        """Load the model's library before the first post, ideally when an agent starts. Never raises."""
         await self.model.prepare()
 
     async def warm(self, capabilities: Capabilities) -> None:
-        """Let a local server read the prompt of this robot before its first post. Never raises."""
+        """Let a local server process this robot's prompt before the first post. Never raises."""
         if self.model.shares_prompt:
             await self.model.warm(shared_prompt(capabilities))
 
@@ -100,9 +100,9 @@ class ModelMind:
 
 
 def weigh(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan] = ()) -> Understanding:
-    """What a model says the post wants, against the post itself and against the rules. Pure.
+    """Compare a model's reading with the post itself and with the rules. Pure.
 
-    What the rules see taken back ("never mind, …") stays taken back, whatever becomes of the rest.
+    A cancellation that the rules find ("never mind, …") always holds.
     """
     return replace(_weighed(wants, by_rules, part, history), cancels=by_rules.cancels)
 
@@ -128,7 +128,7 @@ def _weighed(wants: Wants, by_rules: Understanding, part: str, history: Sequence
 
 
 def _compare(found: Grounded | Ungrounded, wants: Wants, by_rules: Understanding) -> Understanding:
-    """Both read a command: the same one is done, otherwise it is asked which."""
+    """Handle two readings as a command: execute if they agree, otherwise ask which is meant."""
     language = by_rules.language
     theirs = Plan(tuple(_claims(wants))) if isinstance(found, Ungrounded) else found.plan
     if agree(theirs, by_rules.plan):
@@ -142,7 +142,7 @@ def _claims(wants: Wants) -> list[Primitive]:
 
 
 def _shown(wants: Wants, language: Language) -> str:
-    """What the model made of it, in our words."""
+    """Return the model's reading in our words."""
     return sentence(_claims(wants), language)
 
 
@@ -158,7 +158,7 @@ def _ask(language: Language, problem: str, understood: str = "") -> Understandin
 
 # ---------------------------------------------------------------------- two readings of one post
 def agree(one: Plan, other: Plan) -> bool:
-    """The same steps in the same order, but for rounding."""
+    """Return whether two plans have the same steps in the same order, apart from rounding."""
     return len(one.steps) == len(other.steps) and all(map(_alike, one.steps, other.steps))
 
 

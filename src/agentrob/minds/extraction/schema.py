@@ -1,6 +1,6 @@
-"""The closed schema in which a model says what a post wants: enumerated actions, bounded numbers, no free words.
+"""The closed schema in which a model says what a post requests: enumerated actions, bounded numbers, no free text.
 
-What the model quotes (`words`) is only looked up in the post, never shown or done.
+The model's quotation (`words`) is only looked up in the post, never shown or executed.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class ExtractedStep(_Closed):
 
 
 class Wants(_Closed):
-    """What the post wants of this robot."""
+    """What the post requests of this robot."""
 
     intent: Literal["command", "nothing", "unclear"]
     steps: Annotated[tuple[ExtractedStep, ...], Field(max_length=20)] = ()

@@ -1,7 +1,8 @@
-"""A model words what a robot did, from what was measured alone; every number, deed and direction is held against it.
+"""Let a model describe what a robot did, from measurements alone, and check every number, action and direction.
 
-It gets no post and no tools. Only a command that was done as asked is worded: a failure is told in our own words. What
-cannot be found in the measured results is thrown away, and the structured report stands alone.
+The model gets no post and no tools. Only a command that was done as requested is described; failures are reported in
+our own words. A text with anything that is not in the measured results is discarded, and the structured report stands
+alone.
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ from agentrob.minds.llm.prompt import clean, prompt_file
 from agentrob.minds.usage import Usage
 from agentrob.model import ActionResult, Language, Op
 
-#: A finished report waits so long for its words, and they are so long at most.
+#: Seconds that a finished report waits for the text, and its longest length.
 LIMIT_S, MOST_CHARS = 8.0, 400
-#: Why words were thrown away, besides the words of `ErrorKind`.
+#: Why a text was discarded, in addition to the values of `ErrorKind`.
 UNFOUNDED = "unfounded"
-#: What would be more than words in a post, or would hide digits from the check.
+#: Markup, links, and characters that would hide digits from the check.
 _NO_WORDS = re.compile(r"[@<>\[\]`|#*_\\~]|://|www\.")
 _MEASURED = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f} degrees")}
-#: Deeds told in the past tense: evidence knows only what can order something.
+#: Verbs in the past tense: `evidence` knows only forms that can be commands.
 _PAST_VERBS = {
     "walked": "walk", "moved": "move", "went": "go", "stepped": "step", "advanced": "advance", "strolled": "stroll",
     "travelled": "travel", "traveled": "travel", "drove": "drive", "ran": "run", "crawled": "crawl", "came": "come",
@@ -46,7 +47,7 @@ _AMOUNTS = {EvidenceKind.LENGTH: "distance_m", EvidenceKind.ANGLE: "degrees"}
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Words for a report. `text` is empty when there are none: `failed` says why, `problem` what was not found."""
+    """A text for a report. `text` is empty if there is none: `failed` says why, `problem` what was not found."""
 
     mind: str
     text: str = ""
@@ -55,7 +56,7 @@ class Summary:
     usage: tuple[Usage, ...] = ()
 
     def as_data(self) -> dict[str, Any]:
-        """For records and logs."""
+        """Return the summary for records and logs."""
         models = [usage.as_data() for usage in self.usage]
         return {"mind": self.mind, "text": self.text, "failed": self.failed, "problem": self.problem, "models": models}
 
@@ -67,7 +68,7 @@ async def summarise(
     spent: Sequence[Usage] = (),
     limit_s: float = LIMIT_S,
 ) -> Summary:
-    """Ask a model for words about steps that were all done. Never raises for a model that fails."""
+    """Ask a model to describe steps that were all done. Never raises if the model fails."""
     try:
         async with asyncio.timeout(limit_s):
             answer = await model.chat(prompt_file("summary"), _message(results, language), spent=spent)
@@ -83,7 +84,7 @@ async def summarise(
 
 
 def unfounded(text: str, results: Sequence[ActionResult], language: Language) -> str:
-    """What in a text does not follow from the results, in English; empty when all of it does. Pure."""
+    """Return what in a text does not follow from the results, in English; empty if all of it does. Pure."""
     if not results or not all(r.ok for r in results):
         return "not everything was done"
     if not 0 < len(text) <= MOST_CHARS or _NO_WORDS.search(text):
@@ -101,7 +102,7 @@ def unfounded(text: str, results: Sequence[ActionResult], language: Language) ->
 
 
 def _invented(mention: Evidence, results: Sequence[ActionResult]) -> str:
-    """What is wrong with one thing that a text says."""
+    """Return what is wrong with one statement of a text."""
     match mention.kind:
         case EvidenceKind.LENGTH | EvidenceKind.ANGLE:
             measured = [r.measured[_AMOUNTS[mention.kind]] for r in results if _AMOUNTS[mention.kind] in r.measured]
@@ -122,12 +123,12 @@ def _invented(mention: Evidence, results: Sequence[ActionResult]) -> str:
 
 
 def _shown_as(said: float, measured: float) -> bool:
-    """Whether it is the figure that the report shows, but for one per cent."""
+    """Return whether it is the figure in the report, within one per cent."""
     return same(said, measured) or same(said, round(measured, 2))
 
 
 def _stray_digit(text: str, mentions: Sequence[Evidence]) -> str:
-    """Digits outside of every number that was read."""
+    """Return digits outside of every number that was read."""
     for match in re.finditer(r"\d[\d.,/]*", text):
         if not any(m.start <= match.start() < m.end for m in mentions):
             return match[0]
@@ -141,7 +142,7 @@ def _message(results: Sequence[ActionResult], language: Language) -> str:
 
 
 def _deed(result: ActionResult) -> str:
-    """The deed without the amount that was asked: only what was measured is told."""
+    """Return the action without its requested amount: only measurements are reported."""
     if result.primitive.op not in _MEASURED:
         return step_sentence(result.primitive, "en")
     verb = "walk" if result.primitive.op is Op.MOVE else "turn"

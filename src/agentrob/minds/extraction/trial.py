@@ -1,4 +1,4 @@
-"""What a mind makes of one text, told in lines for people: for trying a model before trusting it. Nothing moves."""
+"""Show how a mind reads one text, to try a model before using it. Nothing moves."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from agentrob.minds.safety_review import SafetyReview, apply_review, review_comm
 from agentrob.model import Account, Capabilities, Decision, Intent, Role, Verdict
 from agentrob.screening.screen import screen
 
-#: Whoever tries a mind may command.
+#: The author of a trial may command.
 _AUTHOR = Account(id="local", name="local", role=Role.OPERATOR)
 
 
 async def try_mind(mind: Mind, name: str, text: str, robot: str, capabilities: Capabilities) -> list[str]:
-    """Read a post body for `robot` (its handle, unless the text mentions one), judge it, and close the mind. `name` is
-    what the mind is called in the configuration."""
+    """Read a post body for `robot` (its handle, unless the text mentions one), screen it, and close the mind.
+
+    Returns lines for people. `name` is the mind's name in the configuration.
+    """
     visible = visible_text(text)
     called = (*mentions(visible), robot)[0]
     if called not in mentions(visible):
@@ -50,9 +52,11 @@ async def reviewed_verdict(
     *,
     required: bool = False,
 ) -> tuple[Verdict, SafetyReview | None]:
-    """What counts of a command that was read and judged by rules, as for an agent with `screen = "model"`: where the
-    rules allow it and the mind is a model, that looks at it once more, and can only refuse. `required`: with `screen =
-    "required"`, so it is asked back where no model could look."""
+    """Return the verdict on a command after a model's review, like an agent with `screen = "model"`.
+
+    If the rules allow the command and the mind is a model, the model reviews it, and can only refuse. `required` is
+    like `screen = "required"`: without a review, ask back.
+    """
     found = reading.understanding
     if by_rules.decision is not Decision.ALLOW or not isinstance(mind, ModelMind):
         return apply_review(by_rules, None, found.language, required), None
@@ -68,7 +72,7 @@ async def reviewed_verdict(
 async def _judged(
     mind: Mind, reading: Reading, text: str, addressee: Addressee
 ) -> tuple[list[str], SafetyReview | None]:
-    """What the screen says of a command, and what a model adds where the rules allow it."""
+    """Return lines about the screen's verdict on a command and the model's review."""
     found, can = reading.understanding, addressee.capabilities
     if found.intent is not Intent.COMMAND:
         return [], None

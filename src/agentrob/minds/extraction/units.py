@@ -1,4 +1,4 @@
-"""Units of length, angle and speed: what they are in metres, degrees and metres per second. Pure."""
+"""Convert units of length, angle and speed to metres, degrees and metres per second. Pure."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class Unit(StrEnum):
-    """The units that a model may name. Conversion is ours: a small model writes 50 m for 50 cm."""
+    """Units that a model may name. We convert them ourselves, because small models write 50 m for 50 cm."""
 
     M = "m"
     CM = "cm"
@@ -49,17 +49,17 @@ MPS: dict[SpeedUnit, float] = {
 
 
 def metres(amount: float, unit: Unit) -> float | None:
-    """Metres, None when the unit is none of length."""
+    """Return metres, None if the unit is not a length."""
     factor = METRES.get(unit)
     return None if factor is None else amount * factor
 
 
 def degrees(amount: float, unit: Unit) -> float | None:
-    """Degrees, None when the unit is none of angle."""
+    """Return degrees, None if the unit is not an angle."""
     factor = DEGREES.get(unit)
     return None if factor is None else amount * factor
 
 
 def same(one: float, other: float) -> bool:
-    """Equal but for rounding in a conversion (0.61 m for 2 ft): within one per cent."""
+    """Return whether two amounts are equal within one per cent, for rounding in conversions (0.61 m for 2 ft)."""
     return abs(one - other) <= 0.01 * max(abs(one), abs(other)) + 1e-9

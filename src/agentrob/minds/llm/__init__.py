@@ -1,1 +1,1 @@
-"""Calls of language models: one door, budgets, retries, errors."""
+"""Call language models: one interface, with budgets, retries and errors."""

@@ -1,7 +1,7 @@
-"""What minds may use up per command and per day; the day is kept on disk, so that a restart does not forget it.
+"""Limit what minds may use per command and per day; the daily sum is on disk, so that it survives a restart.
 
-Before a question its most is set aside, after the answer what it really took: two agents that share the file cannot
-overspend together, and what broke off in between stays counted.
+The maximum cost of a question is reserved before it and settled after the answer. So two agents that share the file
+cannot overspend together, and an interrupted question stays counted.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def _utc_day() -> str:
 
 @dataclass(frozen=True, slots=True)
 class Reserve:
-    """What was set aside for a question, on which day."""
+    """What was reserved for a question, and on which day."""
 
     day: str
     tokens: int
@@ -47,9 +47,9 @@ class Reserve:
 
 
 class Budget:
-    """The limits of one mind. `file` is shared by all minds and processes that spend from the same purse.
+    """The limits of one mind. `file` is shared by all minds and processes with the same budget.
 
-    A file that cannot be used stops the spending: then the mind fails and the next one, at last the rules, answers.
+    An unusable file stops the spending: the mind then fails, and the next one, in the end the rules, answers.
     """
 
     def __init__(self, mind: str, limits: MindLimitsConfig, file: Path, today: Callable[[], str] = _utc_day) -> None:
@@ -59,7 +59,7 @@ class Budget:
         self._today = today
 
     async def reserve(self, tokens: int, cost: float, spent: Sequence[Usage]) -> Reserve:
-        """Set aside the most that a question may take. `ModelError` "budget" names the limit that stands in its way."""
+        """Reserve the most that a question may cost. Raises `ModelError` "budget", which names the exceeded limit."""
         used_tokens, used_money = spent_by(self._mind, spent)
         self._check("command", used_tokens + tokens, used_money + cost)
         reserve = Reserve(self._today(), tokens, cost)
@@ -67,7 +67,7 @@ class Budget:
         return reserve
 
     async def settle(self, reserve: Reserve, tokens: int, cost: float) -> None:
-        """Count what it really took."""
+        """Replace the reservation by the actual cost."""
         more = (tokens - reserve.tokens, cost - reserve.cost)
         try:
             await asyncio.to_thread(self._add, reserve.day, *more)
@@ -75,7 +75,7 @@ class Budget:
             _log.warning("what a mind used cannot be written down", mind=self._mind, error=str(e))
 
     def spent_today(self) -> tuple[int, float]:
-        """Tokens and money of this UTC day."""
+        """Return the tokens and money of this UTC day."""
         with self._opened() as db:
             return self._of(db, self._today())
 
@@ -108,7 +108,7 @@ class Budget:
 
     @contextmanager
     def _opened(self) -> Iterator[sqlite3.Connection]:
-        """The file; whatever is wrong with it is a `ModelError`."""
+        """Open the file; raises `ModelError` if that fails."""
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True)
             with closing(sqlite3.connect(self._file, timeout=BUSY_S, isolation_level=None)) as db:

@@ -1,7 +1,7 @@
-"""What a model is to us: `chat(system_prompt, user_message)`, typed answers, and turns with tools and images.
+"""The interface to a model: `chat(system_prompt, user_message)`, typed answers, and turns with tools and images.
 
-Nothing here knows a provider or a library. A conversation is a sequence of our own frozen messages, so that another
-model can go on with it where one failed.
+It is independent of providers and libraries. A conversation is a sequence of our own frozen messages, so that another
+model can continue it after a failure.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ M = TypeVar("M", bound=BaseModel)
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A picture as bytes, sent inline; at most 1024 px is sensible."""
+    """An image as bytes, sent inline; at most 1024 px is sensible."""
 
     data: bytes
     media_type: str = "image/jpeg"
@@ -28,7 +28,7 @@ class Image:
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """Something a model may ask for. `arguments` is a closed pydantic model with bounds."""
+    """A tool that a model may call. `arguments` is a closed pydantic model with bounds."""
 
     name: str
     description: str
@@ -37,7 +37,7 @@ class Tool:
 
 @dataclass(frozen=True, slots=True)
 class ToolCall:
-    """What a model asked for. `arguments` are checked ones, or None with the `problem` to tell the model."""
+    """A call by the model. `arguments` are validated, or None with the `problem` to tell the model."""
 
     id: str
     name: str
@@ -48,7 +48,7 @@ class ToolCall:
 
 @dataclass(frozen=True, slots=True)
 class UserMessage:
-    """What we say to the model."""
+    """A message from us to the model."""
 
     text: str
     images: tuple[Image, ...] = ()
@@ -56,7 +56,7 @@ class UserMessage:
 
 @dataclass(frozen=True, slots=True)
 class ModelReply:
-    """What the model answered: words, calls of tools, or both."""
+    """The model's reply: words, tool calls, or both."""
 
     text: str
     calls: tuple[ToolCall, ...] = ()
@@ -64,7 +64,7 @@ class ModelReply:
 
 @dataclass(frozen=True, slots=True)
 class ToolResult:
-    """What a call came to, measured by us; goes to the model as data."""
+    """The measured result of a call; the model gets it as data."""
 
     call: ToolCall
     content: str
@@ -76,7 +76,7 @@ Message = UserMessage | ModelReply | ToolResult
 
 @dataclass(frozen=True, slots=True)
 class Answer(Generic[T]):
-    """A value and what it cost, failed models before it included. `mind` is who answered."""
+    """A value and what it cost, including models that failed before. `mind` is who answered."""
 
     value: T
     mind: str
@@ -84,30 +84,32 @@ class Answer(Generic[T]):
 
 
 class ChatModel(Protocol):
-    """A model, or a chain of them. Every call raises `ModelError` when there is no answer within its budget.
+    """A model, or several with fallback. Every call raises `ModelError` if there is no answer within its budget.
 
-    `spent` is what the command used up before, for the limits per command; pass the usage of earlier answers on.
+    `spent` is what the command used before, for the limits per command; pass on the usage of earlier answers.
     """
 
     name: str
 
     @property
     def limit_s(self) -> float:
-        """The longest that one answer takes, in seconds."""
+        """The longest time for one answer, in seconds."""
         ...
 
     @property
     def shares_prompt(self) -> bool:
-        """Whether all questions had better have one system prompt (`prompt.shared_prompt`): a local server then reads
-        it once, where it would read each of several anew."""
+        """Whether all questions should share one system prompt (`prompt.shared_prompt`).
+
+        A local server caches the prompt it read last, and would read several prompts anew each time.
+        """
         ...
 
     async def warm(self, system_prompt: str) -> None:
-        """Let a local server read this prompt before the first post comes; others are not asked. Never raises."""
+        """Let a local server process this prompt before the first post; others are not called. Never raises."""
         ...
 
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
-        """Words for words."""
+        """Answer text with text."""
         ...
 
     async def answer(
@@ -118,19 +120,19 @@ class ChatModel(Protocol):
         images: Sequence[Image] = (),
         spent: Sequence[Usage] = (),
     ) -> Answer[M]:
-        """An answer in a closed schema: valid, or none at all."""
+        """Answer in a closed schema; an answer is always valid."""
         ...
 
     async def turn(
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
     ) -> Answer[ModelReply]:
-        """One turn with tools. Calls of unknown tools or with wrong arguments come back with a `problem`."""
+        """Take one turn with tools. Calls of unknown tools or with invalid arguments come back with a `problem`."""
         ...
 
     async def prepare(self) -> None:
-        """Load what the first question would wait for (a second or two of a library). Asks nothing, never raises."""
+        """Load what the first question would wait for (a library, a second or two). Asks nothing, never raises."""
         ...
 
     async def close(self) -> None:
-        """Give connections back."""
+        """Close connections."""
         ...

@@ -1,4 +1,4 @@
-"""How a model can fail, as one sentence that says what to do and a stable word for records; never with a key."""
+"""Errors of models: a sentence that says what to do, and a stable word for records; never with a key."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ ErrorKind = Literal[
     "timeout",
     "too_big",
     "malformed",  # an answer that is not in the schema, or no JSON
-    "budget",  # our own limit of tokens or money
+    "budget",  # our own limit on tokens or money
 ]
-#: What may be better at once or in a moment.
+#: Errors that a retry may solve.
 TRANSIENT: frozenset[ErrorKind] = frozenset(["limited", "server", "unreachable", "broken", "timeout"])
-#: What the provider did not serve and therefore does not bill.
+#: Errors before the provider served anything, so that it does not bill.
 UNBILLED: frozenset[ErrorKind] = frozenset(
     ["no_key", "no_library", "denied", "not_found", "rejected", "limited", "server", "dns", "tls", "unreachable"]
 )
 
 
 class ModelError(MindError):
-    """A model did not answer. `kind` is a stable word, `usage` what was spent on the way, failed attempts included."""
+    """A model did not answer. `kind` is a stable word, `usage` what was spent, including failed attempts."""
 
     def __init__(
         self,
@@ -52,12 +52,12 @@ class ModelError(MindError):
 
     @property
     def transient(self) -> bool:
-        """Whether asking again may help."""
+        """Whether a retry may help."""
         return self.kind in TRANSIENT and not self._final
 
 
 def one_line(text: object, secrets: Sequence[str] = (), limit: int = 160) -> str:
-    """Words of a server for a log: one line, short, printable, and without any of the secrets."""
+    """Return a text on one line for a log: short, printable, and without any of the secrets."""
     line = " ".join("".join(c if c.isprintable() else " " for c in str(text)[:10_000]).split())
     for secret in secrets:
         if secret:

@@ -1,4 +1,4 @@
-"""Several models as one: each is asked when those before it failed, and who failed is in the usage."""
+"""Several models as one: each is asked if those before it failed; the usage includes the failures."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _log = structlog.get_logger()
 
 
 class FallbackModel:
-    """Models in order of preference. Raises the last one's `ModelError` when none answers; then the rules are left."""
+    """Models in order of preference. Raises the last one's `ModelError` if none answers; then the rules are left."""
 
     def __init__(self, models: Sequence[ChatModel]) -> None:
         self.name = models[0].name
@@ -38,13 +38,13 @@ class FallbackModel:
         return await self._first(lambda m, used: m.turn(system_prompt, conversation, tools, used), spent)
 
     def with_images(self) -> FallbackModel | None:
-        """Those of the models that take pictures; None when the first of them does not."""
+        """Return those of the models that accept images; None if the first does not."""
         seers = [m for m in self._models if not isinstance(m, ConfiguredModel) or m.config.images]
         return FallbackModel(seers) if seers[:1] == list(self._models[:1]) else None
 
     @property
     def limit_s(self) -> float:
-        """The longest that one answer takes, when every model but the last fails as late as it may."""
+        """The longest time for one answer, if every model but the last fails as late as it may."""
         return sum(model.limit_s for model in self._models)
 
     @property
@@ -83,6 +83,6 @@ class FallbackModel:
 
 
 def model_with_fallbacks(name: str, minds: Mapping[str, MindConfig], ledger: Path) -> FallbackModel:
-    """The mind of that name with its fallbacks; `rules` at their end is no model and is left to whoever asks."""
+    """Return the mind of that name with its fallbacks; `rules` at their end is not a model and left to the caller."""
     names = [name, *(other for other in minds[name].fallbacks if other != "rules")]
     return FallbackModel([ConfiguredModel(n, minds[n], ledger) for n in names])

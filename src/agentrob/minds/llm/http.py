@@ -8,9 +8,9 @@ from urllib.parse import urlsplit
 
 import httpx2
 
-#: An answer is some kilobytes; whatever sends more is broken or hostile.
+#: Answers have some kilobytes; a larger one is broken or hostile.
 MAX_ANSWER_BYTES = 2_000_000
-#: Headers that libraries take from the environment for their own provider: not for the configured host.
+#: Headers that libraries set from the environment for their own provider, not for the configured host.
 _NOT_OURS = ("authorization", "x-api-key", "openai-organization", "openai-project")
 
 
@@ -19,7 +19,7 @@ class TooBig(httpx2.TransportError):
 
 
 class _Bounded(httpx2.AsyncByteStream):
-    """Hands on at most so many bytes, then breaks off."""
+    """Pass on at most `MAX_ANSWER_BYTES`, then fail."""
 
     def __init__(self, stream: httpx2.AsyncByteStream) -> None:
         self._stream = stream
@@ -37,7 +37,7 @@ class _Bounded(httpx2.AsyncByteStream):
 
 
 class _Hooks:
-    """Puts the key on requests, so that no library holds it, and bounds on answers."""
+    """Add the key to requests, so that no library holds it, and limit answers."""
 
     def __init__(self, credentials: Mapping[str, str]) -> None:
         self._credentials = credentials
@@ -56,7 +56,7 @@ class _Hooks:
 
 
 def client(base_url: str, credentials: Mapping[str, str], timeout_s: float) -> httpx2.AsyncClient:
-    """A client for one model; `credentials` are headers. Key and post go to the configured host and nowhere else."""
+    """Return a client for one model; `credentials` are headers. Key and post go only to the configured host."""
     hooks = _Hooks(credentials)
     return httpx2.AsyncClient(
         timeout=httpx2.Timeout(timeout_s, connect=min(timeout_s, 10.0)),
@@ -67,7 +67,7 @@ def client(base_url: str, credentials: Mapping[str, str], timeout_s: float) -> h
 
 
 def is_loopback(url: str) -> bool:
-    """Whether an address is this machine itself."""
+    """Return whether a URL points to this machine."""
     host = urlsplit(url).hostname or ""
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback

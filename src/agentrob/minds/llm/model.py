@@ -1,4 +1,4 @@
-"""A model of the configuration: asked with retries, within its time, its budget and its number of questions at once."""
+"""A configured model: asked with retries, within its time, its budget and its number of parallel questions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _log = structlog.get_logger()
 if TYPE_CHECKING:
     from agentrob.minds.llm.provider import Provider, ProviderAnswer
 
-#: How often an answer outside of the schema is sent back with what is wrong.
+#: How often an invalid answer is sent back with an explanation.
 _REPAIRS = 1
 #: Seconds before the first retry, and at most before any.
 RETRY_FIRST_S = 0.5
@@ -35,9 +35,9 @@ RETRY_MAX_S = 8.0
 
 
 class ConfiguredModel:
-    """One `[minds.NAME]` table. The key is read from the environment when it is first asked.
+    """One `[minds.NAME]` table. The key is read from the environment at the first question.
 
-    `ledger` is the file of what was spent today; `chance` gives the jitter of retries, evenly in 0..1.
+    `ledger` is the file with what was spent today; `chance` gives the jitter of retries, evenly in 0..1.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class ConfiguredModel:
 
     @property
     def shares_prompt(self) -> bool:
-        """Whether its server does better with one system prompt for all questions."""
+        """Whether its server should get one system prompt for all questions."""
         return self.config.kind == "local"
 
     async def warm(self, system_prompt: str) -> None:
@@ -127,7 +127,7 @@ class ConfiguredModel:
             self._provider = None
 
     def _unusable(self, why: str, used: Sequence[Usage]) -> ModelError:
-        """An answer that came, was paid for, and is none."""
+        """Return the error for an answer that was paid for but cannot be used."""
         last = replace(used[-1], failed="malformed")
         return ModelError("malformed", f"{self.name}: {why}", usage=[*used[:-1], last])
 
@@ -140,7 +140,7 @@ class ConfiguredModel:
         spent: Sequence[Usage],
         until: float,
     ) -> tuple[M | None, str, str, Usage]:
-        """The value or what is wrong, what the model said, and what it took."""
+        """Return the value or what is wrong, what the model said, and what it cost."""
         if self.config.answers == "tools":
             tool = Tool("answer", "Gives the answer.", kind)
             heard, usage = await self._ask(system_prompt, conversation, spent, [tool], True, until=until)
@@ -154,7 +154,7 @@ class ConfiguredModel:
         return *found_in(heard.text, kind), heard.text[:2_000], usage
 
     def _blind(self, fault: ModelError) -> ModelError:
-        """A server that fails on a picture takes none (llama.cpp without a projector): it gets none any more."""
+        """Stop sending pictures to a server that fails on one (llama.cpp without a projector)."""
         if self._sees:
             _log.warning("a model fails on pictures and gets none any more", mind=self.name, error=str(fault))
         self._sees = False
@@ -179,7 +179,7 @@ class ConfiguredModel:
         json_schema: dict[str, Any] | None = None,
         until: float | None = None,
     ) -> tuple[ProviderAnswer, Usage]:
-        """Ends at `until` by the monotonic clock, or `total_s` from now."""
+        """Ask until `until` by the monotonic clock, or for `total_s`."""
         if not self._sees and _pictures_in(conversation):
             raise ModelError("rejected", f"{self.name} failed on a picture before and gets none any more")
         began = monotonic()
@@ -229,7 +229,7 @@ class ConfiguredModel:
         must_call: bool,
         json_schema: dict[str, Any] | None,
     ) -> ProviderAnswer:
-        """One attempt; what surely was not served is given back to the day."""
+        """Make one attempt; if it was surely not served, release the reservation."""
         try:
             async with asyncio.timeout(self.config.timeout_s):
                 return await provider.ask(system_prompt, conversation, tools, must_call, json_schema)
@@ -242,7 +242,7 @@ class ConfiguredModel:
             raise
 
     async def _opened(self) -> Provider:
-        """The provider, made once; in a thread, since its library takes a second, and stops must not wait for it."""
+        """Return the provider, created once in a thread: its library loads slowly, and stops must not wait."""
         async with self._opening:
             if self._provider is None:
                 self._provider = await asyncio.to_thread(self._open)
@@ -264,7 +264,7 @@ class ConfiguredModel:
 
     # ------------------------------------------------------------ what it takes
     def _estimate(self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool]) -> tuple[int, int]:
-        """The most that a question may take: tokens in, tokens out."""
+        """Estimate the most that a question may cost: input tokens, output tokens."""
         texts = [
             system_prompt,
             *(m.content if not isinstance(m, UserMessage | ModelReply) else m.text for m in conversation),
@@ -279,7 +279,7 @@ class ConfiguredModel:
     async def _settled(
         self, reserve: Reserve, heard: ProviderAnswer, began: float, attempts: int, lost: Usage
     ) -> Usage:
-        """What an answer took, and the attempts lost before it."""
+        """Return what an answer cost, including failed attempts before it."""
         tokens, cost = reserve.tokens, reserve.cost
         if heard.input_tokens is not None and heard.output_tokens is not None:
             tokens = heard.input_tokens + heard.output_tokens
@@ -297,7 +297,7 @@ class ConfiguredModel:
         )
 
     def _lost(self, began: float, estimate: tuple[int, int], times: int) -> Usage:
-        """Attempts that may be billed though nothing came, counted at their most."""
+        """Return the usage of failed attempts that may be billed, at their maximum."""
         cost = cost_of(*estimate, self.config.price)
         return Usage(
             mind=self.name,
@@ -314,16 +314,16 @@ def _pictures_in(conversation: Sequence[Message]) -> bool:
 
 
 def _with_usage(fault: ModelError, before: Sequence[Usage]) -> ModelError:
-    """The same fault, with what was used before it."""
+    """Return the error with what was used before it."""
     fault.usage = (*before, *fault.usage)
     return fault
 
 
 def retry_wait_s(attempt: int, chance: float, retry_after_s: float | None = None) -> float:
-    """Seconds to wait after failed attempt number `attempt` (1, 2, …); `chance` is evenly in 0..1.
+    """Return the seconds to wait after failed attempt number `attempt` (1, 2, …); `chance` is evenly in 0..1.
 
-    Full jitter (a random part of the growing bound) spreads clients that failed together; what the server asked for
-    is kept and jittered above, so that they do not come back together either.
+    Full jitter (a random part of a growing bound) spreads clients that failed together. A `retry_after_s` of the server
+    is respected, with a small jitter on top.
     """
     bound = min(RETRY_MAX_S, RETRY_FIRST_S * 2.0 ** (min(attempt, 32) - 1))
     if retry_after_s is None:

@@ -1,4 +1,4 @@
-"""Whether the configured minds can be used, asked as an agent asks them: one line each, with what to set."""
+"""Check whether the configured minds can be used, with questions like an agent's: one line each, with what to set."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from agentrob.minds.llm.prompt import prompts, user_message
 from agentrob.minds.safety_review import review_command
 from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
 
-#: What it is asked to read and to look at.
+#: The post to read and the plan to review.
 _POST = "please go ahead for one metre and then have a look to the left"
 _ROBOT = Capabilities("go2", frozenset(Op))
 _PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0), Primitive(Op.TURN, Direction.LEFT, degrees=90)))
@@ -42,7 +42,7 @@ _TOOL = Tool("set_number", "Sets the number.", _Number)
 
 @dataclass(frozen=True, slots=True)
 class ProbeResult:
-    """One mind as it is now. `problem` is empty when it can be used."""
+    """The result for one mind. `problem` is empty if it can be used."""
 
     mind: str
     model: str
@@ -70,7 +70,7 @@ class ProbeResult:
 
 
 async def probe(name: str, config: MindConfig, ledger: Path) -> ProbeResult:
-    """Ask one mind for a tool call, the colour of a picture, a reading and a look at a command; without retries."""
+    """Ask one mind for a tool call, the colour of a picture, a reading and a review, without retries."""
     model = ConfiguredModel(name, config.model_copy(update={"retries": 0}), ledger)
     try:
         return await _check(model)
@@ -116,8 +116,9 @@ async def _check(model: ConfiguredModel) -> ProbeResult:
 
 
 async def _works(model: ConfiguredModel) -> tuple[str, float]:
-    """What keeps it from an agent's real work, and how long a reading took: the prompts, schemas and times are those of
-    an agent."""
+    """Return what keeps it from an agent's real work, and the seconds of a reading, with an agent's prompts and
+    schemas.
+    """
     begun_s = monotonic()
     try:
         system_prompt, begins = prompts(_ROBOT, "read", model.shares_prompt)
@@ -132,7 +133,7 @@ async def _works(model: ConfiguredModel) -> tuple[str, float]:
 
 
 def _advised(fault: ModelError, config: MindConfig) -> str:
-    """What is wrong with a reading, and what to set."""
+    """Return what is wrong with a reading, and what to set."""
     text = str(fault)
     if fault.kind == "timeout":
         slow = "" if config.kind == "local" else ' or kind = "local"'
@@ -146,7 +147,7 @@ def _advised(fault: ModelError, config: MindConfig) -> str:
 
 
 async def _sees(model: ConfiguredModel) -> YesNo:
-    """Whether it can tell a red picture from others."""
+    """Return whether it recognises a red picture."""
     if not model.config.images:
         return "off"
     try:
@@ -166,5 +167,5 @@ def _red() -> Image:
 
 
 async def probe_all(minds: Mapping[str, MindConfig], ledger: Path) -> list[ProbeResult]:
-    """All of them at once, in order of their names."""
+    """Probe all minds at once, in order of their names."""
     return list(await asyncio.gather(*(probe(name, minds[name], ledger) for name in sorted(minds))))

@@ -1,4 +1,4 @@
-"""What a model is told: the prompt of its robot's kind, and the post as data between delimiters of this one request."""
+"""Prompts for models: one for each kind of robot, and the post as data between delimiters of one request."""
 
 from __future__ import annotations
 
@@ -13,44 +13,46 @@ from importlib import resources
 from agentrob.language.visible_text import OMITTED
 from agentrob.model import Capabilities, Language, Op, Plan
 
-#: Kinds of robots without a prompt of their own get this one.
+#: The prompt for robots without one of their own.
 _OTHER = "robot"
 #: How a model is told the language in which to answer.
 _LANGUAGES = {"en": "English", "zh": "Chinese"}
 _SHARED = "You do one of the two tasks below. The first line of the message says which; leave the other one alone."
 _TASKS = {"read": "Reading posts", "screen": "Looking at a command before a robot does it"}
-#: Plans of the thread that are told, newest last.
+#: Number of the thread's plans in a prompt, newest last.
 HISTORY_PLANS = 3
 
 
 def system_prompt(capabilities: Capabilities) -> str:
-    """The extraction prompt for a kind of robot, with the actions it has."""
+    """Return the extraction prompt for a kind of robot, with its actions."""
     ops = ", ".join(op.value for op in Op if op in capabilities.ops)
     return _prompt(capabilities.model).replace("{actions}", ops)
 
 
 def shared_prompt(capabilities: Capabilities) -> str:
-    """Reading posts and looking at commands in one prompt, for servers that keep what they read last; each question
-    then begins with its task."""
+    """Return one prompt for reading posts and reviewing commands, for servers that cache the last prompt.
+
+    Each question then begins with its task.
+    """
     parts = _SHARED, system_prompt(capabilities), prompt_file("screen")
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
 def prompts(capabilities: Capabilities, task: str, shared: bool) -> tuple[str, str]:
-    """The system prompt for a task (`read` or `screen`), and what the message to it begins with."""
+    """Return the system prompt for a task (`read` or `screen`), and the beginning of the message for it."""
     if shared:
         return shared_prompt(capabilities), f"Task: {_TASKS[task]}\n"
     return system_prompt(capabilities) if task == "read" else prompt_file("screen"), ""
 
 
 def user_message(post: str, history: Sequence[Plan], mark: Callable[[], str] = lambda: secrets.token_hex(8)) -> str:
-    """The post as data and what was done before as JSON. The delimiters are new each time and not in the post."""
+    """Return the post as data and earlier steps as JSON. The delimiters are random and not in the post."""
     before = [[{"action": s.op.value, **s.asked()} for s in plan.steps] for plan in history[-HISTORY_PLANS:]]
     return f"Done before in this thread, oldest first: {json.dumps(before)}\n{post_as_data(post, mark)}"
 
 
 def post_as_data(post: str, mark: Callable[[], str] = lambda: secrets.token_hex(8)) -> str:
-    """A post between delimiters of this one request."""
+    """Return a post between random delimiters."""
     text = clean(post)
     token = mark()
     while token in text:
@@ -66,7 +68,7 @@ def post_as_data(post: str, mark: Callable[[], str] = lambda: secrets.token_hex(
 
 
 def clean(text: str) -> str:
-    """NFKC without invisible and bidirectional characters. What `visible_text` gives stays as it is."""
+    """Return NFKC text without invisible and bidirectional characters; text from `visible_text` stays the same."""
     shown = (c for c in unicodedata.normalize("NFKC", text) if c in "\n" + OMITTED or _is_shown(c))
     return unicodedata.normalize("NFKC", "".join(shown))
 
@@ -77,12 +79,12 @@ def _is_shown(char: str) -> bool:
 
 @cache
 def prompt_file(name: str) -> str:
-    """A prompt that is the same for all robots."""
+    """Return a prompt that is the same for all robots."""
     return (resources.files("agentrob.minds") / "prompts" / f"{name}.md").read_text(encoding="utf-8")
 
 
 def loop_prompt(kind: str, language: Language) -> str:
-    """The prompt of the visual loop for a kind of robot."""
+    """Return the prompt of the visual loop for a kind of robot."""
     return _prompt(kind, "loop_").replace("{language}", _LANGUAGES.get(language, "English"))
 
 
@@ -92,7 +94,7 @@ _NO_KINDS = ("screen", "summary")
 
 @cache
 def _prompt(kind: str, task: str = "") -> str:
-    """The prompt file for a kind of robot, or the general one when that kind has none."""
+    """Return the prompt file for a kind of robot, or the general one."""
     folder = resources.files("agentrob.minds") / "prompts"
     known = re.fullmatch("[a-z0-9_]+", kind) and (task or kind not in _NO_KINDS)
     file = folder / f"{task}{kind if known else _OTHER}.md"

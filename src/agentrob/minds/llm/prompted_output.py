@@ -1,4 +1,4 @@
-"""Typed answers and tools for models that know neither: asked for in words, read from the text. Pure."""
+"""Typed answers and tools for models that support neither: requested in the prompt, parsed from the text. Pure."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class _Asked(BaseModel):
 
 
 def with_schema(system_prompt: str, kind: type[BaseModel]) -> str:
-    """A system prompt that asks for one JSON object and nothing else."""
+    """Return a system prompt that asks for one JSON object and nothing else."""
     schema = json.dumps(schema_of(kind), ensure_ascii=False)
     return f"{system_prompt}\n\nAnswer with one JSON object and no other words. Its JSON schema:\n{schema}\n"
 
 
 def with_tools(system_prompt: str, tools: Sequence[Tool]) -> str:
-    """A system prompt that tells of the tools and how to ask for one."""
+    """Return a system prompt that describes the tools and how to call one."""
     lines = [f"- {t.name}: {t.description} Arguments: {json.dumps(schema_of(t.arguments))}" for t in tools]
     return "\n".join(
         [
@@ -41,7 +41,7 @@ def with_tools(system_prompt: str, tools: Sequence[Tool]) -> str:
 
 
 def without_tools(conversation: Sequence[Message]) -> list[Message]:
-    """The same conversation in words: calls as the JSON that they were, results as what we say."""
+    """Return the conversation as text: calls as JSON, results as our messages."""
     words: list[Message] = []
     for message in conversation:
         if isinstance(message, ModelReply):
@@ -55,7 +55,7 @@ def without_tools(conversation: Sequence[Message]) -> list[Message]:
 
 
 def reply_in(text: str, number: int, tools: Sequence[Tool]) -> ModelReply:
-    """What a text asks for: at most one call of a tool, or plain words. `number` makes the call's id."""
+    """Parse a text into at most one tool call, or plain words. `number` makes the call's id."""
     asked, _ = found_in(text, _Asked)
     if asked is None or not tools:
         return ModelReply(text.strip())

@@ -1,6 +1,6 @@
-"""The one door to the model libraries: our messages out, theirs back, their errors as `ModelError`. Imported lazily.
+"""The only module that uses the model libraries: converts messages and turns errors into `ModelError`. Imported lazily.
 
-It asks once: retries, budgets and schemas are `configured`'s. The libraries never hold the key (see `wire`).
+It asks once; `model` adds retries, budgets and schemas. The libraries never hold the key (see `http`).
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _NO_KEY = "held-elsewhere"
 
 @dataclass(frozen=True, slots=True)
 class ProviderAnswer:
-    """One answer as it came. `cut` when the model was not done at the limit of output tokens."""
+    """One answer as received. `cut`: the model reached the limit of output tokens."""
 
     text: str
     calls: tuple[tuple[str, str, Any], ...]
@@ -55,7 +55,7 @@ class ProviderAnswer:
 
 
 class Provider:
-    """One configured model, reached through its library."""
+    """One configured model, called through its library."""
 
     def __init__(self, name: str, config: MindConfig, key: str) -> None:
         self._name = name
@@ -77,7 +77,7 @@ class Provider:
         must_call: bool = False,
         json_schema: dict[str, Any] | None = None,
     ) -> ProviderAnswer:
-        """Ask once. `json_schema` asks for JSON in the way of `answers = "json_object"`. Raises `ModelError`."""
+        """Ask once. `json_schema` requests JSON for `answers = "json_object"`. Raises `ModelError`."""
         settings = ModelSettings(max_tokens=self._config.max_output_tokens, timeout=self._config.timeout_s)
         if json_schema is not None:
             settings["extra_body"] = {"response_format": {"type": "json_object", "schema": json_schema}}
@@ -178,7 +178,7 @@ def _causes(error: BaseException | None) -> Iterator[BaseException]:
 
 
 def _by_causes(causes: Sequence[BaseException]) -> tuple[ErrorKind, str]:
-    """What stands behind an error of the transport: stable word, sentence."""
+    """Return the stable word and sentence for a transport error."""
     names = " ".join(type(c).__name__ for c in causes)
     if any(isinstance(c, TooBig) for c in causes):
         return "too_big", "the answer is too long to be one"
@@ -202,7 +202,7 @@ def _by_causes(causes: Sequence[BaseException]) -> tuple[ErrorKind, str]:
 
 
 def _message(body: object) -> str:
-    """The server's own words in an error: {"error": {"message": …}} and its kin."""
+    """Return the server's message in an error: {"error": {"message": …}} and similar."""
     if isinstance(body, dict):
         inner = body.get("error", body)
         if isinstance(inner, dict):

@@ -1,4 +1,4 @@
-"""What a model asked for, checked against the schema of a tool or an answer. Pure; never raises for what models say."""
+"""Validate a model's tool calls and answers against their schemas. Pure; never raises for what a model says."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from pydantic_core import ErrorDetails
 from agentrob.minds.llm.chat import M, Tool, ToolCall
 from agentrob.minds.llm.errors import one_line
 
-#: How many places of a text are tried as the beginning of a JSON object.
+#: How many positions in a text are tried as the beginning of a JSON object.
 _TRIES = 200
-#: How often what is wrong with an answer is left out of it.
+#: How many invalid parts are removed from an answer.
 _REPAIRS = 4
-#: Models write line breaks into strings as they are.
+#: Models write raw line breaks into strings.
 _JSON = json.JSONDecoder(strict=False)
 
 
 def checked_call(call_id: str, name: str, raw: Any, tools: Sequence[Tool]) -> ToolCall:
-    """A call with its arguments in the tool's schema, or with the problem to tell the model."""
+    """Return a call with arguments in the tool's schema, or with the problem to tell the model."""
     tool = next((t for t in tools if t.name == name), None)
     name = one_line(name, limit=80)
     if tool is None:
@@ -34,18 +34,18 @@ def checked_call(call_id: str, name: str, raw: Any, tools: Sequence[Tool]) -> To
 
 
 def checked(raw: Any, kind: type[M]) -> tuple[M | None, str]:
-    """The value in the schema and no problem, or None and what is wrong with it."""
+    """Return the validated value and no problem, or None and what is wrong."""
     try:
         data = json.loads(raw) if isinstance(raw, str) else raw
         return kind.model_validate({} if data is None else data), ""
     except ValidationError as e:
         return None, explain(e)
     except (ValueError, RecursionError):
-        return None, "This is no JSON object."
+        return None, "This is not a JSON object."
 
 
 def answered(raw: Any, kind: type[M]) -> tuple[M | None, str]:
-    """As `checked`, for answers: keys that the schema does not know and nulls for what has a default are left out."""
+    """Like `checked`, for answers: unknown keys, and nulls for fields with a default, are ignored."""
     try:
         data = _JSON.decode(raw) if isinstance(raw, str) else deepcopy(raw)
         for _ in range(_REPAIRS):
@@ -56,11 +56,11 @@ def answered(raw: Any, kind: type[M]) -> tuple[M | None, str]:
                     return None, explain(e)
         return checked(data, kind)
     except (ValueError, RecursionError):
-        return None, "This is no JSON object."
+        return None, "This is not a JSON object."
 
 
 def _left_out(data: Any, error: ErrorDetails) -> bool:
-    """Take one unknown key, or one null where the schema wants a value, out of the data; False where it is neither."""
+    """Remove one unknown key, or one null where a value is required; return False if the error is neither."""
     if error["type"] != "extra_forbidden" and error["input"] is not None:
         return False
     *path, last = error["loc"]
@@ -73,15 +73,15 @@ def _left_out(data: Any, error: ErrorDetails) -> bool:
 
 
 def explain(error: ValidationError) -> str:
-    """What is wrong, for the model: at most five points, without the values."""
+    """Explain to the model what is wrong: at most five points, without the values."""
     points = [f"{'.'.join(map(str, e['loc'])) or 'it'}: {one_line(e['msg'])}" for e in error.errors()[:5]]
     return "; ".join(points)
 
 
 def found_in(text: str, kind: type[M]) -> tuple[M | None, str]:
-    """What a text says in JSON objects that fit the schema (`final_of`), or what is wrong with the last one.
+    """Return the answer in a text's JSON objects (`final_of`), or what is wrong with the last one.
 
-    What stands before the end of a model's thoughts (`</think>`) is a draft and counts only where nothing follows.
+    Text before the end of a model's thoughts (`</think>`) is a draft and counts only if nothing follows.
     """
     _, _, said_last = text.rpartition("</think>")
     for part in dict.fromkeys((said_last, text)):
@@ -94,7 +94,7 @@ def found_in(text: str, kind: type[M]) -> tuple[M | None, str]:
 
 
 def final_of(given: Sequence[Any], kind: type[M]) -> tuple[M | None, str]:
-    """Of several answers the last one that fits the schema, but whichever refuses (`kind.refuses`) before any other."""
+    """Return the last valid one of several answers; an answer that refuses (`kind.refuses`) takes precedence."""
     found, problem = list[M](), "There is no JSON object in the answer."
     for raw in given:
         value, wrong = answered(raw, kind)
@@ -123,11 +123,11 @@ def _objects(text: str) -> Iterator[dict[str, Any]]:
 
 
 def schema_of(kind: type[BaseModel]) -> dict[str, Any]:
-    """The JSON schema of an answer or of a tool's arguments; a copy of its own for each caller."""
+    """Return the JSON schema of an answer or of a tool's arguments, as a fresh copy."""
     return deepcopy(_schema_of(kind))
 
 
 @lru_cache(maxsize=64)
 def _schema_of(kind: type[BaseModel]) -> dict[str, Any]:
-    """Made once: in a loop, the same tools are told in every turn."""
+    """Cache the schema: in a loop, the same tools are described in every turn."""
     return kind.model_json_schema()

@@ -1,1 +1,1 @@
-"""A model looks through the robot's camera and calls its tools until a goal is reached."""
+"""A model sees through the robot's camera and calls its tools until a goal is reached."""

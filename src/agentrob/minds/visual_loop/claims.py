@@ -1,7 +1,7 @@
-"""What a model claims, held against what the robot measured. Pure.
+"""Compare a model's claims with the robot's measurements. Pure.
 
-Only what measurements can deny is denied: that it walked at all, that a named step was done, and any distance or angle
-that the model says it did. What it says it saw, nobody can check, and the report says so.
+Measurements can contradict that the robot walked, that a named step was done, and distances and angles the model says
+it did. What the model says it saw cannot be checked, and the report says so.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.model import ActionResult, Language, Op, Outcome, Primitive
 
-#: Claims of walking and turning may be off by this much and this share.
+#: Absolute and relative tolerance of claimed distances and angles.
 NEAR_M, NEAR_DEG, NEAR_SHARE = 0.1, 5.0, 0.2
 _NUMBER = r"(\d+(?:[.,]\d+)?)\s*-?\s*"
 _METRES = re.compile(_NUMBER + r"(?:m\b|met(?:er|re)s?\b|米|公尺)", re.IGNORECASE)
@@ -23,18 +23,20 @@ _DEGREES = re.compile(_NUMBER + r"(?:°|deg(?:ree)?s?\b|度)", re.IGNORECASE)
 
 
 def walked_m(results: Sequence[ActionResult]) -> float:
-    """The way that was measured, all walks together, in metres."""
+    """Return the measured length of all walks together, in metres."""
     return sum(abs(r.measured.get("distance_m", 0.0)) for r in results if r.primitive.op is Op.MOVE)
 
 
 def turned_deg(results: Sequence[ActionResult]) -> float:
-    """The angle that was measured, all turns together whichever way, in degrees."""
+    """Return the measured angle of all turns together in either direction, in degrees."""
     return sum(abs(r.measured.get("degrees", 0.0)) for r in results if r.primitive.op is Op.TURN)
 
 
 def contradiction(goal: Goal, claim: str, did: str, results: Sequence[ActionResult], language: Language = "en") -> str:
-    """The first claim that the measurements deny, as a clause in `language`; empty when there is none. Where a step was
-    not measured, no amount is denied."""
+    """Return the first claim that the measurements contradict, as a clause in `language`; empty if there is none.
+
+    If a step was not measured, amounts are not contradicted.
+    """
     measured = not any(r.unmeasured for r in results)
     if claim == "done":
         if measured and any(t.aim is Aim.APPROACH for t in goal.tasks) and walked_m(results) < NEAR_M:
@@ -51,7 +53,7 @@ def contradiction(goal: Goal, claim: str, did: str, results: Sequence[ActionResu
 
 
 def _known(results: Sequence[ActionResult], key: str) -> list[float]:
-    """Every amount that was measured: of each step, and of all together."""
+    """Return every measured amount: of each step, and the sum."""
     each = [abs(r.measured.get(key, 0.0)) for r in results]
     return [*each, math.fsum(each)]
 
@@ -61,7 +63,7 @@ def _near(claimed: float, measured: float, near: float) -> bool:
 
 
 def _not_done(steps: Sequence[Primitive], results: Sequence[ActionResult]) -> Primitive | None:
-    """The first named step that no result of its own shows as done."""
+    """Return the first named step without a result that shows it as done."""
     done = [r.primitive for r in results if r.outcome is Outcome.DONE]
     for step in steps:
         same = next((d for d in done if _same(step, d)), None)

@@ -1,7 +1,7 @@
-"""From a post to a goal that needs eyes: "walk to the red ball and tell me what is beside it". Pure, no model.
+"""Parse a post into a goal that needs a camera: "walk to the red ball and tell me what is beside it". Pure, no model.
 
-Every clause must be known in full, as a wish to reach, face, find or describe something of a closed vocabulary, or as a
-step that the grammar reads. One clause more, one word too many, and there is no goal: then the robot asks back.
+Every clause must be fully known, as a request to reach, face, find or describe something of a closed vocabulary, or as
+a step that the grammar reads. With one unknown clause or word there is no goal, and the robot asks back.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.vocabulary import chinese, colours, one_of, things
 from agentrob.model import Intent, Language
 
-#: More than so many parts are no one goal.
+#: Most parts of one goal.
 MAX_TASKS = 8
 _ROBOT = "robot"
 _CLAUSES = re.compile(
@@ -38,7 +38,7 @@ _WHERE = {
     "旁边": "beside", "边上": "beside", "附近": "beside", "周围": "around", "后面": "behind", "后边": "behind",
     "前面": "in front of", "前边": "in front of", "上面": "on", "上": "on", "下面": "under", "里面": "in", "里": "in",
 }  # fmt: skip
-#: How a goal is told, to the model (always in English) and to people.
+#: How a goal is described, to the model (always in English) and to people.
 _TOLD = {
     "en": {
         Aim.APPROACH: "go to the {thing}",
@@ -65,7 +65,7 @@ _ZH_WHERE = {"beside": "旁边", "around": "周围", "behind": "后面", "in fro
 
 
 def goal_of(text: str, addressee: Addressee, language: Language) -> Goal | None:
-    """The goal of a post's visible text, when it is one that needs eyes and every word of it is known."""
+    """Return the goal of a post's visible text if it needs a camera and every word of it is known."""
     part = clean(part_for(text, addressee.names, addressee.others)).strip(" ,:：，")
     if ordering_words(text, addressee.names, addressee.others):
         return None
@@ -81,7 +81,7 @@ def goal_of(text: str, addressee: Addressee, language: Language) -> Goal | None:
 
 
 def goal_sentence(goal: Goal, language: Language, steps: Sequence[str] = ()) -> str:
-    """The goal in our own words; `steps` are those of its named steps, in order."""
+    """Return the goal in our own words; `steps` are the texts of its named steps, in order."""
     words, named = _TOLD["zh" if language == "zh" else "en"], iter(steps)
     return words["joint"].join(
         next(named) if task.aim is Aim.STEP else _task_told(task, words, language) for task in goal.tasks
@@ -137,7 +137,7 @@ def _task(match: re.Match[str], aim: Aim, before: Sequence[Subgoal]) -> list[Sub
 
 @cache
 def _patterns() -> tuple[tuple[re.Pattern[str], Aim], ...]:
-    """Whole clauses and what they want."""
+    """Return patterns of whole clauses with their aims."""
     pieces = {f"<{name}>": pattern for name, pattern in _PIECES.items()}
     for language in ("en", "zh"):
         pieces[f"<{language}>"] = _PIECES[f"{language}_thing"].format(

@@ -1,8 +1,8 @@
-"""The loop in which a model looks, calls a primitive, reads what was measured, and so on until it says what it saw.
+"""The loop in which a model sees, calls a tool, and reads the measured result, until it says what it saw.
 
     goal (our words) ──► model ──► tool call ──► checked ──► executor (mandate, rights, lease, guard) ──► robot
-                           ▲                                                                             │
-                           └───────────── result with measured values, new image when asked ◄────────────┘
+                           ▲                                                                                 │
+                           └────────────── result with measured values, new image on request ◄───────────────┘
 
 The model never sees a post: the goal is rendered from a closed vocabulary. The tools' schemas limit its calls here, and
 the `ToolExecutor`, the only part that moves anything, limits them again. Every loop ends: with `finish`, or when its
@@ -37,11 +37,11 @@ from agentrob.model import ActionResult, Capabilities, Mandate, Op, Outcome, Pri
 
 #: Pictures are sent to the model at most this wide, as JPEG of this quality.
 MAX_IMAGE_PX, JPEG_QUALITY = 1024, 80
-#: Of so many pictures the model is shown the newest; the older ones it has seen.
+#: The newest pictures that stay in the conversation.
 PICTURES_KEPT = 2
-#: More calls in one answer are not done: what comes next should depend on what came of the first.
+#: Further calls in one answer are rejected: the next call should depend on the result of the first.
 CALLS_AT_ONCE = 3
-#: Less than this is no motion that got anywhere.
+#: Smaller motions count as no progress.
 STILL_M, STILL_DEG = 0.02, 1.0
 
 EndReason = Literal["finished", "calls", "time", "no_progress", "tokens", "model", "cut"]
@@ -49,16 +49,16 @@ EndReason = Literal["finished", "calls", "time", "no_progress", "tokens", "model
 
 @dataclass(frozen=True, slots=True)
 class StepAttempt:
-    """What came of a step: a result, or the problem why it was not even tried."""
+    """The result of a step, or the problem why it was not tried."""
 
     result: ActionResult | None
     problem: str = ""
 
 
 class ToolExecutor(Protocol):
-    """What moves the robot for the loop. Whatever it is asked, it does only what the mandate and the laws allow.
+    """Moves the robot for the loop, within the mandate and the laws.
 
-    `act` may end the whole loop by raising an exception of its own; the loop passes it on.
+    `act` may end the whole loop by raising its own exception, which the loop passes on.
     """
 
     @property
@@ -71,7 +71,7 @@ class ToolExecutor(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class LoopBudget:
-    """How long a loop may go on: calls of tools, seconds in all, and turns in a row that change nothing."""
+    """Limits of a loop: tool calls, seconds in total, and turns in a row without effect."""
 
     calls: int = 12
     seconds: float = 120.0
@@ -80,7 +80,7 @@ class LoopBudget:
 
 @dataclass(frozen=True, slots=True)
 class LoopCall:
-    """One call of the model and what came of it, for the transcript. `step` counts the robot's steps from 1."""
+    """One call by the model and its result, for the transcript. `step` counts the robot's steps from 1."""
 
     tool: str
     arguments: dict[str, Any]
@@ -94,7 +94,7 @@ class LoopCall:
 
 @dataclass(frozen=True, slots=True)
 class LoopEnd:
-    """How a loop ended, and what the model claims. `claim`: done, not_possible, unsure, or nothing."""
+    """How a loop ended, and what the model claims. `claim`: done, not_possible, unsure, or empty."""
 
     why: EndReason
     claim: str = ""
@@ -105,9 +105,9 @@ class LoopEnd:
 
 @dataclass(frozen=True, slots=True)
 class LoopRecord:
-    """A whole loop as it is kept with its command: how it ended, every call, and what the model took.
+    """The record of a loop, kept with its command: how it ended, every call, and the model's usage.
 
-    `contradicted` says in the language of the post which of the model's claims the robot's own measurements deny.
+    `contradicted` says in the language of the post which claim of the model the measurements contradict.
     """
 
     goal: str
@@ -119,7 +119,7 @@ class LoopRecord:
 
 
 class VisualLoop:
-    """One goal, one model, one robot. `turns` and `usage` grow while `run` goes on, and stay when it is cut off."""
+    """One goal, one model, one robot. `turns` and `usage` grow while `run` runs, and stay if it is cancelled."""
 
     def __init__(
         self, model: ChatModel, prompt: str, goal: str, mandate: Mandate, capabilities: Capabilities,
@@ -140,7 +140,7 @@ class VisualLoop:
         self._asked_to_finish = False
 
     async def run(self) -> LoopEnd:
-        """Until the model has finished or a budget is used up."""
+        """Run until the model finishes or a budget is used up."""
         self._end_s = time.monotonic() + self._budget.seconds
         await self._begin()
         while True:
@@ -163,7 +163,7 @@ class VisualLoop:
         return self._end_s - time.monotonic()
 
     async def _begin(self) -> None:
-        """The goal, what there is to spend, and a first picture."""
+        """Send the goal, the budget, and a first picture."""
         first = await self._executor.act(Primitive(Op.GET_FRONT_IMAGE))
         self._moved = False
         images = await self._pictures(first)
@@ -172,7 +172,7 @@ class VisualLoop:
         self._talk.append(UserMessage(told, images))
 
     async def _think(self) -> ModelReply:
-        """One question to the model, within what is left of the time."""
+        """Ask the model once, within the remaining time."""
         tools: Sequence[Tool] = self._tools
         if self._calls >= self._budget.calls:  # one last time, to say what was seen
             tools = [tool for tool in self._tools if tool.name == FINISH]
@@ -191,7 +191,7 @@ class VisualLoop:
 
     # ------------------------------------------------------------ what the model answered
     async def _take(self, reply: ModelReply) -> LoopEnd | None:
-        """Do what was called; the end when there is one."""
+        """Execute the calls of a reply; return the end of the loop, if reached."""
         if not reply.calls:
             return self._words(reply)
         effect = False
@@ -209,7 +209,7 @@ class VisualLoop:
         return None
 
     def _words(self, reply: ModelReply) -> LoopEnd | None:
-        """Words without a call: asked once to finish properly, then taken as they are."""
+        """Handle words without a call: ask once to finish properly, then take them as the end."""
         lines = [one_line(line, limit=SAID_CHARS) for line in reply.text.splitlines() if line.strip()]
         self.turns.append(
             LoopCall("", {}, words=one_line(reply.text, limit=600), mind=self.mind, latency_ms=self._latency_ms)
@@ -222,7 +222,7 @@ class VisualLoop:
         return None
 
     async def _call(self, call: ToolCall, reply: ModelReply, number: int) -> bool:
-        """One call; whether it changed anything."""
+        """Execute one call; return whether it had an effect."""
         problem = call.problem
         if number >= CALLS_AT_ONCE:
             problem = f"At most {CALLS_AT_ONCE} calls at once."
@@ -271,7 +271,7 @@ class VisualLoop:
         return (Image(await asyncio.to_thread(shrink_jpeg, found.result.image)),)
 
     def _thin(self) -> list[Message]:
-        """The conversation with its newest pictures only: each is paid for again in every turn."""
+        """Return the conversation with only its newest pictures, because each costs tokens in every turn."""
         left, thin = PICTURES_KEPT, list(self._talk)
         for at in range(len(thin) - 1, -1, -1):
             message = thin[at]
@@ -285,7 +285,7 @@ class VisualLoop:
 
 
 def _got_somewhere(result: ActionResult) -> bool:
-    """Whether a step changed where the robot is, perhaps by how much nobody knows, or was a gesture that was done."""
+    """Return whether a step moved the robot (perhaps by an unknown amount), or was a gesture that was done."""
     if result.unmeasured:
         return True
     if result.primitive.op in (Op.MOVE, Op.TURN):
@@ -295,14 +295,14 @@ def _got_somewhere(result: ActionResult) -> bool:
 
 
 def _shown(raw: Any) -> dict[str, Any]:
-    """Arguments that did not fit, for the transcript only."""
+    """Return arguments that did not match the schema, for the transcript only."""
     return {
         "raw": one_line(raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False, default=str), limit=200)
     }
 
 
 def shrink_jpeg(jpeg: bytes, max_px: int = MAX_IMAGE_PX) -> bytes:
-    """The picture as a small JPEG; one that cannot be read stays as it is, and the model's host says what it thinks."""
+    """Return the picture as a small JPEG without metadata; an unreadable one is returned as it is."""
     from PIL import Image
 
     try:

@@ -1,4 +1,4 @@
-"""The tools of the loop: a robot's primitives with the bounds of its mandate, and how results are told. Pure."""
+"""The tools of the visual loop: the robot's operations within its mandate, and results as text for the model. Pure."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 from agentrob.minds.llm.chat import Tool
 from agentrob.model import ActionResult, Capabilities, Direction, Mandate, Op, Outcome, Primitive, RobotState
 
-#: Less than this is no step that a robot can do and measure.
+#: Smallest amounts that a robot can do and measure.
 LEAST_M, LEAST_DEG, LEAST_MPS = 0.02, 1.0, 0.05
 FINISH = "finish"
-#: Lines and characters that a model may say; a report shows the first hundred of each.
+#: Lines and characters per line that a model may write; reports show the first hundred characters.
 SAID_LINES, SAID_CHARS = 4, 240
 _GESTURES = {
     Op.HELLO: "Waves.",
@@ -46,12 +46,12 @@ class Finish(_Closed):
 
 
 def tool_name(op: Op) -> str:
-    """`act_move`, …, `get_front_image`: what a model calls an operation."""
+    """Return the tool name of an operation: `act_move`, …, `get_front_image`."""
     return str(op) if op is Op.GET_FRONT_IMAGE else f"act_{op}"
 
 
 def tools_of(mandate: Mandate, capabilities: Capabilities) -> tuple[Tool, ...]:
-    """What a mandate allows at all, with its bounds, and `finish`."""
+    """Return the tools that a mandate allows, with its bounds, and `finish`."""
     found = []
     for op in Op:
         if not mandate.calls.get(op) or op not in capabilities.ops:
@@ -68,7 +68,7 @@ def tools_of(mandate: Mandate, capabilities: Capabilities) -> tuple[Tool, ...]:
 
 
 def step_of(name: str, arguments: BaseModel, mandate: Mandate) -> tuple[Primitive, bool]:
-    """The step that a checked call asks for, and whether a picture is wanted after it."""
+    """Return the step of a validated call, and whether to take a picture after it."""
     said: dict[str, Any] = arguments.model_dump()
     op = next(o for o in Op if tool_name(o) == name)
     direction = Direction(said["direction"].value) if "direction" in said else None
@@ -109,7 +109,7 @@ def _choice(name: str, directions: Sequence[Direction]) -> Any:
 
 # ---------------------------------------------------------------------- what the model is told
 def result_message(result: ActionResult, state: RobotState | None, left: dict[str, Any]) -> str:
-    """A result as data: what was measured, why it ended, what the robot's sensors say, and what is left."""
+    """Return a result as JSON: what was measured, why it ended, the robot's sensors, and the remaining budget."""
     facts: dict[str, Any] = {"outcome": str(result.outcome)}
     if result.primitive.op in (Op.MOVE, Op.TURN):
         facts["asked"] = result.primitive.asked()
@@ -121,12 +121,12 @@ def result_message(result: ActionResult, state: RobotState | None, left: dict[st
 
 
 def problem_message(problem: str, left: dict[str, Any]) -> str:
-    """A call that was not done, and what is left."""
+    """Return a rejected call as JSON, with the remaining budget."""
     return json.dumps({"outcome": "not done", "problem": problem, "left": left}, ensure_ascii=False)
 
 
 def state_data(state: RobotState | None) -> dict[str, Any]:
-    """What a driver needs of a robot's state."""
+    """Return what the model needs to know of the robot's state."""
     if state is None:
         return {"state": "unknown"}
     names = ("front", "left", "back", "right")
@@ -135,7 +135,7 @@ def state_data(state: RobotState | None) -> dict[str, Any]:
 
 
 def remaining(mandate: Mandate, used: Sequence[ActionResult], calls: int, seconds: float) -> dict[str, Any]:
-    """What a mandate has left after these results, for the model to plan with; `calls` and `seconds` are the loop's."""
+    """Return what is left of a mandate after these results; `calls` and `seconds` are the loop's."""
     tried = [r.primitive for r in used if r.outcome is not Outcome.SKIPPED]
     left: dict[str, Any] = {"calls": max(0, calls), "seconds": max(0, round(seconds))}
     for op in (Op.MOVE, Op.TURN, Op.GET_FRONT_IMAGE):

@@ -1,7 +1,8 @@
-"""The things and colours that a goal may name: a closed vocabulary; no words of a post reach a model with tools.
+"""The things and colours that a goal may name: a closed vocabulary, so that no text of a post reaches a model with
+tools.
 
-English word: what it is called besides in English | what it is called in Chinese. People and animals are not in it: a
-robot neither walks up to them nor watches them by such a command. Pure.
+English word: English synonyms | Chinese names. People and animals are not in it: a robot neither walks up to them nor
+watches them on such a command. Pure.
 """
 
 from __future__ import annotations
@@ -64,26 +65,26 @@ teal: turquoise, cyan | 青
 
 @cache
 def things(language: Language) -> dict[str, str]:
-    """Each name of a thing, with the English word for it."""
+    """Return each name of a thing with its English word."""
     return _names(_THINGS, language)
 
 
 @cache
 def colours(language: Language) -> dict[str, str]:
-    """Each name of a colour, with the English word for it."""
+    """Return each name of a colour with its English word."""
     return _names(_COLOURS, language)
 
 
 @cache
 def one_of(language: Language, what: str) -> str:
-    """A pattern for any name of a thing or a colour, the longest first."""
+    """Return a pattern for any name of a thing or a colour, longest first."""
     names = things(language) if what == "thing" else colours(language)
     return "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
 
 
 @cache
 def chinese(word: str) -> str:
-    """What the English word of a thing or a colour is called in Chinese."""
+    """Return the Chinese name of a thing or colour."""
     for table, end in ((things("zh"), ""), (colours("zh"), "色")):
         for name, english in table.items():
             if english == word:

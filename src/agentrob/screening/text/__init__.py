@@ -1,1 +1,1 @@
-"""Harm in words: rules, described hazards, what is around the robot."""
+"""Find harm in words: rules, described hazards, side remarks, dangers of the scene."""

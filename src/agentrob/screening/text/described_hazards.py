@@ -1,7 +1,7 @@
-"""What the post itself says stands where the robot would go: "There is a child in front of you. Walk 2 m."
+"""Find hazards that the post itself describes in the robot's way: "There is a child in front of you. Walk 2 m."
 
-The grammar passes over statements; here they are read for somebody, a drop or a thing with its place, and held against
-the path of the plan. Nothing here knows what is really there: that is for the guard.
+The grammar ignores statements. Here they are searched for people, drops and things with a position, and compared with
+the path of the plan. What is really there is for the guard to detect.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ from agentrob.screening.text.patterns import Phrases
 from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
 
-#: Half of the robot's length and a hand's breadth, in metres.
+#: Half of the robot's length plus 10 cm, in metres.
 REACH_M = 0.35
-#: How far beside the straight way somebody is still in it, in metres.
+#: Half width of the path, in metres.
 BESIDE_M = 0.8
-#: Something is there, in words that are not known.
+#: The rule for something in unknown words.
 UNKNOWN = "way.something"
-#: What is "right in front" stands so far away, in metres.
+#: Assumed distance of something "right in front", in metres.
 CLOSE_M = 0.5
 _SAMPLE_M = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class Hazard:
-    """What a clause says is there. `direction` is seen from the robot, None where it stands itself.
+    """What a clause says is there. `direction` is seen from the robot, None if the robot stands on it or under it.
 
-    `later`: said after a motion was commanded, so that the robot may stand elsewhere then.
+    `later`: said after a motion was commanded, so the robot may be elsewhere by then.
     """
 
     rule: str
@@ -49,7 +49,7 @@ class Hazard:
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """A part of a text between two marks or conjunctions, and its place."""
+    """A part of a text between two punctuation marks or conjunctions, with its position."""
 
     said: str
     start: int
@@ -57,7 +57,7 @@ class Clause:
 
 
 def hazard_in_path(text: str, plan: Plan, language: Language) -> Verdict | None:
-    """A refusal when the plan leads to what the text says is there, a question when nobody knows what that is."""
+    """Refuse a plan that leads to a described hazard; ask back if it is unclear what it is."""
     if (hazard := first_hazard_met(text, plan, language)) is None:
         return None
     decision = Decision.ASK_BACK if hazard.rule == UNKNOWN else Decision.REFUSE
@@ -65,7 +65,7 @@ def hazard_in_path(text: str, plan: Plan, language: Language) -> Verdict | None:
 
 
 def first_hazard_met(text: str, plan: Plan, language: Language) -> Hazard | None:
-    """The first of what the text says is there that the plan leads to; `UNKNOWN` comes last."""
+    """Return the first described hazard that the plan leads to; `UNKNOWN` ones come last."""
     moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
     hazards = sorted(hazards_in(text, language) if moves else (), key=lambda hazard: hazard.rule == UNKNOWN)
     for hazard in hazards:
@@ -76,13 +76,13 @@ def first_hazard_met(text: str, plan: Plan, language: Language) -> Hazard | None
 
 
 def _taken_for_motion(hazard: Hazard, plan: Plan) -> bool:
-    """Whether the grammar may have read the statement itself as a command: 前面五米是墙 as five metres ahead."""
+    """Return whether the grammar may have parsed the statement as a command: 前面五米是墙 as five metres ahead."""
     said = (hazard.direction, hazard.distance_m)
     return hazard.distance_m is not None and any(said == (step.direction, step.distance_m) for step in plan.steps)
 
 
 def hazards_in(text: str, language: Language) -> Iterator[Hazard]:
-    """Everything the text places somewhere around the robot."""
+    """Yield everything that the text places around the robot."""
     plain = without_safe_edges(plain_words(text))
     lengths = _lengths(plain, language)
     before, moved = "", False
@@ -104,7 +104,7 @@ def hazards_in(text: str, language: Language) -> Iterator[Hazard]:
 
 
 def clauses(plain: str) -> Iterator[Clause]:
-    """The clauses of a text that went through `plain_words`."""
+    """Yield the clauses of a text that went through `plain_words`."""
     start = 0
     for between in [*_BETWEEN.finditer(plain), None]:
         end = between.start() if between else len(plain)
@@ -114,22 +114,22 @@ def clauses(plain: str) -> Iterator[Clause]:
 
 
 def commanded(said: str) -> bool:
-    """Whether a clause itself commands a motion: it says where to go, not what is there."""
+    """Return whether a clause commands a motion: it says where to go, not what is there."""
     return _COMMANDED.search(said) is not None
 
 
 def only_looks(said: str) -> bool:
-    """Whether a clause wants a picture or a greeting: it names whom."""
+    """Return whether a clause asks for a picture or a greeting and names its subject."""
     return _ONLY_LOOKS.search(said) is not None
 
 
 def placed(said: str) -> bool:
-    """Whether a clause says plainly where somebody or something is, so that the path can be held against it."""
+    """Return whether a clause says clearly where somebody or something is, so that the path can be checked."""
     return any(hazard.direction is not None and hazard.rule != UNKNOWN for hazard in _placed(said, None))
 
 
 def without_safe_edges(plain: str) -> str:
-    """Blanks the edges of carpets and the like, from which nobody falls."""
+    """Mask the edges of carpets and the like, from which nothing can fall."""
     return _SAFE_EDGE.sub(lambda match: "side".ljust(len(match[0])), plain)
 
 
@@ -182,7 +182,7 @@ def _reached(hazard: Hazard, plan: Plan) -> bool:
 
 
 def _path(plan: Plan) -> Iterator[tuple[float, float]]:
-    """Points of the path in metres, from where the robot begins, x ahead and y to its left."""
+    """Yield points of the path in metres from the robot's start, x ahead and y to its left."""
     x = y = heading = 0.0
     for step in plan.steps:
         if step.op is Op.TURN and step.degrees:
@@ -205,7 +205,7 @@ _SAFE_EDGE = re.compile(
     r"\b(?:edge|end|middle) of (?:the |a |your )?(?:\w+ )?(?:carpet|rug|mat|tape|line|tile|paper|grass|field|room"
     r"|hall|photo|picture|frame|lawn)\b|地毯(?:的)?边缘?"
 )
-#: After a length: it is a size, no distance.
+#: Words after a length that make it a size, not a distance.
 _SIZE = re.compile(r" ?(?:deep|high|tall|wide|long|thick|drop|fall|hole|pit|gap|cliff|wall|深|高|宽|长|厚)")
 _NONE_THERE = re.compile(
     r"\b(?:no|not|isn't|aren't|nobody|no one|nothing|gone|was|were|used to|don't|if|nor|never|free|clear|safe"
@@ -254,6 +254,6 @@ def _patterns() -> Mapping[str, _Said]:
 
 
 def prepare() -> None:
-    """Compile everything, so that nothing is compiled while a process serves."""
+    """Compile all patterns in advance."""
     for said in _patterns().values():
         said.prepare()

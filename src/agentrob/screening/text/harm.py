@@ -1,8 +1,8 @@
-"""Words of harm, as named rules over the text of a post.
+"""Find words of harm in a post, by named rules.
 
-Words are the weakest of the protections: whoever wants to do harm can say it otherwise. The limits, the mandate and the
-guard hold whatever the words are; these rules are for the plain cases, so that the answer names the reason. The words
-stand by language in `words_en` and `words_zh`; all languages are looked for in every text.
+Words are the weakest protection: somebody who wants to do harm can phrase it differently. Limits, the mandate and the
+guard hold whatever the words are. These rules catch the plain cases, so that the answer can name the reason. The words
+are in `words.en` and `words.zh`; every text is checked against all languages.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from agentrob.screening.text.patterns import Phrases, Vocabulary
 from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
 
-#: A phrase that begins so only makes the robot ask back: the words may well be harmless.
+#: Prefix of phrases that may be harmless: the robot asks back instead of refusing.
 DOUBT = "?"
-#: In the order in which they are asked: the first that objects names the refusal. True: "don't hit it" is no harm.
+#: Rules in the order in which they are checked. True: a negation takes the harm away ("don't hit it").
 RULES = {
     "safety.disable": False,
     "who.claim": True,
@@ -39,7 +39,7 @@ RULES = {
 }
 ENGLISH = Vocabulary(words_en.GROUPS, words=True)
 CHINESE = Vocabulary(words_zh.GROUPS, words=False, letters="[\u3400-\u9fff]")
-#: A handle, with the word before it where something is done to whom it names.
+#: A handle, with a verb or preposition before it that does something to the account.
 _MENTION = re.compile(
     r"(?:\b(at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against"
     r"|撞|跟着|跟踪|踢|推|追|堵|挡|拍|吓|咬|打)\s*)?@[a-z][\w-]*"
@@ -47,14 +47,14 @@ _MENTION = re.compile(
 
 
 def harm_of(text: str, language: Language) -> Verdict | None:
-    """A refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
+    """Return a refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
     for rule, words in _broken(text, doubts=False):
         return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
     return None
 
 
 def doubt_of(text: str, language: Language) -> Verdict | None:
-    """What must be asked back before anything moves, since the words may mean harm, or None."""
+    """Return a question to ask before anything moves, because the words may mean harm, or None."""
     for rule, words in _broken(text, doubts=True):
         key = rule if rule == "people.picture" else "beside.said"
         return Verdict(Decision.ASK_BACK, rule, say(key, language, words=quote(words)))
@@ -62,7 +62,7 @@ def doubt_of(text: str, language: Language) -> Verdict | None:
 
 
 def _broken(text: str, *, doubts: bool) -> Iterator[tuple[str, str]]:
-    """(rule, words) of everything that is not denied, in the order of the rules."""
+    """Yield (rule, words) of everything that is not negated, in the order of the rules."""
     plain = plain_words(text)
     for rule, deniable in RULES.items():
         for found, denied in _found(rule, plain, doubts):
@@ -71,9 +71,10 @@ def _broken(text: str, *, doubts: bool) -> Iterator[tuple[str, str]]:
 
 
 def plain_words(text: str) -> str:
-    """Small letters, straight quotes, simplified characters, single spaces; lines stay apart.
+    """Return the text with lower case, straight quotes, simplified characters and single spaces; line ends stay.
 
-    A mention is a name, whatever it spells ("@cat, sit"): somebody where something is done to them, else nothing.
+    A mention is a name, whatever it spells ("@cat, sit"): it becomes "somebody" if something is done to the account,
+    otherwise a space.
     """
     straight = text.casefold().translate(words_zh.TWINS).replace("’", "'").replace("‘", "'")
     unnamed = _MENTION.sub(lambda match: f"{match[1]} somebody" if match[1] else " ", straight)
@@ -81,7 +82,7 @@ def plain_words(text: str) -> str:
 
 
 def prepare() -> None:
-    """Compile everything (about 0.4 s), so that nothing is compiled while a process serves: stops would wait for it."""
+    """Compile all patterns (about 0.4 s), so that stops do not wait for compilation while a process serves."""
     for rule in RULES:
         for doubts in (False, True):
             for phrases, _ in _phrases(rule, doubts):
@@ -89,7 +90,7 @@ def prepare() -> None:
 
 
 def _found(rule: str, plain: str, doubts: bool) -> Iterator[tuple[str, bool]]:
-    """The words that break a rule, and whether a "not" stands before them."""
+    """Yield the words that break a rule, and whether a negation precedes them."""
     for phrases, denial in _phrases(rule, doubts):
         for match in phrases.finditer(plain):
             before = plain[max(0, match.start() - 60) : match.start()]

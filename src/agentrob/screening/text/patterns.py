@@ -1,12 +1,12 @@
-"""How rules of words are written: phrases with named groups, compiled to one regular expression per rule.
+"""Compile rules of words: phrases with named groups become one regular expression per rule.
 
 A group is a list of words separated by |. In a phrase `<group>` stands for any of them, `<group+>` for any of them as a
-verb in all its English forms, `~` for up to thirty characters within one sentence that hold no "not", and `…` for the
-same within one deed. Everything else is a regular expression over text in small letters with single spaces.
+verb in all its English forms, `~` for up to thirty characters within one sentence without a negation, and `…` for the
+same within one clause. Everything else is a regular expression over lower-case text with single spaces.
 
-All of them together take most of a second to compile. A process that serves compiles them when it begins
-(`Phrases.prepare`); one that reads a single text compiles only the phrases
-that can match it: `needs` reads from a phrase which literal words a text must contain.
+Compiling all of them takes most of a second. A process that serves compiles them when it starts (`Phrases.prepare`). A
+process that reads a single text compiles only the phrases that can match it: `needs` derives from a phrase which
+literal words a text must contain.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ CLAUSE_GAP = (
     rf"(?:{_NOT}(?! (?:and|then|but) (?!then|into|over|through|against|onto|off|straight|right"
     rf"|directly)\w)[^.!?;\n。！？；]){{0,30}}?"
 )
-#: In Chinese phrases people write this for "anything within the clause".
+#: How Chinese phrases write "anything within the clause".
 _WITHIN = "[^，。！？；\\n]"
 _REFERENCE = re.compile(r"<(\w+)(\+?)>")
 _VOWELS = "aeiou"
 
 
 class Vocabulary:
-    """Groups of words, and what a text must hold so that one of a group is in it.
+    """Groups of words, and what a text must contain to match one of a group.
 
-    `words`: phrases begin and end at the borders of words (not so in Chinese). `letters`: one of them is in whatever a
-    phrase finds.
+    `words`: phrases begin and end at word boundaries (not in Chinese). `letters`: a match contains at least one of
+    them.
     """
 
     def __init__(self, groups: Mapping[str, str], *, words: bool, letters: str = "") -> None:
@@ -43,7 +43,7 @@ class Vocabulary:
         self._needs: dict[str, tuple[OneOf, ...]] = {}
 
     def needs(self, reference: str) -> tuple[OneOf, ...]:
-        """Of a group, named as in a phrase: `<go+>`."""
+        """Return what a text must contain to match a group, which is named as in a phrase: `<go+>`."""
         if reference not in self._needs:
             name, inflected = reference.strip("<+>"), "+" in reference
             found = [[*needs(item, self.needs)] for item in _group_items(self.groups[name], inflected)]
@@ -52,7 +52,7 @@ class Vocabulary:
 
 
 class Phrases:
-    """Phrases that are searched for as one expression, the first of them first."""
+    """Phrases that are searched for as one expression; earlier phrases take precedence."""
 
     def __init__(self, vocabulary: Vocabulary, phrases: Iterable[str]) -> None:
         self._vocabulary = vocabulary
@@ -61,7 +61,7 @@ class Phrases:
         self._part = lru_cache(maxsize=32)(self._compiled)
 
     def prepare(self) -> None:
-        """Compile all, so that no search has to."""
+        """Compile all phrases in advance."""
         self._whole = self._whole or self._compiled(self.alternatives)
 
     @property
@@ -74,7 +74,7 @@ class Phrases:
 
     @cached_property
     def needed(self) -> tuple[tuple[OneOf, ...], ...]:
-        """What each of the alternatives needs."""
+        """What a text must contain for each of the alternatives."""
         return tuple(needs(phrase, self._vocabulary.needs) for phrase in self.alternatives)
 
     def finditer(self, text: str) -> Iterator[re.Match[str]]:
@@ -89,7 +89,7 @@ class Phrases:
         return pattern.sub(replacement, text) if pattern else text
 
     def _pattern(self, text: str) -> re.Pattern[str] | None:
-        """What finds in this text the same as all phrases together do."""
+        """Return a pattern that finds the same in this text as all phrases together, or None if none can match."""
         if self._whole:
             return self._whole
         if not self._vocabulary.letters.search(text):
@@ -108,7 +108,7 @@ def _holds(text: str, one_of: OneOf) -> bool:
 
 
 def compiled(groups: Mapping[str, str], phrases: Sequence[str], *, words: bool) -> re.Pattern[str]:
-    """One expression for all phrases. `words`: they begin and end at the borders of words (not so in Chinese)."""
+    """Compile all phrases into one expression. `words`: they begin and end at word boundaries (not in Chinese)."""
     found = "|".join(f"(?:{_expanded(phrase, groups)})" for phrase in phrases)
     return re.compile(rf"(?<!\w)(?:{found})(?!\w)" if words else f"(?:{found})")
 
@@ -124,7 +124,7 @@ def _group(text: str, groups: Mapping[str, str], inflected: bool) -> str:
 
 
 def _group_items(text: str, inflected: bool) -> list[str]:
-    """A group may name others; where words are inflected, each is a verb, maybe with a particle: "back up"."""
+    """Split a group, which may name others; inflected groups are verbs, possibly with a particle: "back up"."""
     items = _items(re.sub(r"\n\s*", "", text))
     if inflected:
         items = [_forms(item) for item in items]
@@ -134,7 +134,7 @@ def _group_items(text: str, inflected: bool) -> list[str]:
 
 
 def _items(text: str) -> list[str]:
-    """The alternatives of a group or a phrase; a | within brackets belongs to its item."""
+    """Split a group or phrase into alternatives; a | within brackets does not separate."""
     if not {"(", "["} & set(text):
         return text.split("|")
     items, depth = [""], 0
@@ -163,14 +163,19 @@ _TOKEN = re.compile(
     r"|(?P<times>(?:[?*+]|\{\d*,?\d*\})[?+]?)|(?P<other>\[\^?\]?(?:\\.|[^\]\\])*\]|\\.|[.~…^$])"
     r"|(?P<text>[^<(\[\]{}?*+|\\.~…^$)]+)"
 )
-#: Most are so: a word, maybe with an ending.
+#: Most phrases: a word, possibly with an ending.
 _PLAIN = re.compile(r"([\w' -]*[\w'-]) ?(?:\w\?|\(\?:[\w|]*\)\??)?")
-#: What is held so is looked at, and taken in no word.
+#: Lookarounds, whose content is not part of the match.
 _LOOKS = {"(?=", "(?!", "(?<=", "(?<!"}
 
 
 def needs(phrase: str, group: Callable[[str], tuple[OneOf, ...]]) -> tuple[OneOf, ...]:
-    """All of these must be met; nothing where nothing can be told. `group` tells the same of a reference `<name+>`."""
+    """Return sets of strings, of each of which a text must contain one to match the phrase; empty if nothing is
+    certain.
+
+    `group` returns the same for a reference `<name+>`. The result is necessary, never sufficient: a phrase that can
+    match is still searched for.
+    """
     if plain := _PLAIN.fullmatch(phrase):
         return _literal(plain[1])
     return _Reader(phrase, group).alternatives()
@@ -182,7 +187,7 @@ class _Reader:
         self._group = group
 
     def alternatives(self) -> tuple[OneOf, ...]:
-        """Reads to the closing bracket."""
+        """Read up to the closing bracket."""
         found: list[list[OneOf]] = [[]]
         last, rest = tuple[OneOf, ...](), tuple[OneOf, ...]()  # of the newest part, and of it when a `?` follows
         for kind, said in self._tokens:
@@ -211,7 +216,7 @@ def _literal(said: str) -> tuple[OneOf, ...]:
 
 
 def either(found: list[list[OneOf]]) -> tuple[OneOf, ...]:
-    """What all alternatives need together: of each what tells most."""
+    """Return what all alternatives require together: the most selective requirement of each."""
     if len(found) == 1:
         return tuple(found[0])
     best = [max(sequence, key=_telling, default=frozenset()) for sequence in found]
@@ -219,5 +224,5 @@ def either(found: list[list[OneOf]]) -> tuple[OneOf, ...]:
 
 
 def _telling(one_of: OneOf) -> int:
-    """How rare it is that a text meets this by chance: the length of the shortest."""
+    """Return how unlikely a chance match is: the length of the shortest string."""
     return min(map(len, one_of))

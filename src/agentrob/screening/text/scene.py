@@ -1,11 +1,10 @@
-"""What is harmless elsewhere and dangerous here: words of a post held against a description of the place.
+"""Find what is harmless elsewhere and dangerous here: compare the words of a post with a description of the place.
 
 Each rule names two or three things that must not come together: water and electricity, a flame and paper, a parcel and
-the fire exit. What comes together may be said in the post or seen in the place, but the deed must be in the post. The
-description is plain English, from the world file or from what a camera model named; only English posts are held
-against it word by word, while motions are held against it in every language
-(`agentrob.screening.text.described_hazards`).
-Rules see pairs of words, not what they mean: a model sees more, and may add refusals.
+the fire exit. The things may be named in the post or in the description, but the action must be in the post. The
+description is plain English, from the world file or a camera model. Only English posts are compared with it word by
+word; motions are checked in every language (`agentrob.screening.text.described_hazards`). The rules match pairs of
+words, not their meaning; a model may add refusals.
 """
 
 from __future__ import annotations
@@ -65,7 +64,7 @@ _GROUPS = {
     "people": """person|people|customers?|visitors?|students?|kids|children|child|residents?|patients?
         |workers?|guests?|team|members|i take|animals?|birds?|penguins?|monkeys?|parrot""",
 }
-#: Rule, what is in danger in words, the deed in the post, and what else must be said or seen.
+#: Rule, its reason in words, the action in the post, and the things that must be named or present.
 _RULES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     (
         "scene.way",
@@ -133,11 +132,13 @@ _RULES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
 
 
 def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) -> Verdict | None:
-    """A refusal of what the place makes dangerous, or None. Where a plan was understood, its way counts; where none
-    was, which things would come together."""
+    """Refuse what this place makes dangerous, or return None.
+
+    If a plan was understood, its path is checked, otherwise which things would come together.
+    """
     if not scene.strip():
         return None
-    if plan is not None:  # a robot that walks and waves puts nothing anywhere
+    if plan is not None:  # a robot that only walks and gestures does not move things
         there = first_hazard_met(scene, plan, "en")
         if there is None or there.rule == UNKNOWN:
             return None
@@ -148,7 +149,9 @@ def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) 
 
 
 def _broken(said: str, seen: str) -> Iterator[tuple[str, str]]:
-    """Rules whose deed is in the post, and whose things are there, at least one of them named in the post."""
+    """Yield rules whose action is in the post and whose things are all present, at least one of them named in the
+    post.
+    """
     for rule, why, deed, things in _patterns():
         if not deed.search(said):
             continue
@@ -166,5 +169,5 @@ def _patterns() -> tuple[tuple[str, str, re.Pattern[str], tuple[re.Pattern[str],
 
 
 def prepare() -> None:
-    """Compile everything, so that nothing is compiled while a process serves."""
+    """Compile all patterns in advance."""
     _patterns()

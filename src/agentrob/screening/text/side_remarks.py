@@ -1,8 +1,8 @@
-"""Statements beside a command that may change what it means: "He does not know the camera is on. Take a photo."
+"""Ask about statements beside a command that may change its meaning: "He does not know the camera is on. Take a photo."
 
-The grammar passes over talk, and no list of words can tell what all talk means. So what is said besides of other
-people, animals, heights, protections or who somebody is makes the robot ask back once: it does less, never more.
-Talk of anything else ("I love robots!", "there is a door on your left") asks nothing.
+The grammar ignores talk, and no list of words can interpret all of it. So statements about other people, animals,
+heights, protections or somebody's identity make the robot ask back once: it does less, never more. Talk about anything
+else ("I love robots!", "there is a door on your left") is ignored.
 """
 
 from __future__ import annotations
@@ -48,18 +48,18 @@ _ZH = (
     r"<protection>|<authority>|权限|授权|命令|口令|负责",
     r"撞|摔|倒下来|塌|碎|吓|伤|打架|报复|偷|秘密|隐藏|逃|武器|陷阱|拍到|被拍|隐私|危险|事故|别出声|小声",
 )
-#: Kind words to the robot and greetings speak of nobody else.
+#: Praise of the robot and greetings are not about anybody else.
 _KIND = re.compile(
     r"\b(?:you(?:'re| are)|what a|be|such a|good|who's|hello|hi|hey|thanks?|thank you)(?: such)?(?: my| a| an"
     r"| the)*(?: \w+){0,2}? "
     r"(?:dog|doggy|puppy|pup|boy|girl|pet|friends?|guys?|people|team|man|dude|class|robot|manners)\b"
 )
-#: Who somebody is among people ("I'm your neighbour"), not what they may do.
+#: Personal introductions ("I'm your neighbour") that claim no rights.
 _MYSELF = (
     r"\b(?:i am|i'm|we are|we're|it's|it is) <det>(?:<person>)",
     r"(?:我们?就?是|是我[，,])[^，,。]{0,8}?(?:<who>)",
 )
-#: Pictures, greetings and other deeds: whom they name is for the other rules.
+#: Pictures, greetings and other actions: the other rules check whom they name.
 _DEED = re.compile(
     r"^(?:please|now|first|just|finally|also|ok|okay|can you|could you|would you|will you|@[\w-]+|\W| )*"
     r"(?:(?:take|send|get|give|show|make|grab|snap|post) (?:me |us )?(?:\w+ ){0,4}?"
@@ -67,7 +67,7 @@ _DEED = re.compile(
     r"|photograph|wave|greet|thank|say (?:hi|hello|goodbye)|show me|face|sit|stand|stretch|do a|backflip|shake)\b"
     r"|^(?:请|再|先)?(?:[跟向给对和][^,，。]{1,8})?(?:拍|照|挥手|打招呼|问好|比心|看|坐|站|伸|后空翻|感谢|欢迎|迎接)"
 )
-#: "Don't hit anything", 小心别踩到猫: care, which the grammar sets aside.
+#: Requests to be careful: "don't hit anything", 小心别踩到猫.
 _CARE = re.compile(
     r"^(?:please |and |just )*(?:(?:don't|do not|never|without|avoid|be careful(?: not to)?|try not to|mind"
     r"|watch out for)"
@@ -79,7 +79,7 @@ _CARE = re.compile(
 
 
 def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None:
-    """A question when something is said beside the command that may change its meaning, or None."""
+    """Return a question if a statement beside the command may change its meaning, or None."""
     if all(step.op in _HARMLESS for step in plan.steps):
         return None
     for clause in clauses(without_safe_edges(plain_words(text))):
@@ -92,18 +92,18 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
     return None
 
 
-#: Deeds that nothing said beside them can make harmful.
+#: Operations that no side remark can make harmful.
 _HARMLESS = frozenset([Op.HELLO, Op.HEART, Op.CLAP])
 
 
 @cache
 def _phrases() -> tuple[Phrases, ...]:
-    """Who the author is, and the topics."""
+    """Return the patterns of personal introductions and of the topics to ask about."""
     both = Vocabulary({**words_zh.GROUPS, **words_en.GROUPS}, words=False)
     return Phrases(both, _MYSELF), Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
 
 
 def prepare() -> None:
-    """Compile everything, so that nothing is compiled while a process serves."""
+    """Compile all patterns in advance."""
     for phrases in _phrases():
         phrases.prepare()

@@ -587,7 +587,7 @@ PLACES: dict[str, tuple[str, ...]] = {
         r"|across)?",
     ),
 }
-#: Rules in which a "not" before the words takes their harm away: "don't hit the wall".
+#: Negations before the words that take their harm away: "don't hit the wall".
 DENIED = (
     r"(?:\b(?:don't|dont|do not|not|never|without|avoid|careful|rather than|instead of|refrain from|no need to"
     r"|be sure not to)\b)"
