@@ -1,4 +1,4 @@
-"""The facts of robots as JSON and back: what crosses the driver's socket (docs/seams.md)."""
+"""Converts robot data to JSON and back, for the driver's socket (docs/seams.md)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _POSE = TypeAdapter(Pose)
 
 
 def encode(fact: Capabilities | RobotState | Primitive | ActionResult | StopResult | Lock | Pose) -> dict[str, Any]:
-    """Plain JSON data: enums as words, sets and tuples as lists, an image as base64, infinities as null."""
+    """Return JSON data: enums as strings, sets and tuples as lists, images as base64, infinity and NaN as null."""
     if not isinstance(fact, ActionResult):
         return _plain(asdict(fact))  # type: ignore[no-any-return]
     image = None if fact.image is None else base64.b64encode(fact.image).decode()
@@ -49,9 +49,9 @@ def _plain(value: Any) -> Any:
 
 
 def display_name(text: str) -> str:
-    """What somebody called themselves, in one line of at most 100 characters without control or invisible ones.
+    """Return a name as one line of at most 100 characters, without control or invisible characters.
 
-    It stays untrusted text; whoever shows it to people must still disarm it.
+    The result is still untrusted text: escape it before showing it.
     """
     visible = "".join(" " if unicodedata.category(c) in ("Cc", "Zl", "Zp") else c for c in text[:1000])
     kept = "".join(c for c in visible if unicodedata.category(c)[0] != "C")
@@ -67,7 +67,7 @@ def decode_capabilities(data: Any) -> Capabilities:
 
 
 def decode_state(data: Any) -> RobotState:
-    """`age_s` is null on the wire when no state ever came: infinite."""
+    """Decode a state; a null `age_s` means that no state was ever received."""
     age_s = data.get("age_s")
     return _read(_STATE, {**data, "age_s": float("inf") if age_s is None else age_s})
 

@@ -1,4 +1,4 @@
-"""The contract that every robot passes, a stranger's too: subclass it in a test file and give it a `robot` fixture.
+"""The contract test of every robot, built in or third party: subclass it and provide a `robot` fixture.
 
     class TestMyRobot(RobotContract):
         @pytest.fixture
@@ -7,8 +7,8 @@
             yield robot
             robot.close()
 
-The robot must stand upright with two metres free around it. Operations that it does not have are not asked for. Its
-package is installed: the entry point of its model is looked for.
+The robot must stand upright with two metres free around it. Operations that it does not offer are
+skipped. Its package must be installed, since a test looks up the entry point of its model.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
 LEFT = Primitive(Op.TURN, Direction.LEFT, degrees=30)
 RIGHT = Primitive(Op.TURN, Direction.RIGHT, degrees=30)
-#: Ends what hangs, also on a busy machine.
+#: Timeout of a step that hangs, long enough for a busy machine.
 LIMIT_S = 60.0
 
 
 def go_on(_: RobotState) -> str | None:
-    """A watch that never objects."""
+    """A watch that never stops the step."""
     return None
 
 
 def complete(result: ActionResult, primitive: Primitive) -> None:
-    """What holds of every result, however it ended."""
+    """Check what must hold for every result, however the step ended."""
     assert result.primitive == primitive
     assert 0 < result.started_s <= result.ended_s <= time.monotonic()
     assert (result.outcome is Outcome.DONE) or (result.reason and result.message)
@@ -49,7 +49,7 @@ def complete(result: ActionResult, primitive: Primitive) -> None:
 
 
 class RobotContract:
-    """See the module's text. Each method is one promise of `agentrob.robots.protocol.Robot`."""
+    """Each test checks one promise of `agentrob.robots.protocol.Robot`; see the module docstring."""
 
     def test_it_says_what_it_can_do(self, robot: Robot) -> None:
         capabilities = robot.capabilities
@@ -195,7 +195,7 @@ class RobotContract:
 
 
 def fresh(robot: Robot) -> RobotState:
-    """A state that is not old; waits a moment for the first one."""
+    """Return a recent state; wait for the first one if needed."""
     end_s = time.monotonic() + LIMIT_S
     while (state := robot.state()).age_s > 0.5:
         assert time.monotonic() < end_s, f"no state came within {LIMIT_S:.0f} s"
@@ -204,5 +204,5 @@ def fresh(robot: Robot) -> RobotState:
 
 
 def apart_m(a: RobotState, b: RobotState) -> float:
-    """Metres between two states; 0 when one gives no position."""
+    """Distance between two states in metres; 0 if either has no position."""
     return math.hypot(a.pose.x_m - b.pose.x_m, a.pose.y_m - b.pose.y_m) if a.pose and b.pose else 0.0

@@ -1,4 +1,4 @@
-"""A robot of arithmetic: a disc that walks in a room, for trying things out and for tests, with faults on request.
+"""A robot without physics: a disc that moves in a room, for tests and demonstrations, with faults on request.
 
     [robots.spot]
     model = "fake"
@@ -35,7 +35,7 @@ OPTIONS = ("faults", "obstacles", "room", "time_scale")
 
 @dataclass
 class Faults:
-    """What goes wrong once the robot has walked `after_m` metres. May be changed while it runs."""
+    """Faults that begin once the robot has moved `after_m` metres. May be changed while it runs."""
 
     after_m: float = 0.0
     stale: bool = False  # no new state arrives
@@ -152,7 +152,7 @@ class FakeRobot:
     # ------------------------------------------------------------ for tests and demonstrations
     @property
     def pose(self) -> Pose:
-        """Where it really is now."""
+        """Its true pose."""
         with self._lock:
             self._advance()
             return self._pose
@@ -169,7 +169,7 @@ class FakeRobot:
             self._time_scale = scale
 
     def carry(self, pose: Pose) -> None:
-        """Put it somewhere else at once: its odometry jumps."""
+        """Move it to another pose at once: its odometry jumps."""
         with self._lock:
             self._advance()
             self._pose = pose

@@ -1,4 +1,4 @@
-"""What a robot is: four calls, all blocking, made from the driver's process only."""
+"""The robot protocol: four blocking calls, made by the driver process only."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Protocol, runtime_checkable
 from agentrob.config.load import RobotConfig
 from agentrob.model import ActionResult, Capabilities, Limits, Primitive, RobotState, StopResult
 
-#: Looked at 20 times a second while a step runs: a reason to stop now (a stable word as in `ActionResult.reason`), or
-#: None to go on. The guard and the driver pass their own; a robot must ask it at every control period.
+#: Called at every control period (20 times a second) while a step runs. Returns a reason to stop now (a stable code as
+#: in `ActionResult.reason`) or None to continue. The guard and the driver pass their own.
 Watch = Callable[[RobotState], str | None]
 
 #: From the centre of the body to its corners: what a turn on the spot sweeps (Go2: 0.70 m x 0.31 m).
@@ -25,7 +25,7 @@ class Robot(Protocol):
     capabilities: Capabilities
 
     def state(self) -> RobotState:
-        """What is known now; never blocks."""
+        """Return the newest known state; never blocks."""
         ...
 
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
@@ -45,11 +45,11 @@ class Robot(Protocol):
 
 @runtime_checkable
 class HasCamera(Protocol):
-    """A robot that can also be looked through while it moves."""
+    """A robot whose camera can also be read while it moves."""
 
     def look(self) -> bytes:
-        """A JPEG of its own camera now, for the record. Called from a thread of its own, also while a step runs, which
-        it must not hold up. Raises `RobotError` when there is none.
+        """Return a JPEG of its own camera. Called on a separate thread, also while a step runs, which it must not
+        delay. Raises `RobotError` if there is no picture.
         """
         ...
 

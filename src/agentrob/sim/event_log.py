@@ -1,4 +1,4 @@
-"""What the robots really did, one JSON object a line, written by the world and by nobody else."""
+"""The world's record of what the robots really did, as JSON lines."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from agentrob.errors import SimError
 class EventLog:
     """Appends to a file, flushed line by line; without a path it does nothing.
 
-    A line: `{"at": wall clock, "time_s": world time, "robot", "event", "pose": {x_m, y_m, yaw_deg}, …}`. When writing
-    fails (disk full), that is said once on stderr and in `last_error`, and the world goes on.
+    A line: `{"at": wall clock, "time_s": world time, "robot", "event", "pose": {x_m, y_m, yaw_deg}, …}`. A write
+    error (disk full) is reported once on stderr and in `last_error`, and the world goes on.
     """
 
     def __init__(self, path: Path | None = None) -> None:

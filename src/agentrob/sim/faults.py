@@ -1,12 +1,12 @@
-"""Faults that the room makes on request, for trying out a guard: `POST /faults` on the room's HTTP server.
+"""Injects faults into the simulation on request, to test a guard: `POST /faults` on the room's HTTP server.
 
     {"robot": "go2", "ranges": "missing", "silent": true, "jump_m": [1.0, 0.0], "box_m": [0.5, -0.2]}
 
-All keys may be left out, and what is left out is well again with this robot (the Go2 when none is named); `{}` heals
-all robots.
+All keys are optional. A fault that is left out ends for this robot (the Go2 by default); `{}` ends all faults of all
+robots.
 
 - `ranges`: `good`, `missing` (not a number), `zero`, or `constant` (they stay what they are now).
-- `silent`: the robot does all it is told, but sends no state.
+- `silent`: the robot obeys commands but publishes no state.
 - `jump_m`: its odometry jumps once by this much along its own x and y. `lost`: its odometry is not a number.
 - `drops`: this share of what its motion service is told is lost; with 1 it is frozen, and answers nothing.
 - `unplugged`: nothing reaches the robot and nothing comes from it, as when the cable is pulled.
@@ -147,7 +147,7 @@ class FaultState:
 
 
 def black_picture() -> bytes:
-    """What a camera sends that sees nothing: a JPEG of the usual size."""
+    """The picture of a covered camera: a black JPEG of the usual size."""
     from PIL import Image
 
     buffer = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Runs a world in real time; between ticks it does, at once, what other threads hand to it."""
+"""Runs a world in real time, and work from other threads between its ticks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class RealtimeLoop:
         self.tick_ms = 0.0
 
     def call_soon(self, work: Callable[[], None]) -> None:
-        """Have work done in the world's thread, between two ticks."""
+        """Run work in the world's thread, between two ticks."""
         self._work.put(work)
 
     def stop(self) -> None:

@@ -1,7 +1,7 @@
 """The process of the simulated world: real time, DDS services for every robot, the room's HTTP server.
 
-`python -m agentrob.sim.server --help` runs it by itself. The world's thread alone touches the physics; everybody else
-hands it work through one queue, which it also waits on between ticks, so that a request is answered at once.
+`python -m agentrob.sim.server --help` runs it by itself. Only the world's thread touches the physics; other threads
+hand it work through one queue, which it waits on between ticks, so that requests are answered at once.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def _check(settings: WorldSettings) -> None:
     unknown = set(settings.domains) - set(ROBOTS)
     if unknown or not settings.domains:
         found = ", ".join(sorted(unknown)) or "none"
-        raise SimError(f"simulated robots wanted: {found}; there are: {', '.join(ROBOTS)}")
+        raise SimError(f"unknown simulated robots: {found}; valid: {', '.join(ROBOTS)}")
     if len(set(settings.domains.values())) < len(settings.domains):
         raise SimError("each simulated robot needs a DDS domain of its own: their services have the same names")
     for domain in settings.domains.values():
@@ -86,7 +86,7 @@ def _check(settings: WorldSettings) -> None:
 
 
 class _Process:
-    """Everything that runs while the world is served; what must be ended is on `stack`."""
+    """Everything that runs while the world is served; `stack` closes it."""
 
     def __init__(self, settings: WorldSettings, scene: Scene, stack: ExitStack) -> None:
         import numpy as np
@@ -201,7 +201,7 @@ class _Process:
         }
 
     def _in_world(self, work: Callable[[], None]) -> bool:
-        """Have work done by the world's thread, since only it may look at the physics; False when it hangs."""
+        """Run work in the world's thread, which alone may read the physics; False if that thread hangs."""
         done = threading.Event()
 
         def both() -> None:
@@ -246,7 +246,7 @@ def choose_domains(robots: Sequence[str], domains: Sequence[str]) -> dict[str, i
 
 
 def announce(ready: Mapping[str, Any]) -> str:
-    """What is served, for people."""
+    """Describe what is served, for a terminal."""
     robots = [f"{name} on DDS domain {domain}" for name, domain in ready["domains"].items()]
     return (
         f"\n  World    {ready['world']} (pictures: {ready['camera']})\n"

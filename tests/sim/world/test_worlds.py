@@ -118,7 +118,7 @@ FAULTY = [
     ('shape = "box"', 'shape = "ball"', "thing 1 (hot stove): a ball has radius_m (found size_m)"),
     ('shape = "box"', "", "thing 1 (hot stove): without a shape no size"),
     ("turned_deg", "turned", "thing 1 (hot stove).turned is not known; valid here: at_m, colour, height_m"),
-    ('"darkred"', '"dark"', "thing 1 (hot stove).colour: 'dark' is no colour; valid: a CSS name as 'red'"),
+    ('"darkred"', '"dark"', "thing 1 (hot stove).colour: 'dark' is not a colour; valid: a CSS name such as 'red'"),
     ('name = "hot stove"', 'name = "floor"', "no thing may be named 'floor'"),
     ("0.9]", "nan]", "thing 1 (hot stove).size_m 3: Input should be"),
     ("0.9]", "0.9", "is not valid TOML"),

@@ -1,4 +1,4 @@
-"""Walk a distance or turn an angle, closed on odometry: pure arithmetic, no clock, no transport.
+"""Closed-loop controller of one move or turn, fed with odometry; pure arithmetic, without clock or transport.
 
 The same object runs behind a robot's SDK, in the fake robot and in simulated time (`benchmarks/accuracy.py`):
 
@@ -21,11 +21,11 @@ from agentrob.model import Pose
 RATE_HZ = 20.0
 #: Odometry is averaged over this long at rest, against its noise.
 REST_WINDOW_S = 0.3
-#: After a stop the body must keep its place for this long before rest is believed.
+#: After a stop the body must stay in place this long to count as at rest.
 STOPPED_WINDOW_S = 0.5
-#: A body that strays less than this meanwhile is at rest; more than the noise of odometry (2 mm, 0.2°).
+#: A body that moves less than this in that time is at rest; larger than the noise of the odometry (2 mm, 0.2°).
 REST_M, REST_RAD = 0.012, math.radians(1.2)
-#: No more than this is believed of what coming to rest does to the place and the heading.
+#: Upper bound of the learned shift of position and heading while coming to rest.
 SHIFT_M, SHIFT_RAD = 0.05, math.radians(6)
 
 
@@ -42,7 +42,7 @@ REST = Velocity()
 
 @dataclass(frozen=True, slots=True)
 class Gait:
-    """How a robot walks: what it may be commanded, from where on commands have an effect, and how it coasts."""
+    """How a robot walks: the velocities it may be commanded, the smallest that take effect, and how it coasts."""
 
     speed_mps: float = 0.5
     side_mps: float = 0.3
@@ -91,7 +91,7 @@ def wrap(angle_rad: float) -> float:
 
 
 def known(pose: Pose | None) -> Pose | None:
-    """The pose, or None when a number of it is none (NaN, infinite): nothing compares with such a number."""
+    """Return the pose, or None if any of its numbers is NaN or infinite."""
     if pose is None or not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
         return None
     return pose
@@ -108,7 +108,7 @@ def _clip(value: float, bound: float) -> float:
 
 
 class RestDetector:
-    """Says when a body has come to rest, from odometry: it kept its place for `window_s`."""
+    """Detects from odometry that a body is at rest: it stayed in place for `window_s`."""
 
     def __init__(self, window_s: float = REST_WINDOW_S) -> None:
         self._window_s = window_s
@@ -126,7 +126,7 @@ class RestDetector:
         return self.reached
 
     def distance_m(self, start: Pose | None) -> float | None:
-        """From a pose to where it is, averaged over the rest window; None when one of them is not known."""
+        """Distance from `start` to the current position, averaged over the rest window; None if either is unknown."""
         if start is None or not self._seen:
             return None
         n = len(self._seen)
@@ -134,7 +134,7 @@ class RestDetector:
         return round(math.hypot(x_m - start.x_m, y_m - start.y_m), 4)
 
     def turned_rad(self, start: Pose | None) -> float | None:
-        """From a pose's heading to its own, averaged alike."""
+        """Angle from the heading of `start` to the current heading, averaged likewise."""
         if start is None or not self._seen:
             return None
         return sum(wrap(p.yaw_rad - start.yaw_rad) for _, p in self._seen) / len(self._seen)
@@ -148,7 +148,7 @@ class _Sample(NamedTuple):
 
 
 class _Error(NamedTuple):
-    """What is left to go: in the body's frame, and the angle."""
+    """Remaining distance in the body's frame, and remaining angle."""
 
     forward_m: float
     left_m: float
@@ -196,7 +196,7 @@ class MotionController:
         self._stride: _Stride | None = None
 
     def step(self, now_s: float, pose: Pose) -> Velocity | None:
-        """One odometry sample in, the velocity to command out; None when the motion has ended."""
+        """Take one odometry sample; return the velocity to command, or None once the motion has ended."""
         here = self._track(now_s, pose)
         if now_s > self._deadline_s:
             self.ended = "timeout"
@@ -247,7 +247,7 @@ class MotionController:
         return self._towards(error) if self._rounds == 0 else self._correct(error)
 
     def _reached(self, error: _Error) -> bool:
-        """On the way only what is asked for counts: a walking body sways. A correction is for everything."""
+        """On the way, check only the requested axis, since a walking body sways; a correction checks all axes."""
         if self._rounds:
             return error.within(0.6 * self.gait.accept_m, 0.6 * self.gait.accept_rad)
         if self.turn_rad:
@@ -255,7 +255,7 @@ class MotionController:
         return self._along(error) < self.gait.stop_at_m
 
     def _along(self, error: _Error) -> float:
-        """Metres left in the direction of the move; negative beyond."""
+        """Metres left in the direction of the move; negative past the goal."""
         way_m = math.hypot(self.forward_m, self.left_m)
         return (error.forward_m * self.forward_m + error.left_m * self.left_m) / way_m
 
@@ -305,13 +305,13 @@ class MotionController:
         return None
 
     def _learned(self, error: _Error) -> tuple[float, float, float]:
-        """How far coming to rest carried the body beyond what was expected, in its frame: it will do so again."""
+        """How far the body moved past the expected point while coming to rest, in its frame; used for the next stop."""
         expected = zip(self._expected, error, self._shift, strict=True)
         forward_m, left_m, turn = (shift + hoped - found for hoped, found, shift in expected)
         return _clip(forward_m, SHIFT_M), _clip(left_m, SHIFT_M), _clip(turn, SHIFT_RAD)
 
     def _next_stride(self, now_s: float, error: _Error) -> _Stride:
-        """Strides at one velocity for this error, less what the last ones did besides: they will do so again."""
+        """Plan strides at one velocity for this error, corrected by the unintended shift of the last strides."""
         g, shift = self.gait, _Error(*self.gait.stride_shift)
         if (last := self._stride) is not None:
             moves = zip(last.error, error, last.plan, strict=True)
@@ -323,7 +323,7 @@ class MotionController:
         return _Stride(now_s + seconds, Velocity(*(p / seconds for p in plan)), plan, error)
 
     def _towards(self, error: _Error) -> Velocity:
-        """On the way: what is asked for quickly, what must not change softly."""
+        """On the way: drive the requested axis fast and correct the others gently."""
         g = self.gait
         if self.turn_rad:
             hold = g.gain_hold if error.distance_m > g.accept_m else 0.0
@@ -338,7 +338,7 @@ class MotionController:
         return self._bounded(vx, vy, g.gain_hold * error.turn_rad)
 
     def _correct(self, error: _Error) -> Velocity:
-        """From rest: a few quick steps, then look again."""
+        """From rest: take a few quick steps, then measure again."""
         g, vx, vy, wz = self.gait, 0.0, 0.0, 0.0
         if (distance_m := error.distance_m) > 0.5 * g.accept_m:
             speed = max(g.gain_speed * distance_m, g.step_mps)

@@ -1,4 +1,4 @@
-"""A robot's own motion as one or more blocking calls, on a thread of their own; the watch is asked before each."""
+"""Runs a robot's built-in motion as blocking calls on a separate thread; the watch is asked before each call."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from agentrob.robots.control.controller import RATE_HZ
 
 
 class Gesture:
-    """`objection` gives the reason to stop now, or None. Once it gave one no call follows, also when it has passed.
+    """`objection` returns a reason to stop, or None. After the first reason no further call is made.
 
     `code` is what the last call answered (-1: nothing), `reason` is the objection.
     """
@@ -21,13 +21,13 @@ class Gesture:
 
     @property
     def running(self) -> bool:
-        """Whether a call is not answered yet, also after an objection."""
+        """Whether a call is still pending, also after an objection."""
         return self._thread.is_alive()
 
     def follow(self) -> None:
-        """Until the calls are answered, or until the objection; then the call under way runs on without us.
+        """Wait until the calls have returned or an objection came; a pending call then continues on its thread.
 
-        A stop breaks a call off, which then answers an error, perhaps before the next look: so it is asked once more.
+        A stop aborts a call, which may return an error before the next check: the objection is then asked once more.
         """
         self._thread.start()
         while self.running:

@@ -7,19 +7,19 @@ import math
 from agentrob.model import Pose, RobotState
 from agentrob.robots.control.controller import wrap
 
-#: Between two looks a pose may change by slack + speed x time; more is a jump.
+#: Between two states a pose may change by slack + speed x time; more is a jump.
 SLACK_M, PLAUSIBLE_MPS = 0.25, 2.0
 SLACK_RAD, PLAUSIBLE_RPS = 0.4, 3.0
-#: After so long without state the robot may have been restarted, with its odometry at zero by chance where it was.
+#: After this long without state the robot may have been restarted, with its odometry back at zero.
 REBOOT_GAP_S = 10.0
-#: A look is not counted for longer than this when judging a jump.
+#: Upper bound of the time between two states when checking for a jump.
 LOOK_S = 1.0
-#: The body counts as still when it kept its place for this long.
+#: The body counts as still once it has stayed in place this long.
 STILL_S = 0.3
 
 
 class OdometryMonitor:
-    """`update` with each state; `still` says whether the robot has kept its place for a moment."""
+    """Call `update` with each state; `still` tells whether the robot has stayed in place for a moment."""
 
     def __init__(self, time_scale: float = 1.0) -> None:
         """`time_scale`: how much faster than life a fake robot goes; where its steps take no time, 1."""
@@ -29,7 +29,7 @@ class OdometryMonitor:
         self._anchor: tuple[float, Pose] | None = None
 
     def update(self, now_s: float, state: RobotState) -> str | None:
-        """A sentence when the odometry cannot be trusted to go on from where it was."""
+        """Return why the odometry can no longer be trusted, or None."""
         if state.pose is None or state.age_s > REBOOT_GAP_S:
             return None
         came_s = now_s - state.age_s

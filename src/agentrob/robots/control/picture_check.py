@@ -1,4 +1,4 @@
-"""Is what a camera sent a picture? One that is black, or all of one colour, shows nothing and must not pass for one."""
+"""Rejects camera pictures that show nothing: unreadable, black, or all of one colour."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import replace
 
 from agentrob.model import ActionResult, Outcome
 
-#: A picture is looked at this small, so that the noise of a sensor in the dark does not count; and it shows something
-#: when its lightest and its darkest spot differ by more than this (of 255).
+#: A picture is scaled to this size, which averages out the noise of a sensor in the dark. It shows something if its
+#: lightest and darkest spots differ by more than this (of 255).
 SMALL, LEAST_CONTRAST = (32, 24), 8
 
 
 def picture_problem(jpeg: bytes) -> str | None:
-    """A sentence when there is nothing to be seen on it, None when there is."""
+    """Return why the picture shows nothing, or None if it shows something."""
     from PIL import Image
 
     try:
@@ -31,7 +31,7 @@ def picture_problem(jpeg: bytes) -> str | None:
 
 
 def fail_blank_picture(result: ActionResult) -> ActionResult:
-    """A result with a picture; `failed` when there is nothing to be seen on it. The picture is kept."""
+    """Return the result, as `failed` if its picture shows nothing. The picture is kept."""
     if not (result.ok and result.image and (sentence := picture_problem(result.image))):
         return result
     return replace(result, outcome=Outcome.FAILED, reason="bad_image", message=sentence, ended_s=time.monotonic())

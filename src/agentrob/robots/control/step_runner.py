@@ -1,4 +1,4 @@
-"""Walks any body through one move or turn: the control loop, the path, what was measured, and what to call it."""
+"""Runs one move or turn on any body: control loop, recorded path, measured values and outcome."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from agentrob.robots.control.controller import (
 from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.protocol import BODY_RADIUS_M, Watch
 
-#: A step is `done` within this of what was asked; a little more on long ways, since odometry drifts (0.3 %). What shall
-#: not change, the place of a turn and the heading of a move, has no such share of its own: degrees are no metres.
+#: A step is `done` within this tolerance of the request, plus a share of long distances, since odometry drifts (0.3 %).
+#: The position of a turn and the heading of a move, which must not change, get no such share.
 TOLERANCE_M, TOLERANCE_DEG, TOLERANCE_SHARE = 0.05, 4.0, 0.005
-#: After a stop, rest is awaited no longer than this.
+#: Wait at most this long for rest after a stop.
 REST_LIMIT_S = 3.0
-#: A state that is older tells no place: how far the robot went meanwhile nobody saw.
+#: An older state gives no position: the robot may have moved since.
 SILENT_S = 0.5
-#: Rest is believed of states that are younger.
+#: Only states younger than this count as evidence of rest.
 FRESH_S = 0.2
 #: Why a step was not measured, as in `ActionResult.unmeasured`.
 LOST, JUMPED = "odometry_lost", "odometry_jump"
@@ -42,7 +42,7 @@ PATH_POINTS = 1000
 
 
 class Body(Protocol):
-    """What the loop needs of a robot. Times are seconds of the body's own clock (a fake's may run faster)."""
+    """What the control loop needs from a robot. Times are seconds of the body's own clock (a fake's may run faster)."""
 
     def now_s(self) -> float: ...
 
@@ -91,7 +91,7 @@ class _Track:
     _odometry: OdometryMonitor = field(default_factory=OdometryMonitor)
 
     def update(self, t_s: float, state: RobotState) -> None:
-        """Go on with a state, unless the odometry does not."""
+        """Add a state, unless the odometry was lost or has jumped."""
         pose = known(state.pose)
         if self.unmeasured:
             return
@@ -107,7 +107,7 @@ class _Track:
         self.points.append((t_s, pose, turned))
 
     def went(self, primitive: Primitive) -> float:
-        """How far it was last seen on its way: metres or degrees in the direction that was asked for."""
+        """Last measured progress in the requested direction, in metres or degrees."""
         (_, start, _), (_, last, turned) = self.points[0], self.points[-1]
         if primitive.op is Op.TURN:
             return math.degrees(-turned if primitive.direction is Direction.RIGHT else turned)
@@ -116,7 +116,7 @@ class _Track:
         return forward * ax + left * ay
 
     def end(self) -> tuple[float, float, float]:
-        """x, y and the angle turned, averaged over the last moments."""
+        """Final x, y and turned angle, averaged over the rest window."""
         last_s = self.points[-1][0]
         tail = [p for p in self.points if p[0] >= last_s - REST_WINDOW_S]
         n = len(tail)
@@ -154,7 +154,7 @@ def _rounded(**values: float) -> dict[str, float]:
 
 
 def run_step(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> ActionResult:
-    """Do one `move` or `turn`. The body is at rest, or has been told to be, when this returns."""
+    """Run one `move` or `turn`. When this returns, the body is at rest or has been commanded to stop."""
     started_s = time.monotonic()
     motion, track, reason = controller_for(primitive, gait), _Track(), ""
     try:
@@ -175,8 +175,8 @@ def run_step(body: Body, primitive: Primitive, gait: Gait, watch: Watch) -> Acti
 
 
 def unmeasured(result: ActionResult, why: str, went: float | None = None) -> ActionResult:
-    """The result without numbers that span a jump or a silence of the odometry (law 18); nothing is done that nobody
-    saw. `why` is `LOST` or `JUMPED`, `went` how far it was last seen before that, in metres or degrees."""
+    """Return the result without values measured across a jump or gap of the odometry (law 18); such a step is never
+    `done`. `why` is `LOST` or `JUMPED`; `went` is the progress measured before that, in metres or degrees."""
     turn = result.primitive.op is Op.TURN
     asked = (result.primitive.degrees if turn else result.primitive.distance_m) or 0.0
     unit, digits = ("°", 1) if turn else (" m", 2)
@@ -191,13 +191,13 @@ def unmeasured(result: ActionResult, why: str, went: float | None = None) -> Act
 
 
 def not_begun(primitive: Primitive, reason: str, started_s: float) -> ActionResult:
-    """The result of a step to which the watch objected before the body was commanded anything."""
+    """Result of a step that the watch stopped before any command was sent."""
     message = f"Stopped before it began ({reason.replace('_', ' ')})."
     return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
 
 
 def _drive(body: Body, motion: MotionController, track: _Track, watch: Watch) -> str:
-    """Until the motion has ended (returns "") or the watch gave a reason."""
+    """Run the control loop until the motion ends (returns "") or the watch gives a reason."""
     start_s, n = body.now_s(), 0
     while True:
         state = body.state()
@@ -218,7 +218,7 @@ def _drive(body: Body, motion: MotionController, track: _Track, watch: Watch) ->
 
 
 def _come_to_rest(body: Body, track: _Track) -> None:
-    """Record how the body coasts; not the watch's matter any more, since it is stopping already."""
+    """Record how the body coasts. The watch is not asked, since the body is stopping already."""
     rest, end_s = RestDetector(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
     while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)
@@ -241,7 +241,7 @@ _ENDINGS = {
 def classify_outcome(
     primitive: Primitive, measured: Mapping[str, float], how: str, *, stopped: bool
 ) -> tuple[Outcome, str, str]:
-    """Outcome, reason and message from what was asked and measured alone (law 18), whatever the loop believes."""
+    """Return outcome, reason and message, from the requested and measured values alone (law 18)."""
     turn = primitive.op is Op.TURN
     asked = (primitive.degrees if turn else primitive.distance_m) or 0.0
     got = measured["degrees" if turn else "distance_m"]

@@ -1,6 +1,6 @@
-"""Looks at a Unitree robot over its own network and says what is wrong; it only reads, and never moves anything.
+"""Diagnoses a Unitree robot over its own network. Only reads, never moves anything.
 
-What is asked of the robot: the version of each service (API id 1), which mode is active, and one picture.
+Requests sent to the robot: the version of each service (API id 1), which mode is active, and one picture.
 """
 
 from __future__ import annotations

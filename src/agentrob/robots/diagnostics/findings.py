@@ -1,4 +1,4 @@
-"""What an examination found (`agentrob doctor`) and what to do about it, as far as facts alone tell. Pure."""
+"""Findings of `agentrob doctor`, and what to do about each. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The network between this machine and a robot: its interface here, and which robots are heard on which DDS domains."""
+"""Checks the network between this machine and a robot: its interface, and which robots publish on which DDS domains."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _HUMANOID = "unitree_hg"
 
 
 class DomainContents(NamedTuple):
-    """What is published on a domain. `kind` is go2, g1, or empty for no robot.
+    """What is published on a DDS domain. `kind` is go2, g1, or empty without a robot.
 
     `commanders`: how many programs, besides this process, can tell its motion service something.
     """
@@ -46,7 +46,7 @@ def address(interface: str) -> str:
 
 
 def others(interface: str) -> str:
-    """The interfaces that could be meant instead, the likeliest first."""
+    """Other interfaces of this machine, the likeliest first."""
     names = [name for _, name in socket.if_nameindex() if name not in (interface, "lo")]
     found = sorted(((address(n), n) for n in names), key=lambda a: not a[0].startswith(ROBOTS_NETWORK))
     return ", ".join(f"{name} ({at or 'no address'})" for at, name in found) or "none"
@@ -110,7 +110,7 @@ def search(interface: str, leave_out: int, seconds: float = 1.5) -> list[DomainC
 
 
 class _DomainReader:
-    """Reads the names of what others publish, without reading any of it."""
+    """Reads the names of the topics that others publish, not their data."""
 
     def __init__(self, domain: int, participant: Any, kept: Any = None) -> None:
         from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication

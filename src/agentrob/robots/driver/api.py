@@ -1,4 +1,4 @@
-"""The driver's HTTP handlers on its Unix socket: the table of docs/seams.md, word for word."""
+"""The driver's HTTP API on its Unix socket, as specified in docs/seams.md."""
 
 from __future__ import annotations
 
@@ -66,27 +66,27 @@ async def _body(request: Request) -> dict[str, Any]:
 def _text(data: dict[str, Any], key: str) -> str:
     value = data.get(key)
     if not isinstance(value, str) or not (text := display_name(value)):
-        raise RobotError(f"{key!r} must be a text that is not empty")
+        raise RobotError(f"{key!r} must be a non-empty string")
     return text
 
 
 def _since(data: dict[str, Any]) -> float | None:
-    """A time to come would outrun every stop, so it is no time of this host's clock."""
+    """Read `since_s`; a time in the future is rejected, since no stop could be later than it."""
     since_s = data.get("since_s")
     if since_s is None:
         return None
     if isinstance(since_s, bool) or not isinstance(since_s, int | float) or not since_s <= time.monotonic():
-        raise RobotError("'since_s' must be seconds of this host's CLOCK_MONOTONIC that are not to come")
+        raise RobotError("'since_s' must be a time of this host's CLOCK_MONOTONIC that is not in the future")
     return float(since_s)
 
 
 async def _who(request: Request) -> str:
-    """Who stops. A stop counts also when it does not say properly whose it is."""
+    """Who stops. A stop without a valid name counts too."""
     return (await _stop_request(request))[0]
 
 
 async def _stop_request(request: Request) -> tuple[str, bool]:
-    """Who stops, and whether only what runs now; in doubt all."""
+    """Who stops, and whether only the running command is meant; in doubt, everything."""
     try:
         data = await _body(request)
         return _text(data, "by"), data.get("running_only") is True
@@ -156,7 +156,7 @@ class _Handlers:
         gone = asyncio.ensure_future(request.receive())  # after the body only the end of the connection can come
         try:
             await asyncio.wait({stepping, gone}, return_when=asyncio.FIRST_COMPLETED)
-            if not stepping.done():  # whoever asked for it is dead: sooner than by the lease that lapses
+            if not stepping.done():  # the client is gone: end its step before the lease lapses
                 self.driver.leases.give_back(lease)
             return JSONResponse(encode(await stepping))
         finally:
@@ -185,7 +185,7 @@ class _Handlers:
 
 
 def _translated(answer: Answer) -> Answer:
-    """Our errors as HTTP: 409 for who holds the robot (`lease_lost`, `busy`), 422 for what cannot be."""
+    """Translate our errors to HTTP: 409 without the robot (`lease_lost`, `busy`), 422 for an invalid request."""
 
     async def translated(request: Request) -> Response:
         try:

@@ -1,4 +1,4 @@
-"""Talks to a robot's driver over its Unix socket: what the agent, `agentrob drive` and scripts use to move a robot."""
+"""Client of a robot's driver over its Unix socket, used by the agent, `agentrob drive` and scripts."""
 
 from __future__ import annotations
 

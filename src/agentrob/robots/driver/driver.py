@@ -16,16 +16,16 @@ from agentrob.robots.safety.guard import Guard
 
 log = logging.getLogger(__name__)
 
-#: At most so long is waited for rest before the process ends.
+#: Wait at most this long for rest before the process ends.
 LAST_STOP_S = 0.4
-#: A new holder waits so long for the end of the last one's step: a robot comes to rest within 3 s.
+#: A new holder waits at most this long for the end of the last holder's step: a robot comes to rest within 3 s.
 TAKE_S = 4.0
-#: Pictures for the record are taken no more often than this.
+#: Shortest time between two pictures for the record.
 LOOK_S = 0.4
 
 
 class Driver:
-    """What the process does, without sockets: all calls are thread-safe."""
+    """The driver's operations, without sockets. All methods are thread-safe."""
 
     def __init__(self, name: str, guard: Guard) -> None:
         self.name, self.guard = name, guard
@@ -41,7 +41,7 @@ class Driver:
         return self.guard.state()
 
     def take(self, holder: str, since_s: float | None = None) -> str:
-        """A lease, once the last holder's step has come to rest; waits for that.
+        """Return a lease; waits until the last holder's step has come to rest.
 
         `since_s` is when the command was accepted, by the monotonic clock; now when not given. Raises `RobotBusy`, and
         `LeaseLost` when a stop or a halt came since then, also while this waits.

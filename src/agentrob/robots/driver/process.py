@@ -1,7 +1,7 @@
-"""The one process that holds a robot (law 11): guard, lease and stop channel, served as docs/seams.md says.
+"""The process that owns a robot (law 11): it serves the guard, the leases and the stop channel (docs/seams.md).
 
-Whoever wants the robot to move is a client of this process. Steps run one at a time for the holder of the lease; a stop
-needs no lease, runs on a thread of its own, and ends the step and the lease.
+Every program that moves the robot is a client of this process. Steps run one at a time for the holder of the lease; a
+stop needs no lease, runs on a thread of its own, and ends the step and the lease.
 """
 
 from __future__ import annotations

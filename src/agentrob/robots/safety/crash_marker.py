@@ -1,8 +1,8 @@
-"""A mark on disk while a step runs, so that a driver that is started again knows that its predecessor died in one.
+"""A file that exists while a step runs, so that a restarted driver knows that its predecessor died during one.
 
-The robot goes on for about a second after the last command of a driver that was killed. To the next driver that motion
-looks like a foreign hand, which is a halt (law 12); the mark says that it is our own, for a moment. It is not synced to
-the disk: a killed process loses nothing, and after a crash of the whole host it must not count.
+The robot moves on for about a second after the last command of a killed driver. To the next driver that motion looks
+like a takeover, which causes a halt (law 12); the marker says that the motion is our own. It is not synced to disk: a
+killed process loses nothing, and after a crash of the whole host the marker must not count.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from agentrob.model import Op
 
 log = logging.getLogger(__name__)
 
-#: The mark is renewed this often while the step runs …
+#: The marker is refreshed this often while the step runs …
 BEAT_S = 0.5
-#: … and one that was not renewed for so long says nothing: no command is held and no gesture lasts longer.
+#: … and an older one is ignored: no command is held and no gesture lasts longer.
 COUNTS_S = 10.0
 _LENGTH = 400  # one line of always the same length: a single write, so no killed process leaves half of it
 
 
 class InterruptedStep(NamedTuple):
-    """What a predecessor was doing when it died, and the mode that the robot was in when it was last seen."""
+    """The step that the previous driver died in, and the robot's last known mode."""
 
     op: Op
     mode: str
@@ -36,7 +36,8 @@ class InterruptedStep(NamedTuple):
 class CrashMarker:
     """`begin`, `refresh` and `end` are called by the thread of the step; none of them ever raises.
 
-    Without a path, or on a disk that refuses, there is no mark: then the motion that is found counts as foreign.
+    Without a path, or if the disk cannot be written, there is no marker: motion after a restart then counts as a
+    takeover.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -45,25 +46,25 @@ class CrashMarker:
         self._op, self._beat_s = "", 0.0
 
     def begin(self, op: Op, mode: str) -> None:
-        """Before the robot is commanded anything."""
+        """Call before the first command of a step."""
         if self.path is None:
             return
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
         except OSError as e:
-            log.warning("no mark of this step at %s (%s)", self.path, e.strerror)
+            log.warning("cannot write the crash marker %s (%s)", self.path, e.strerror)
             return
         self._op = str(op)
         self._write(mode)
 
     def refresh(self, mode: str) -> None:
-        """While the step runs; call it as often as you like."""
+        """Call while the step runs, as often as you like."""
         if self._file is not None and time.monotonic() >= self._beat_s + BEAT_S:
             self._write(mode)
 
     def end(self) -> None:
-        """The step has ended and the robot rests, or was told to."""
+        """Call after the step, when the robot is at rest or has been told to stop."""
         if self._file is not None:
             with contextlib.suppress(OSError):
                 os.close(self._file)
@@ -71,15 +72,15 @@ class CrashMarker:
         self.clear()
 
     def clear(self) -> None:
-        """Nothing of ours moves any more."""
+        """Remove the marker: no motion of ours is left."""
         try:
             if self.path is not None:
                 self.path.unlink(missing_ok=True)
         except OSError as e:  # it soon counts no more
-            log.warning("the mark %s cannot be removed (%s)", self.path, e.strerror)
+            log.warning("cannot remove the crash marker %s (%s)", self.path, e.strerror)
 
     def interrupted_step(self) -> InterruptedStep | None:
-        """What a predecessor left that died within a step a moment ago, None when there is nothing that counts."""
+        """Return the step that a previous driver died in a moment ago, or None."""
         if self.path is None:
             return None
         try:
@@ -90,7 +91,7 @@ class CrashMarker:
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError) as e:
-            log.warning("the mark %s says nothing (%s)", self.path, type(e).__name__)
+            log.warning("cannot read the crash marker %s (%s)", self.path, type(e).__name__)
             return None
 
     def _write(self, mode: str) -> None:
@@ -102,5 +103,5 @@ class CrashMarker:
 
 
 def _boot() -> str:
-    """This start of the host: its monotonic clock counts from there."""
+    """Id of this boot of the host, from which its monotonic clock counts."""
     return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()

@@ -1,4 +1,4 @@
-"""The fence: a rectangle around the home that the owner set, and what may be walked inside of it. Pure geometry."""
+"""The fence: a rectangle around the owner's home pose that every move must stay inside. Pure geometry."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class Fence:
         self.config, self.home = config, home
 
     def at_home(self, x_m: float, y_m: float) -> tuple[float, float]:
-        """An odometry point as seen from home."""
+        """Transform an odometry point into the home frame."""
         return rotate(x_m - self.home.x_m, y_m - self.home.y_m, -self.home.yaw_rad)
 
     def outside_m(self, x_m: float, y_m: float) -> float:
-        """How far an odometry point is outside; negative inside (then the distance to the nearest side).
+        """Distance of an odometry point outside the fence; negative inside (distance to the nearest side).
 
-        Infinite when a number is none (NaN, infinite): such a point is not known to be inside.
+        Infinite if a coordinate is NaN or infinite: such a point is not known to be inside.
         """
         x, y = self.at_home(x_m, y_m)
         c = self.config
@@ -34,7 +34,7 @@ class Fence:
         return max(beyond) if all(map(math.isfinite, beyond)) else math.inf
 
     def refusal(self, pose: Pose, primitive: Primitive) -> str | None:
-        """A sentence when the step may not be begun from here. A rectangle is convex: both ends inside is enough."""
+        """Return why the step may not start here, or None. The fence is convex, so checking both ends is enough."""
         if not (outside_m := self.outside_m(pose.x_m, pose.y_m)) <= 0:
             return (
                 f"The robot stands {outside_m:.2f} m outside its fence; its owner must bring it back or set a new home."

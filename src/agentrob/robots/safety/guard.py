@@ -1,4 +1,4 @@
-"""The guard: a Robot around a Robot that refuses or ends what laws 8, 9, 10 and 12 do not allow, for every client.
+"""The guard: wraps a robot and refuses or stops what laws 8, 9, 10 and 12 forbid, for every client.
 
 Covered, before a step and 20 times a second while it runs:
 - limits of speed, distance and angle of a step: beyond is refused with the limit named, never clipped;
@@ -10,32 +10,33 @@ Covered, before a step and 20 times a second while it runs:
 - a fall: the step ends, and the robot stays down until it is asked to stand up; nothing else is done meanwhile, and a
   step that ends lying is never called done;
 - a battery below the owner's level: no step begins; one under way is ended in order, and its result says so;
-- a position that is no number: unknown, as one that is missing;
+- a position that is NaN or infinite: treated as missing;
 - an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
   (a simulated robot that homes itself at start does so again once it stands still);
-- a mode or a motion that we did not command: that is a halt; damping always is, also during a gesture. A robot that is
-  damped already when we come is not moved until somebody made it stand;
-- a driver that was killed during a step: the next one stops the robot first, and what dies down within 2 s is no halt;
-- a picture on which there is nothing to be seen: it is not called one.
+- a mode or motion that we did not command: a halt; damping always is, also during a gesture. A robot that is already
+  damped at start is not moved until somebody makes it stand;
+- a driver that was killed during a step: the next one stops the robot first, and motion that ends within 2 s
+  is no halt;
+- a picture that shows nothing: it is reported as failed.
 
 Not covered:
 - people, animals, and all that is below, above or between the four range beams: stairs, cables, glass, table edges;
 - obstacles that move towards the robot, and all obstacles during gestures and flips, which need free space around;
 - drift of the odometry within plausible speed, and jumps of less than 25 cm: fence and measured values stand on it. A
   robot that is pushed or slips, and whose odometry does not see it, is not where it says;
-- what is pushed: a robot shoved off its course walks back to it, towards whoever shoved it;
+- pushes: a robot pushed off its path walks back to it, towards the person who pushed it;
 - a robot that reports wrong data, or that does not obey a stop: the stop's result then says `confirmed: false`;
-- a robot that nothing reaches: it holds the last velocity for up to a second, and then it is its own firmware's matter;
+- a robot that cannot be reached: it holds the last velocity for up to a second, then its own firmware decides;
 - a fall itself: it is seen once the body is tilted by 60°, and nothing softens it. What stands around a robot that is
   asked to get up is not looked at;
 - a battery that the robot does not tell (a G1's) or tells wrongly, and one that fails within a step; heat of motors;
-- a picture that is old, frozen, or of another place: only that something is to be seen is looked at;
+- a picture that is old, frozen, or of another place: only whether it shows something is checked;
 - the floor: slopes, wet or loose ground, anything that is not level and free;
 - the sum of several steps (a command's limits): the agent's mandate counts them;
 - other robots: each has its own guard, and they know nothing of each other but what the ranges show;
 - a machine that is frozen or too busy: a driver that does not run stops nothing (its lease and the robot's own hold of
   one second do); nor does it see what the robot does meanwhile;
-- anybody who speaks DDS to the robot past this process. Nothing here replaces the robot's hardware stop.
+- other programs that command the robot over DDS directly. Nothing here replaces the robot's hardware stop.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ Refusal = tuple[str, str]  # (stable word, sentence)
 class Guard:
     """See `agentrob.robots.protocol.Robot`. Starts a thread that watches the robot also while nothing runs.
 
-    `mark` is written while a step runs. When it was left by a guard that died within one, call `settle` first.
+    `mark` is written while a step runs. If a previous guard died during a step, call `settle` first.
     """
 
     def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt, mark: CrashMarker | None = None) -> None:
@@ -139,13 +140,13 @@ class Guard:
             self._stepping.release()
 
     def stop(self) -> StopResult:
-        """Never waits for anything of the guard."""
+        """Stop the robot; never waits for a lock of the guard."""
         self._stops += 1
         self._takeover.own_motion(time.monotonic())
         return self._robot.stop()
 
     def look(self) -> bytes:
-        """A picture of the robot's own camera, also while it moves; touches nothing of a step. Raises `RobotError`."""
+        """Return a picture of the robot's own camera without affecting a running step. Raises `RobotError`."""
         if not isinstance(self._robot, HasCamera) or Op.GET_FRONT_IMAGE not in self.capabilities.ops:
             raise RobotError("this robot has no camera that can be looked through while it moves")
         return self._robot.look()
@@ -230,13 +231,13 @@ class Guard:
         return self._after(replace(result, primitive=primitive, message=message))
 
     def _seen_throughout(self, result: ActionResult) -> ActionResult:
-        """Law 18: of a way that was not seen throughout, no number is told, whatever the robot makes of it."""
+        """Law 18: report no measured values for a step that was not observed from start to end."""
         if not self._broken and not sanitized(self._robot.state()).age_s < STATE_AGE_S:
             self._broken = LOST
         return unmeasured(result, self._broken) if self._broken and result.measured else result
 
     def _after(self, result: ActionResult) -> ActionResult:
-        """What the robot says of itself now belongs to the result: lying it has done nothing well."""
+        """Add the robot's state after the step to the result: a fallen robot has not succeeded."""
         state = sanitized(self._robot.state())
         if result.ok and state.upright is False:
             message = f"{result.message} But now the robot lies: it fell, or did not get up."
@@ -355,11 +356,11 @@ class Guard:
         while not self._closed.wait(1 / OBSERVE_HZ):
             try:
                 self._take_in()
-            except Exception:  # the observer must outlive whatever one look does
-                log.exception("the guard could not look at the robot")
+            except Exception:  # the observer must survive any error of one state
+                log.exception("the guard could not read the robot's state")
 
     def _take_in(self, state: RobotState | None = None) -> None:
-        """Take in a state (the newest when none is given), in order: one look at a time."""
+        """Process a state (the newest by default), in order and one at a time."""
         with self._looking:
             state, now_s = state or sanitized(self._robot.state()), time.monotonic()
             self._ranges.update(now_s, state)  # an old state too: what was seen before it must not stay
@@ -382,7 +383,7 @@ class Guard:
 
 
 def sanitized(state: RobotState) -> RobotState:
-    """The state without numbers that are none (NaN, infinite), whatever robot gave them: those are unknown."""
+    """Return the state with NaN and infinite values replaced by unknown."""
     velocity_mps, age_s = state.velocity_mps, state.age_s
     if velocity_mps is not None and not all(map(math.isfinite, velocity_mps)):
         velocity_mps = None
@@ -392,7 +393,7 @@ def sanitized(state: RobotState) -> RobotState:
 
 
 def _fallen(state: RobotState, primitive: Primitive) -> Refusal | None:
-    """A robot that is known to lie may be asked to stand up, and nothing else."""
+    """Refuse everything but standing up while the robot lies or may lie."""
     if state.upright is False and primitive.op is not Op.STAND:
         return "fallen", "The robot has fallen. It stays down until it is asked to stand up, or somebody sets it up."
     if state.upright is None or (state.upright and state.mode == "fallen"):
@@ -401,7 +402,7 @@ def _fallen(state: RobotState, primitive: Primitive) -> Refusal | None:
 
 
 def _low_battery(state: RobotState, settings: RobotConfig) -> str:
-    """A sentence when no motion may begin; empty too when the robot does not tell its charge."""
+    """Return why no motion may begin; empty if the charge suffices or is not reported."""
     percent, least = state.battery_percent, settings.least_battery_percent
     if percent is None or percent >= least:
         return ""
@@ -413,7 +414,7 @@ def _age(state: RobotState) -> str:
 
 
 def _unseen(state: RobotState) -> str:
-    """What is wrong with a state that is young enough; empty when it is just too old."""
+    """Return what is wrong with a recent state; empty if it is only too old."""
     young = state.age_s < STATE_AGE_S and state.pose is None
     return "The robot tells no position: its odometry is missing or not a number." if young else ""
 

@@ -1,16 +1,16 @@
-"""Is one step well formed and within the robot's limits (law 10)? Pure; NaN and infinity are never within."""
+"""Checks that a step is well formed and within the robot's limits (law 10). Pure; NaN and infinity always fail."""
 
 from __future__ import annotations
 
 from agentrob.model import Capabilities, Direction, Op, Primitive
 
 TURNS = (Direction.LEFT, Direction.RIGHT)
-#: Less than this no robot can do and measure.
+#: The smallest step that a robot can do and measure.
 LEAST_M, LEAST_DEG, LEAST_MPS = 0.01, 1.0, 0.05
 
 
 def beyond_limits(primitive: Primitive, capabilities: Capabilities) -> tuple[str, str] | None:
-    """None when it may be done, else a stable word and a sentence that names the limit."""
+    """Return None if the step is allowed, else a stable code and a sentence that names the limit."""
     limits = capabilities.limits
     if primitive.op is Op.MOVE:
         return _move(primitive, capabilities)

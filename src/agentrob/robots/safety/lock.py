@@ -1,5 +1,4 @@
-"""A robot's lock (halt): a file that says no motion until the owner releases it; it outlives the process, and fails
-closed."""
+"""A robot's halt, kept in a file: no motion until the owner releases it, also after a restart. Fails closed."""
 
 from __future__ import annotations
 
@@ -19,7 +18,7 @@ from agentrob.model import Language, Lock
 class Halt:
     """`lock` says who locked the robot, why and when; None while it is free. A file that cannot be read is a lock.
 
-    A release takes away only what was there when it was asked for: a halt that comes at the same time stays.
+    A release removes only the halt that existed when it was requested: a halt set at the same time stays.
     """
 
     def __init__(self, path: Path) -> None:
@@ -46,7 +45,7 @@ class Halt:
             return sentence(self._lock)
 
     def save(self) -> bool:
-        """Write the halt down. False when the disk refused: then it holds only as long as this process lives."""
+        """Write the halt to disk. Return False if that failed: the halt then ends with this process."""
         with self._disk:
             if (lock := self._lock) is None:
                 return True
@@ -122,5 +121,5 @@ def sentence(lock: Lock) -> str:
 
 
 def held_for(lock: Lock, language: Language = "en") -> str:
-    """How long it has been locked, in words; empty where nobody knows."""
+    """How long it has been locked, in words; empty if unknown."""
     return duration((datetime.now(UTC) - lock.at).total_seconds(), language) if lock.at else ""

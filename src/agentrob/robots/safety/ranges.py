@@ -1,4 +1,4 @@
-"""Range readings over time: what is free, what is near, and what is not known (law 8). Pure arithmetic.
+"""Tracks range readings: which sides are free, blocked or unknown (law 8). Pure arithmetic.
 
 Readings are in the order front, left, back, right. Whether a Go2 counts them from its middle or from its outline is not
 verified; here they are taken as from the middle, which keeps the greater distance.
@@ -11,19 +11,19 @@ import math
 from agentrob.model import Direction, Op, Primitive, RobotState
 from agentrob.robots.protocol import BODY_RADIUS_M
 
-#: A reading must have changed within this time: a sensor that lives is never perfectly still.
+#: A reading must have changed within this time: a working sensor always shows some noise.
 WINDOW_S = 1.0
 #: A state older than this carries no new reading.
 FRESH_S = 0.2
-#: So many readings are needed before anything is believed, and so many are kept.
+#: How many readings are needed before any is trusted, and how many are kept.
 SAMPLES, MOST_SAMPLES = 5, 100
 #: From the middle of the body to its hull: front, left, back, right (Go2).
 HULL_M = (0.35, 0.16, 0.35, 0.16)
-#: Free space that stays between hull and obstacle when the robot has come to rest.
+#: Free space between hull and obstacle after the robot has come to rest.
 MARGIN_M = 0.15
 #: Free space at the flanks of a moving body.
 FLANK_M = 0.05
-#: A body goes on for about this long after an obstacle showed (measured coasting 0.25 s, sensing and sending 0.1 s).
+#: A body moves on for about this long after an obstacle appears (measured: coasting 0.25 s, sensing and sending 0.1 s).
 STOPPING_S = 0.35
 
 SIDES = {Direction.FORWARD: 0, Direction.LEFT: 1, Direction.BACKWARD: 2, Direction.RIGHT: 3}
@@ -36,13 +36,13 @@ def needed_m(side: int, speed_mps: float) -> float:
 
 
 class RangeMonitor:
-    """Remembers a second of readings. One thread may ask while another tells: what is seen is replaced, not changed."""
+    """Keeps one second of readings. A thread may read while another updates: the tuple is replaced, never changed."""
 
     def __init__(self) -> None:
         self._seen: tuple[tuple[float, tuple[float | None, ...]], ...] = ()
 
     def update(self, now_s: float, state: RobotState) -> None:
-        """Remember the readings of a state; an old one only repeats what was seen before, and does not count."""
+        """Add the readings of a state; an old state repeats earlier readings and is not added."""
         kept = tuple(s for s in self._seen[-MOST_SAMPLES:] if s[0] >= now_s - WINDOW_S)
         self._seen = (*kept, (now_s, state.ranges_m)) if state.age_s < FRESH_S else kept
 
@@ -52,7 +52,7 @@ class RangeMonitor:
 
     @property
     def settled(self) -> bool:
-        """Whether a whole window was seen: what is unknown now will not become known by waiting."""
+        """Whether a full window was recorded: waiting longer will not make an unknown side known."""
         return self.enough and self._seen[-1][0] - self._seen[0][0] >= 0.8 * WINDOW_S
 
     def known(self) -> tuple[float | None, ...]:
@@ -73,7 +73,7 @@ class RangeMonitor:
         return any(self.known()[side] is None for side in sides(primitive))
 
     def obstacle(self, primitive: Primitive, speed_mps: float) -> str | None:
-        """A sentence when something known is too near for this step at this speed."""
+        """Return what is too near for this step at this speed, or None."""
         known = self.known()
         for side, limit_m in clearances(primitive, speed_mps):
             if (distance_m := known[side]) is not None and distance_m < limit_m:
@@ -82,7 +82,7 @@ class RangeMonitor:
 
 
 def clearances(primitive: Primitive, speed_mps: float) -> tuple[tuple[int, float], ...]:
-    """How far things must be: for a move in its direction and, less, at both flanks (a wall met at a flat angle)."""
+    """Required distance per side: for a move ahead and, less, at both flanks (a wall met at a flat angle)."""
     if primitive.op is not Op.MOVE:
         return tuple((side, BODY_RADIUS_M) for side in sides(primitive))
     side = SIDES[primitive.direction or Direction.FORWARD]

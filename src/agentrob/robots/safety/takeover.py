@@ -7,23 +7,23 @@ import math
 from agentrob.model import Op, RobotState
 
 WALKS = (Op.MOVE, Op.TURN)
-#: Limp: only an operator or the robot's own hardware stop does that; no step of ours ever does.
+#: Limp: caused by an operator or the robot's hardware stop, never by a step of ours.
 DAMPING = "damping"
 #: Modes into which a robot does not go by itself while we do nothing.
 FOREIGN_MODES = frozenset({DAMPING, "locked", "lying", "sitting", "gesture"})
-#: Our own step may show in mode and speed for so long after it ended.
+#: Our own step may show in mode and speed for this long after it ended.
 OURS_S = 3.0
-#: Faster than this for `MOVED_S` without a step of ours is somebody else's hand.
+#: Faster than this for `MOVED_S` without a step of ours means that somebody else moves the robot.
 MOVED_MPS, MOVED_S = 0.2, 0.5
-#: A walk that a killed driver left behind is stopped at once and has died down after so long.
+#: A walk left by a killed driver is stopped at once and has ended after this long.
 DECAY_S = 2.0
-#: A gesture that it left behind may go on for so long; these are the modes that it shows or ends in.
+#: A gesture left by it may run this long; these are the modes that it shows or ends in.
 GESTURE_S = 10.0
 GESTURE_MODES = {Op.SIT: frozenset({"gesture", "sitting"}), Op.STAND: frozenset({"gesture", "locked"})}
 
 
 class TakeoverDetector:
-    """Notices an operator's remote, another program or a hardware stop (law 12)."""
+    """Detects an operator's remote, another program or a hardware stop (law 12)."""
 
     def __init__(self) -> None:
         self._mode, self._ours_until_s, self._slow_s = "", -math.inf, -math.inf
@@ -31,13 +31,13 @@ class TakeoverDetector:
         self._gesture_modes: frozenset[str] = frozenset()
 
     def own_motion(self, now_s: float) -> None:
-        """We move the robot, now."""
+        """Record that we are moving the robot now."""
         self._ours_until_s = now_s + OURS_S
 
     def inherit(self, now_s: float, op: Op, mode: str) -> None:
-        """A driver before us died in a step, and saw the robot in `mode` last: motion that dies down is ours.
+        """Continue after a driver that died during `op` with the robot in `mode`: motion that decays counts as ours.
 
-        A mode that the step does not lead to is a foreign hand as ever, and so is damping.
+        Damping, and modes that the step does not lead to, still count as a takeover.
         """
         self._mode, self._decays_until_s = mode, now_s + DECAY_S
         if op not in WALKS:
@@ -45,7 +45,7 @@ class TakeoverDetector:
             self._gesture_modes = GESTURE_MODES.get(op, frozenset({"gesture"}))
 
     def update(self, now_s: float, state: RobotState, *, walking: bool, gesturing: bool) -> str | None:
-        """A sentence when somebody else changed what the robot does."""
+        """Return what somebody else did to the robot, or None."""
         if not math.isfinite(state.age_s):
             return None  # no state ever came
         before, self._mode = self._mode, state.mode

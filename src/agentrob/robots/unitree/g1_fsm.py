@@ -1,4 +1,4 @@
-"""What state the G1's own state machine is in, asked by its API id five times a second.
+"""Polls the state of the G1's own state machine five times a second, by its API id.
 
 The SDK's client has no call for it, and its `Start` sends the state of older firmware (200, where it is 500 now).
 """
@@ -25,7 +25,7 @@ OLD_S = 1.0
 
 
 class FsmMonitor:
-    """Asks in a thread of its own; `id` is the newest answer, None when there is none or it is old."""
+    """Polls on a thread; `id` is the newest answer, None if there is none or it is old."""
 
     def __init__(self, client: Any, there: Callable[[], bool]) -> None:
         """`client` is a LocoClient with a short timeout, used by nobody else; a robot not `there` is not asked."""

@@ -1,4 +1,4 @@
-"""What is the same for all Unitree robots that walk: stop and watch for rest, pictures, and how results are worded."""
+"""Base of the Unitree robots: stopping and waiting for rest, pictures, and the messages of results."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ from agentrob.robots.control.step_runner import REST_LIMIT_S
 from agentrob.robots.protocol import Watch
 from agentrob.robots.unitree import sdk
 
-#: Commands of velocity and stops are written, not asked: they must never wait long for a robot that is not there.
+#: Velocities and stops are sent without waiting for an answer: they must never block on a robot that is not there.
 WRITE_TIMEOUT_S = 0.15
-#: A real camera answers in a tenth of a second; a simulated one is drawn by the processor, which may be busy.
+#: A real camera answers in a tenth of a second; a simulated one is rendered by the processor, which may be busy.
 IMAGE_TIMEOUT_S = 10.0
 IMAGE_MAX_BYTES = 8 * 1024 * 1024
 #: Cosine of the tilt below which it lies rather than stands (60 degrees).
 UPRIGHT = 0.5
 #: A standing robot sways a little; faster than this, at one moment, it moves.
 MOVING_MPS, MOVING_RPS = 0.12, 0.25
-#: Whoever walks or turns comes on by more than this in half a second, whatever a stride or a sway shows at one moment.
+#: A body that walks or turns advances by more than this in half a second, whatever its speed at one moment.
 #: In simulation bodies at rest stay below 0.01 m/s and 0.02 rad/s, and a walk at 0.2 m/s or a turn at 0.5 rad/s above
 #: 0.17 m/s or 0.41 rad/s, while the speed of single moments of such a turn falls to 0.04 rad/s.
 ADVANCE_S, ADVANCE_MPS, ADVANCE_RPS = 0.5, 0.06, 0.1
-#: Neither does one that stands come on so far within a stop.
+#: A standing body does not advance this far during a stop.
 STOP_ADVANCE_M, STOP_ADVANCE_RAD = 0.05, 0.06
-#: A state that is older confirms nothing.
+#: An older state confirms nothing.
 CONFIRMING_S = 0.5
 
 
 class UnitreeRobot:
-    """See `agentrob.robots.protocol.Robot`. A kind says how it is told to stop, and what it does for a step."""
+    """See `agentrob.robots.protocol.Robot`. A subclass defines how it stops and how it runs a step."""
 
     capabilities: Capabilities
     _video: Any
-    #: How a gesture that a stop has not ended yet is told.
+    #: Part of a message about a gesture that a stop has not ended yet.
     _unfinished = "has not ended its gesture yet"
 
     def __init__(self) -> None:
@@ -62,7 +62,7 @@ class UnitreeRobot:
         raise NotImplementedError
 
     def _send_stop(self) -> bool:
-        """Tell it to stop, without waiting for an answer; False when that could not even be written."""
+        """Send a stop without waiting for an answer; False if it could not be sent."""
         raise NotImplementedError
 
     def _end_gesture(self) -> None:
@@ -115,7 +115,7 @@ class UnitreeRobot:
         return StopResult(latency_ms, not doubt, was_moving, None if doubt else moved_m, doubt)
 
     def _doubt(self, rest: RestDetector) -> str:
-        """Why the robot cannot be said to have come to rest; empty when it can."""
+        """Return why the robot is not known to be at rest; empty if it is."""
         if (age_s := self.state().age_s) >= CONFIRMING_S:
             age = "no state ever came" if math.isinf(age_s) else f"its state is {age_s:.1f} s old"
             return f"The robot did not confirm: {age}."
@@ -175,7 +175,7 @@ def read(message: Any) -> RobotState:
 
 
 def is_advancing(recent: tuple[tuple[float, Pose], ...]) -> bool | None:
-    """Whether a body walks or turns, by where it was lately; None when too little was seen to tell."""
+    """Whether a body walks or turns, from its recent poses; None if there are too few."""
     if not recent:
         return None
     (end_s, end), odometry = recent[-1], OdometryMonitor()
@@ -193,25 +193,25 @@ def is_advancing(recent: tuple[tuple[float, Pose], ...]) -> bool | None:
 
 
 def poses(topic: sdk.Topic) -> tuple[tuple[float, Pose], ...]:
-    """Where a robot was in the last second, of its `SportModeState_`s."""
+    """The poses of the last second, from `SportModeState_` messages."""
     seen = ((at_s, read(message).pose) for at_s, message in topic.recent())
     return tuple((at_s, pose) for at_s, pose in seen if pose is not None)
 
 
 def is_moving(state: RobotState) -> bool:
-    """Whether its own state shows it walking or turning (its sensors are never quite still)."""
+    """Whether the state shows walking or turning, beyond sensor noise."""
     speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
     return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS
 
 
 def refused(primitive: Primitive, word: str, message: str) -> ActionResult:
-    """The result of a step that was not begun."""
+    """Result of a step that was not started."""
     now_s = time.monotonic()
     return ActionResult(primitive, Outcome.REFUSED, {}, word, message, now_s, now_s)
 
 
 def failed(primitive: Primitive, code: int, what: str, started_s: float) -> ActionResult:
-    """The result of a step that the robot answered with an error code, or not at all."""
+    """Result of a step that the robot answered with an error code, or not at all."""
     word = "unsupported" if code in sdk.UNSUPPORTED else "no_answer" if code in sdk.NO_ANSWER else "robot_error"
     outcome = Outcome.UNKNOWN if word == "no_answer" and primitive.moves else Outcome.FAILED
     return ActionResult(primitive, outcome, {}, word, f"{what}: {sdk.explain(code)}.", started_s, time.monotonic())

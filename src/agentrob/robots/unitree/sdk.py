@@ -1,6 +1,6 @@
-"""The Unitree SDK behind one door: one DDS domain per process, a client per purpose, the newest state and its age.
+"""Access to the Unitree SDK: one DDS domain per process, one client per purpose, the newest state and its age.
 
-Traps that this module takes care of (seen with unitree-sdk2py 1.0.3 and cyclonedds 11):
+Problems that this module works around (seen with unitree-sdk2py 1.0.3 and cyclonedds 11):
 - `agentrob.process.dds` must be imported before any type of the SDK, or robots on cyclonedds 0.10 do not understand us;
 - the SDK's ChannelFactory is a process singleton that ignores a second domain without a word: here that is an error;
 - naming an interface makes the SDK log to one shared file in the temporary folder: its configuration is replaced;
@@ -19,7 +19,7 @@ from agentrob.errors import RobotBusy, RobotUnreachable
 
 C = TypeVar("C")
 
-#: How the SDK's and the robot's error codes read.
+#: Explanations of the error codes of the SDK and the robot.
 CODES = {
     3001: "the robot's answer could not be understood",
     3102: "the request could not be sent: no such service answers on the robot's network",
@@ -45,7 +45,7 @@ NO_ANSWER = (3102, 3104)
 
 
 def explain(code: int) -> str:
-    """An error code as words."""
+    """Explain an error code."""
     return f"{CODES.get(code, 'the robot answered with an error')} (code {code})"
 
 
@@ -94,7 +94,7 @@ def clients(*makers: tuple[Callable[[], C], float]) -> list[C]:
     return made
 
 
-#: So long, and so often at most, are the messages of a topic kept.
+#: Messages of a topic are kept this long, and at most this often.
 KEPT_S, KEPT_EVERY_S = 1.0, 0.02
 
 
@@ -128,7 +128,7 @@ class Topic:
 
 
 class PolledTopic:
-    """A topic sent much more often than we need: one message is read every `every_s`, the others are not decoded."""
+    """A topic published more often than needed: one message is decoded every `every_s`, the others are skipped."""
 
     def __init__(self, name: str, kind: Any, every_s: float) -> None:
         from unitree_sdk2py.core.channel import ChannelSubscriber

@@ -1,6 +1,6 @@
-"""Pictures of the world on demand, drawn in a thread of their own from a copy of the pose.
+"""Renders pictures of the world on demand, on a thread of its own and from a copy of the pose.
 
-Nobody looks: nothing is drawn. Several who ask at once, or within a tenth of a second, get the same picture.
+Nothing is rendered without a request. Requests within a tenth of a second get the same picture.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ class Cameras:
         self._thread.start()
 
     def request(self, view: str, deliver: Deliver) -> None:
-        """Have `deliver(jpeg)` called from the drawing thread; None when drawing failed. Returns at once."""
+        """Call `deliver(jpeg)` from the rendering thread, with None if rendering failed. Returns at once."""
         if view not in self._views:
             deliver(None)
             return
@@ -143,7 +143,7 @@ class Cameras:
             self._wake.notify()
 
     def jpeg(self, view: str, timeout_s: float = 3.0) -> bytes | None:
-        """The same, waiting for it."""
+        """As `request`, but wait for the picture."""
         there = threading.Event()
         got: list[bytes | None] = []
 

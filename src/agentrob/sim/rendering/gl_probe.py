@@ -1,4 +1,4 @@
-"""Says whether one way of drawing without a screen works here: `python -m agentrob.sim.rendering.gl_probe egl|osmesa`.
+"""Checks whether an offscreen GL backend works here: `python -m agentrob.sim.rendering.gl_probe egl|osmesa`.
 
 A process of its own, because a broken GL library may crash whoever tries it.
 """

@@ -20,7 +20,7 @@ FAR_M = 30.0
 
 
 class RayRenderer:
-    """Slower and plainer than GL, but it needs nothing."""
+    """Slower and plainer than GL, without any dependency."""
 
     name = "ray"
     smooth = False

@@ -1,7 +1,7 @@
 """Services and topics on DDS for a simulator: one participant per robot's domain, several in one process.
 
-The SDK's own server handles one request after another and its factory allows one domain per process. Here a request
-is only decoded in the listener and handed over; whoever did the work answers later, from any thread.
+The SDK's own server handles one request after another and its factory allows one domain per process. Here the listener
+only decodes a request and hands it over; the answer is sent later, from any thread.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Service:
         def answer(code: int, data: str = "", binary: bytes = b"") -> None:
             if not quiet:
                 header = ResponseHeader_(identity, ResponseStatus_(code))
-                with contextlib.suppress(DDSException):  # whoever asked is gone or does not read: his loss alone
+                with contextlib.suppress(DDSException):  # the caller is gone or does not read
                     self._out.write(Response_(header, data, binary))
 
         if identity.api_id == API_VERSION:

@@ -1,6 +1,6 @@
-"""The room's own small HTTP server on loopback: a camera, what is in the room, reset, faults, truth for tests, health.
+"""The room's HTTP server on loopback: overview camera, scene, reset, faults, ground truth for tests, health.
 
-It stands for the room, not for a robot: nothing that drives a robot may read `/truth`.
+It represents the room, not a robot: nothing that drives a robot may read `/truth`.
 """
 
 from __future__ import annotations

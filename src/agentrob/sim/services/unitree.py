@@ -1,4 +1,4 @@
-"""What the services of every simulated Unitree robot have in common: sport, videohub, its odometry and low state."""
+"""Base of the services of the simulated Unitree robots: sport, videohub, odometry and low state."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class MotionService(Protocol):
 class RobotServices:
     """Serves one robot. `before_tick`, `after_tick`, `fail` and `reset` are called in the world's thread.
 
-    A kind of robot says which topics it has, what its state has besides, and fills its low state.
+    A subclass defines its topics, adds to the state, and fills the low state.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
-"""Where the packaged robot models and walking policies lie, found without importing their packages.
+"""Finds the packaged robot models and walking policies without importing their packages.
 
-The packages are wanted for their files only: importing them would pull in large frameworks.
+Only the files of the packages are needed: importing them would load large frameworks.
 """
 
 from __future__ import annotations

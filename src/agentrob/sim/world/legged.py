@@ -1,4 +1,4 @@
-"""What is common to walking robots in the world: where their joints are in the model, their true state, a PD target."""
+"""Base of the legged robots in the world: their joints in the model, true state and PD targets."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Build:
 
 
 class Legged:
-    """One robot's body in the model. Subclasses say in `drive()` what its joints shall do each period."""
+    """One robot's body in the model. Subclasses compute the joint targets of each period in `drive()`."""
 
     build: Build
     #: Where the body is led without physics, now: root pose (7,: x, y, z, quaternion) and joints (n,). None: physics.
@@ -87,7 +87,7 @@ class Legged:
         raise NotImplementedError
 
     def follow(self) -> None:
-        """Be where one is led, at rest."""
+        """Apply the pose of an animation, at rest."""
         if self.led is None:
             return
         root, joints = self.led

@@ -1,4 +1,4 @@
-"""Puts a scene into the MuJoCo model: floor, walls, things, lights, the room's camera, and the box that may wait."""
+"""Adds a scene to the MuJoCo model: floor, walls, things, lights, the room's camera, and the box that faults use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A world as a file: how large, what stands in it, where each robot starts. The format is told in docs/worlds.md.
+"""World files: the size of a room, the things in it and where each robot starts. docs/worlds.md documents the format.
 
 Metres; x along the length, y along the width, the origin in the middle of the floor; degrees counter-clockwise from x.
 """
@@ -34,7 +34,7 @@ MOST_PARTS = 400
 START_CLEAR_M, FREE_CLEAR_M = 0.55, 0.30
 #: Robots at their starts are further apart than this.
 APART_M = 1.0
-#: What begins higher than this hinders nobody.
+#: Bodies that begin higher than this obstruct no robot.
 OVERHEAD_M = 1.5
 GRID_M = 0.1
 RESERVED = ("floor", "box", *(f"wall {side}" for side in ("front", "left", "back", "right")))
@@ -58,7 +58,7 @@ def rgba(colour: str) -> Rgba:
     try:
         red, green, blue, alpha = (v / 255 for v in ImageColor.getcolor(colour, "RGBA"))  # type: ignore[union-attr]
     except ValueError:
-        raise ValueError(f"{colour!r} is no colour; valid: a CSS name as 'red', or '#rrggbb'") from None
+        raise ValueError(f"{colour!r} is not a colour; valid: a CSS name such as 'red', or '#rrggbb'") from None
     return red, green, blue, alpha
 
 

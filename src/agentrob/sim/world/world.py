@@ -1,6 +1,6 @@
 """One MuJoCo world with any number of robots: `tick()` advances everything by one control period of 20 ms.
 
-No clock, no network: whoever owns the world decides how fast it runs. Only one thread may tick it; `pose` is a copy
+It has no clock and no network: its owner decides how fast it runs. Only one thread may tick it; `pose` is a copy
 that other threads may read at any time: the joints (nq,), then where the box is (3,).
 """
 
