@@ -76,10 +76,10 @@ def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: 
 def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
     """Restore a backup into an empty database of either kind. The forum must not be running."""
     from agentrob.board.admin.backup import restore as load
-    from agentrob.board.db.serving_lock import alone
+    from agentrob.board.db.serving_lock import exclusive_access
 
     settings = board_settings(configuration.load(config))
-    with alone(settings):
+    with exclusive_access(settings):
         typer.echo(_counted(load(settings, file)))
 
 
@@ -101,10 +101,10 @@ def migrate(
 ) -> None:
     """Migrate the database to this version, or back to an earlier one. The forum must not be running."""
     from agentrob.board.db.database import migrate as run
-    from agentrob.board.db.serving_lock import alone
+    from agentrob.board.db.serving_lock import exclusive_access
 
     settings = board_settings(configuration.load(config))
-    with alone(settings):
+    with exclusive_access(settings):
         run(settings, to, alone=True)
     typer.echo(f"the tables are at {to}")
 

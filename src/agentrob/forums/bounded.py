@@ -1,4 +1,4 @@
-"""A dictionary that cannot grow without end."""
+"""A dictionary with a maximum size."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Status cards as they come from outside: whatever is sent in place of one is no card (pure).
+"""Parse status cards from untrusted input (pure).
 
-Every adapter passes what it read through `card_by`: not every forum refuses a card that a stranger wrote, or that names
+Every adapter passes cards through `card_by`: not every forum rejects a card that a stranger wrote, or one that names
 another robot.
 """
 

@@ -1,4 +1,4 @@
-"""`[forum.options]` of a forum that knows no robots: its groups say who is one, and who may do what with them."""
+"""`[forum.options]` for forums without robots' roles: which groups are robots, and what each group may do."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What HTTP to every forum has in common: our name, the forum's home, clock and waits, errors of the transport."""
+"""What all HTTP adapters share: user agent, origin check, server clock, retry delays, error translation."""
 
 from __future__ import annotations
 

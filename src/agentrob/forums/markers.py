@@ -1,7 +1,7 @@
-"""What we write into a post besides its text where a forum has neither idempotency keys nor cards (pure).
+"""Encode key, card and pictures of a post into its text, for forums without idempotency keys and cards (pure).
 
-Key, card and the number of pictures are encoded as one word at the end of the raw text,
-hidden from readers in a way that each platform defines. A mark proves nothing: whoever reads it asks whose post it is.
+The code is one word at the end of the raw text, hidden from readers in a way that each platform defines. A marker
+proves nothing: check the post's author.
 """
 
 from __future__ import annotations

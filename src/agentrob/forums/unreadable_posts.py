@@ -1,4 +1,4 @@
-"""Posts that cannot be read: each is tried again for a while, and none keeps a reader from the others."""
+"""Retry posts that cannot be read a limited number of times, without blocking the others."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What texts mean, as vectors, from a process of its own."""
+"""Sentence embeddings, computed in a separate process."""

@@ -1,9 +1,8 @@
-"""What a text means, as a vector: texts alike in meaning have vectors alike, in any of 16 languages and across them.
+"""Compute sentence embeddings in 16 languages; texts of similar meaning have similar vectors, also across languages.
 
-The model is Google's multilingual Universal Sentence Encoder (Apache-2.0; Chinese and English among its languages). It
-ships inside a package of the extra `agentrob[semantic]`, so nothing is ever downloaded; that is Python on numpy, so no
-native code reads what strangers wrote. It runs in a process of its own, of low priority: Python that counts would hold
-up everything else in its process.
+The model is Google's multilingual Universal Sentence Encoder (Apache-2.0). It ships inside a package of the extra
+`agentrob[semantic]`, so nothing is downloaded, and runs on numpy, so no native code parses untrusted text. It runs in
+a separate process of low priority, because pure Python computation would block everything else in this process.
 """
 
 from __future__ import annotations

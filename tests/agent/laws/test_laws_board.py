@@ -14,7 +14,7 @@ from agentrob.agent.agent import RobotAgent
 from agentrob.board.admin import local_admin, management, moderation
 from agentrob.board.admin.audit import SHELL
 from agentrob.board.db.writer import Transaction
-from agentrob.board.robots.rights import Closed
+from agentrob.board.robots.rights import MaintenanceWindow
 from agentrob.config.load import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
@@ -88,7 +88,7 @@ def narrow(board: RunningBoard, what: str, topic: str) -> None:
                 management.change_robot(connection, SHELL, ROBOT, command=rights)
             case "close":
                 until = datetime.now(UTC) + timedelta(hours=1)
-                management.change_robot(connection, SHELL, ROBOT, closed=(Closed(until=until),))
+                management.change_robot(connection, SHELL, ROBOT, closed=(MaintenanceWindow(until=until),))
             case "move":
                 management.change_board(connection, SHELL, "talk", command_role=Role.ADMIN)
                 shell = Account("0", SHELL, role=Role.ADMIN)

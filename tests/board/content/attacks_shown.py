@@ -134,7 +134,7 @@ def records(t: Transaction, boss: Account, rows: Sequence[str]) -> list[str]:
         post = writes.create_topic(t, "robots", "A command", Draft(boss, typed(some[0]))).post.id
         told = record([row[:120] for row in some])
         commands.check(told, "record", commands.RECORD_BYTES, commands.RECORD_DEPTH)
-        commands.keep(t, quadruped, post, None, told)
+        commands.save_record(t, quadruped, post, None, told)
         pages.append(f"/c/{post}")
     return pages
 

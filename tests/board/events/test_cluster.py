@@ -61,7 +61,10 @@ def test_two_that_start_at_once_make_the_database_once(forum: Forum) -> None:
 
 
 def test_nobody_restores_or_migrates_a_forum_that_is_served(forum: Forum) -> None:
-    with pytest.raises(BoardError, match="served by other processes") as caught, serving_lock.alone(forum.settings):
+    with (
+        pytest.raises(BoardError, match="served by other processes") as caught,
+        serving_lock.exclusive_access(forum.settings),
+    ):
         pass
     assert caught.value.code == "already_served"
     with pytest.raises(BoardError, match="another process serves the forum"):

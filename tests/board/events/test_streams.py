@@ -343,11 +343,11 @@ def test_law_16_a_hub_that_has_to_prove_that_it_hears_does_not_for_long(
         hub = Hub(board.url)
         hub.start(Reader(connection))
         newest, listener = event_number(hub.last_id), hub.listen()
-        assert hub.hears, "the only process hears itself"
+        assert hub.delivers_stops, "the only process hears itself"
         hub.proven(newest)
-        assert (hub.hears, listener.closed) == (True, False)
+        assert (hub.delivers_stops, listener.closed) == (True, False)
         monkeypatch.setattr(events, "PROVEN_S", 0.0)
-        assert not hub.hears
+        assert not hub.delivers_stops
         hub.proven(newest - 1)
         assert not listener.closed, "we wrote one while it was asked"
         hub._last += 1

@@ -16,7 +16,7 @@ from agentrob.board.admin.moderation import erase_content
 from agentrob.board.db.database import open_engine
 from agentrob.board.db.records import Post
 from agentrob.board.robots.command_view import command_view
-from agentrob.board.robots.commands import Told
+from agentrob.board.robots.commands import CommandRecord
 from agentrob.model import Account, AccountKind, Role
 from tests.board.web.browser_windows import RUNNING, jpeg
 from tests.board.web.page_world import CARD, World, running_world
@@ -258,7 +258,7 @@ def test_any_record_of_a_robot_has_a_view(record: dict[str, Any], wrapped: str) 
     author = Account("1", "alice", AccountKind.HUMAN, Role.OPERATOR)
     post = Post("1", "1", "robots", author, "", "", 1, datetime.now(UTC))
     for one in (record, record | {wrapped: [record]}, record | {"looked": {"turns": [record], "usage": [record]}}):
-        assert command_view(post, Told("quadruped", post.created_at, None, one)).robot == "quadruped"
+        assert command_view(post, CommandRecord("quadruped", post.created_at, None, one)).robot == "quadruped"
 
 
 # -------------------------------------------------------------------- the robot's page

@@ -186,11 +186,11 @@ def test_law_15_an_emergency_stop_is_told_to_the_other_processes_as_a_stop_is(bo
     hub = board.services.hub
     for kind in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP):
         pressed = Event("", kind, datetime.now(UTC), robot="quadruped")
-        heard = cluster_messages.event_from_words(cluster_messages.words_of(pressed), hub)
+        heard = cluster_messages.event_from_json(cluster_messages.event_to_json(pressed), hub)
         assert (heard.kind, heard.robot) == (kind, "quadruped")
     with pytest.raises(ValueError, match="no event that is announced"):
-        cluster_messages.event_from_words(
-            cluster_messages.words_of(replace(pressed, kind=EventKind.ROBOT_RELEASE)), hub
+        cluster_messages.event_from_json(
+            cluster_messages.event_to_json(replace(pressed, kind=EventKind.ROBOT_RELEASE)), hub
         )
 
 

@@ -48,7 +48,7 @@ def test_what_cannot_be_says_so_on_the_page_and_keeps_what_was_typed(world: Worl
     assert 'value="Tidy"' in page.text
     page = root.send("/admin/robots/quadruped", closed="sometimes", camera_days="0", camera_role="guest")
     assert page.status_code == 422
-    assert "are no maintenance hours" in page.text
+    assert "is not a valid maintenance window" in page.text
     assert ">sometimes</textarea>" in page.text
 
 

@@ -33,7 +33,7 @@ async def publish_command_record(services: AppServices, post_id: str, told: Comm
     commands.check_robot(by, told.record.get("robot", by.name), "record")
     services.store.post(post_id)  # 404 also for a post that the agent may not see
     commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)
-    await services.store.do(lambda t: commands.keep(t, by, post_id, told.reply_id, told.record))
+    await services.store.do(lambda t: commands.save_record(t, by, post_id, told.reply_id, told.record))
     return _records(services, post_id)
 
 
@@ -54,7 +54,7 @@ async def deny_command(
 
 
 def _records(services: Services, post_id: str) -> Response:
-    post, told = commands.of(services.store.reader, post_id)
+    post, told = commands.records_of(services.store.reader, post_id)
     url = f"{services.settings.base_url}/c/{post.id}"
     items = (
         CommandOut(

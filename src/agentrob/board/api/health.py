@@ -21,6 +21,6 @@ class Health(BaseModel):
 async def get_health(services: AppServices) -> Health:
     """200 while the database can be read and a stop would be written and delivered; else 503. Needs no sign-in."""
     services.store.everything.newest_event_id()  # raises `BoardError` 503 when the database cannot be read
-    if not services.hub.hears:
+    if not services.hub.delivers_stops:
         raise BoardError(503, "not_ready", "a stop could not be delivered now", "try again in a moment", 1.0)
     return Health(status="ok")

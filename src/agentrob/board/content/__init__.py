@@ -1,1 +1,1 @@
-"""Posts, pictures, tags and notifications, and how Markdown is rendered."""
+"""Posts, pictures, tags, notifications and Markdown rendering."""

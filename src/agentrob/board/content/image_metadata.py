@@ -1,4 +1,4 @@
-"""What a picture's file holds besides its pixels, found by walking through its container (pure).
+"""Find and strip everything but pixels in picture files, by parsing their container formats (pure).
 
 Files are judged by what they may hold, not by what is known to be private: a place can stand in EXIF, XMP, a comment, a
 text chunk such as PNG's `Raw profile type exif`, a colour profile, a thumbnail, or behind the end of the picture.

@@ -1,4 +1,4 @@
-"""Pictures that are uploaded: checked by decoding them, kept as files named by their hash."""
+"""Check uploaded pictures by decoding them, and store them as files named by their hash."""
 
 from __future__ import annotations
 

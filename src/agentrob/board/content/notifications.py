@@ -1,4 +1,4 @@
-"""Who is told of a post: those it names, whoever it answers, whoever began the topic; and what each has seen."""
+"""Notify accounts that a post mentions, that it replies to, or that started its topic; track what each has seen."""
 
 from __future__ import annotations
 

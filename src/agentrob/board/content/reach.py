@@ -1,4 +1,4 @@
-"""Which robot a post reaches, and one line of help for its author when it reaches none."""
+"""Find the robots that a post reaches, and tell its author what to change if it reaches none."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""The embedded forum's memory: short synchronous reads on the event loop, writes through one thread that batches them.
+"""The store of the embedded forum: synchronous reads on the event loop, writes batched through one thread.
 
-Reads answer in well under a millisecond and may be called anywhere on the event loop's thread. Writes are awaited; each
-becomes a job with a savepoint of its own, and every change is an event row in the same transaction. Everything raises
-`BoardError` with the HTTP status that fits: 404 for what is not there, 503 when the database cannot be used now.
+Reads take well under a millisecond and may be called anywhere on the event loop's thread. Writes are awaited; each
+runs in a savepoint of its own, and records an event in the same transaction. All methods raise `BoardError` with an
+HTTP status: 404 for a missing object, 503 when the database is unavailable.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Store:
 
     `published` is called on the event loop with the ids of new events, in order, after each commit; other processes
     that serve the same database hear of it as from `process`. `reader` sees what the request that runs may see
-    (`sight`), `everything` all: what it gives needs its own look at who asks.
+    (`auth.visibility`); `everything` sees all boards, so its callers must check rights themselves.
     """
 
     def __init__(
@@ -56,22 +56,22 @@ class Store:
             self._finder = search.finder(self._engines[0].connect(), visibility.readable_boards)
         except DBAPIError as e:
             raise unavailable(e) from e
-        self._searches, self._searching = 0, ThreadPoolExecutor(1, "board-search")
-        self._follower = None
+        self._pending_searches, self._search_thread = 0, ThreadPoolExecutor(1, "board-search")
+        self._embedding_worker = None
         if settings.encoder is not None:
             from agentrob.board.search.embeddings import EmbeddingWorker  # numpy, for those who want it
 
-            self._follower = EmbeddingWorker(settings.encoder(), Reader(self._engines[0].connect()))
+            self._embedding_worker = EmbeddingWorker(settings.encoder(), Reader(self._engines[0].connect()))
         self.writer = Writer(self._engines[1], published)
         self.renderer = Renderer(self.everything.names)
 
     def close(self) -> None:
-        """Finish what is being written and close the database."""
-        if self._follower is not None:
-            self._follower.close()
+        """Finish pending writes and close the database."""
+        if self._embedding_worker is not None:
+            self._embedding_worker.close()
         self.writer.close()
         self.renderer.close()
-        self._searching.shutdown(cancel_futures=True)
+        self._search_thread.shutdown(cancel_futures=True)
         for reader in (self._finder, self.reader):
             reader.connection.close()
         for engine in self._engines:
@@ -100,7 +100,7 @@ class Store:
         return self.reader.posts(topic_id, cursor, limit)
 
     def posts_by(self, author: Account, limit: int = 20) -> tuple[Post, ...]:
-        """What an account wrote, newest first, without what was removed."""
+        """Posts of an account, newest first, without removed ones."""
         return self.reader.posts_by(author, limit)
 
     def cursor_before(self, post_id: str, limit: int = 50) -> str | None:
@@ -111,7 +111,7 @@ class Store:
         return self.reader.post(post_id)
 
     def versions(self, post_id: str) -> tuple[Version, ...]:
-        """Earlier texts, oldest first."""
+        """Earlier versions, oldest first."""
         return self.reader.versions(post_id)
 
     def find(self, author: Account, key: str) -> Post | None:
@@ -138,7 +138,7 @@ class Store:
     # ---------------------------------------------------------------- search, awaited
     @property
     def search_modes(self) -> tuple[SearchMode, ...]:
-        return ("words",) if self._follower is None else ("words", "meaning")
+        return ("words",) if self._embedding_worker is None else ("words", "meaning")
 
     async def search(
         self,
@@ -154,39 +154,39 @@ class Store:
         return await self._aside(self._finder_by(mode), query, cursor, limit, board_id, tag)
 
     async def beside(self, read: Callable[..., T], *asked: Any) -> T:
-        """A read that may take longer, of a reader and what is asked. 503 when it takes too long or too many wait."""
+        """Run a slow read outside of the event loop. Raises 503 if it takes too long or too many are waiting."""
         return await self._aside(search.bounded, self._finder, read, *asked)
 
     async def _aside(self, call: Callable[..., T], *asked: Any) -> T:
-        """In a thread of its own, one after another: nothing else waits for it, least of all a stop (law 15)."""
-        if self._searches >= MAX_SEARCHES:
+        """Run on the search thread, one call at a time, so that stops and other requests do not wait (law 15)."""
+        if self._pending_searches >= MAX_SEARCHES:
             raise BoardError(503, "overloaded", "too many searches are waiting", "try again in a moment", 2.0)
-        self._searches += 1
+        self._pending_searches += 1
         try:
             seeing = copy_context().run  # what whoever asks may see
-            running = self._searching.submit(seeing, call, *asked)
+            running = self._search_thread.submit(seeing, call, *asked)
             return await asyncio.wrap_future(running)
         finally:
-            self._searches -= 1
+            self._pending_searches -= 1
 
     def _finder_by(self, mode: SearchMode) -> Callable[..., Page[Post]]:
         if mode == "words":
             return partial(search.find, self._finder)
-        if self._follower is None:
+        if self._embedding_worker is None:
             hint = "search for words; its owner may install agentrob[semantic] and set board.semantic = true"
             raise BoardError(404, "no_meaning", "this forum has no search by meaning", hint)
         from agentrob.board.search import semantic
 
-        return partial(semantic.find, self._finder, self._follower.meanings)
+        return partial(semantic.find, self._finder, self._embedding_worker.meanings)
 
     async def run_embedding_worker(self) -> None:
-        """Keep up with what the posts mean, where this forum is searched by meaning; until cancelled."""
-        if self._follower is not None:
-            await self._follower.run(self.do)
+        """Embed new and edited posts until cancelled, if semantic search is enabled."""
+        if self._embedding_worker is not None:
+            await self._embedding_worker.run(self.do)
 
     # ---------------------------------------------------------------- writes, awaited
     async def do(self, job: Job[T]) -> T:
-        """Any job for the one writer."""
+        """Run a job on the writer thread."""
         return await self.writer.do(job)
 
     async def create_topic(

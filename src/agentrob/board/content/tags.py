@@ -1,4 +1,4 @@
-"""Tags of topics: a few words each, made plain so that the same word is one tag, chosen by who began the topic."""
+"""Tags of topics: normalized, so that variants of a word are one tag, and set by the topic's author or a moderator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Takes pictures that people and programs upload: whether they may, what it is, where it is kept."""
+"""Accept uploaded pictures: check the account's rights, check the file, store it."""
 
 from __future__ import annotations
 

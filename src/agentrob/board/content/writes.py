@@ -1,7 +1,7 @@
-"""What is written when somebody posts, edits or removes, or something happens to a robot: jobs for the one writer.
+"""Write jobs: create, edit and remove posts, record robot events, register pictures.
 
-Each job checks again what only the database can know, keeps the counters of topics, and writes its event row in the
-same transaction.
+Each job repeats the checks that need the database, updates the topic's counters, and inserts its event in the same
+transaction.
 """
 
 from __future__ import annotations

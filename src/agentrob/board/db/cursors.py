@@ -1,4 +1,4 @@
-"""Where the next page begins, as it is given to whoever asked for this one."""
+"""Encode and decode the opaque cursors of paged results."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 
 from agentrob.errors import BoardError
 
-#: Of any row.
+#: The largest row id.
 LARGEST_ID: Final = 2**63 - 1
 
 
@@ -16,9 +16,11 @@ def to_cursor(number: int) -> str:
 
 
 def from_cursor(cursor: str) -> int:
-    """The id after which a page begins; 422 for what was never given out as a cursor."""
-    # As `to_cursor` writes them and no longer: cursors are part of what answers are kept by.
+    """Return the id after which the page begins. Raises 422 if the cursor is malformed."""
+    # Only the canonical form: cursors are part of cache keys.
     number = int(cursor, 16) if re.fullmatch(r"[0-9a-f]{1,16}", cursor) else -1
     if not 0 <= number <= LARGEST_ID:
-        raise BoardError(422, "bad_cursor", "that is not a cursor", "send `next` of the page before, as it was given")
+        raise BoardError(
+            422, "bad_cursor", f"{cursor[:40]!r} is not a cursor", "send `next` of the previous page unchanged"
+        )
     return number

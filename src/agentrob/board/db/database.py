@@ -1,4 +1,4 @@
-"""Opening the forum's database: SQLite in WAL by default, anything else that SQLAlchemy speaks by URL; migrations."""
+"""Open the forum's database (SQLite in WAL mode, PostgreSQL, or another SQLAlchemy URL) and migrate it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads rows of the forum's database and makes records of them; each read is a few short statements."""
+"""Read records from the forum's database with a few short statements per call."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Page
 
 T = TypeVar("T")
-#: So much is kept of what was read since the last commit.
+#: Entries of the cache, which every commit clears.
 MAX_KEPT = 500
-#: The longest page that anybody gets.
+#: The largest page size.
 MAX_LIMIT = 100
 
 _AUTHOR = (
@@ -76,7 +76,7 @@ BEFORE_ALL = "0"
 
 
 def row_id(text: str, what: str) -> int:
-    """An id as a number. What cannot be one is not there: 404."""
+    """Parse an id. Raises 404 if it cannot be one."""
     if text.isascii() and text.isdigit() and (number := int(text[:20])) <= LARGEST_ID and len(text) < 20:
         return number
     raise not_found(what, text)
@@ -384,7 +384,7 @@ class Reader:
 
 # -------------------------------------------------------------------- cursors
 def event_number(given_out: str) -> int:
-    """Where the event of an id stands in the order."""
+    """Return the sequence number in an event id."""
     return int(given_out.partition("-")[0])
 
 
@@ -394,5 +394,5 @@ def _cursor(ids: Sequence[int], limit: int) -> str | None:
 
 def _limit(limit: int) -> int:
     if not 1 <= limit <= MAX_LIMIT:
-        raise BoardError(422, "bad_limit", f"{limit} is not a possible number", f"1 to {MAX_LIMIT}")
+        raise BoardError(422, "bad_limit", f"limit {limit} is out of range", f"1 to {MAX_LIMIT}")
     return limit

@@ -1,7 +1,6 @@
-"""What the embedded forum's store gives and takes: frozen records, ids as strings, times as aware UTC datetimes.
+"""The records that the store takes and returns: frozen, with string ids and aware UTC datetimes.
 
-Paths are relative to the forum's address (`/t/12`); the JSON API puts the base URL before them, pages use them as they
-are.
+Paths are relative to the forum's address (`/t/12`): the JSON API prefixes the base URL, pages use them unchanged.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Makes records of the rows of the forum's database."""
+"""Convert database rows to records."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Who may serve a database, and who has it alone: one process a SQLite file, several one PostgreSQL database.
+"""Lock the database for serving or for maintenance.
 
-On PostgreSQL whoever serves holds a lock together with all others who do (`peers`), so that nobody puts a backup back
-or changes the tables under them.
+One process serves a SQLite file. Several may serve one PostgreSQL database: each holds a shared advisory lock while
+it serves (`Cluster`), so that nobody can restore a backup or migrate tables at the same time.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ MAX_SKEW_S = 2.0
 
 @contextmanager
 def serve_database(settings: BoardSettings) -> Iterator[None]:
-    """The database is made, and this process may serve it. `BoardError` says who stands in the way."""
+    """Migrate the database and hold the right to serve it. Raises `BoardError` if another process prevents that."""
     if settings.shared:
         local_admin.bootstrap(settings)
         with _lock(settings, together=True):
-            pass  # `peers` holds it from the start of the app on
+            pass  # `Cluster` holds it while the app runs
         yield
         return
     with _on_this_host(settings):
@@ -37,8 +37,8 @@ def serve_database(settings: BoardSettings) -> Iterator[None]:
 
 
 @contextmanager
-def alone(settings: BoardSettings) -> Iterator[None]:
-    """Nobody serves the database meanwhile, and nobody begins to. 503 when somebody does."""
+def exclusive_access(settings: BoardSettings) -> Iterator[None]:
+    """Hold the database exclusively. Raises 503 while any process serves it."""
     with _lock(settings, together=False) if settings.shared else _on_this_host(settings):
         yield
 

@@ -1,6 +1,6 @@
-"""One thread that does all writing: it takes what waits as one transaction, each job in a savepoint of its own.
+"""Run all writes on one thread, in batches: one transaction per batch, one savepoint per job.
 
-So a burst costs one commit, a job that fails undoes only itself, and nobody ever waits for a lock on the event loop.
+A burst of writes costs one commit, a failing job rolls back only itself, and the event loop never waits for a lock.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The other processes that serve the same PostgreSQL database: hearing of what they do, and knowing that one hears.
+"""Stay in sync with the other processes that serve the same PostgreSQL database, and know whether the link works.
 
-One connection listens. PostgreSQL tells it of every commit (`database`), of what robots show on other processes and of
-stops that those could not write (`teller`). Every `PROOF_S` it asks whether it still hears; when it does not, the hub
-sends no beat (law 16). It holds two locks, which the database gives back however this process ends: that it serves,
-together with the others; and, on one of them, the duties that only one process has.
+One connection listens for notifications: every commit, robots' cards and pictures shown by other processes, and stops
+that could not be written (`ClusterMessenger`). Every `PROOF_S` a query proves that the connection works; while it
+does not, the hub sends no heartbeats (law 16). The connection holds two advisory locks that PostgreSQL frees when the
+process dies: the shared serving lock, and, in one process, the lock for duties that only one process performs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import structlog
 
 from agentrob.board.db.database import CHANNEL, LEADING_LOCK, SERVING_LOCK, connection_words
 from agentrob.board.db.serving_lock import being_changed, check_clock
-from agentrob.board.events.cluster_messages import NOW_US, ClusterMessenger, event_from_words
+from agentrob.board.events.cluster_messages import NOW_US, ClusterMessenger, event_from_json
 from agentrob.board.events.hub import Hub
 from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.settings import BoardSettings
@@ -49,7 +49,8 @@ log = structlog.get_logger(__name__)
 
 
 class Cluster:
-    """`duties` is what only one of the processes does; it is told whether another one may have done it before."""
+    """This process's link to the others. `duties` runs in one process only; its argument is whether another process may
+    have run it before."""
 
     def __init__(
         self,
@@ -66,21 +67,21 @@ class Cluster:
         self._asked_to_lead = False
         self._proven_s = 0.0
         self._cut_off = False
-        self._teller = ClusterMessenger(me, presence, self._connect)
-        hub.tell_others, presence.changed = self._teller.announce, self._teller.changed
+        self._messenger = ClusterMessenger(me, presence, self._connect)
+        hub.tell_others, presence.changed = self._messenger.announce, self._messenger.changed
 
     @property
     def cut_off(self) -> bool:
-        """Whether the database could not be reached, or this process must not serve it."""
+        """Whether the database is unreachable or must not be served."""
         return self._cut_off
 
     @property
     def leads(self) -> bool:
-        """Whether this process has the duties now."""
+        """Whether this process currently holds the leader lock."""
         return self._duty is not None
 
     async def begin(self) -> None:
-        """Hear for the first time. `BoardError` when this process must not serve, or cannot."""
+        """Connect. Raises `BoardError` if this process must not serve the database, or cannot."""
         import psycopg
 
         try:
@@ -89,8 +90,8 @@ class Cluster:
             raise BoardError(503, "storage", f"the database cannot be used: {e or 'no answer'}") from e
 
     async def run(self) -> None:
-        """Hear and tell until cancelled, whatever becomes of the database meanwhile."""
-        telling = asyncio.create_task(self._teller.run())
+        """Listen and send until cancelled; reconnects after failures."""
+        telling = asyncio.create_task(self._messenger.run())
         try:
             await self._listen()
         finally:
@@ -192,7 +193,7 @@ class Cluster:
                 async with asyncio.timeout(PATIENCE_S):
                     await self._look_around(connection, what, more)
             elif what == "event":
-                self._hub.receive_unwritten(event_from_words(more, self._hub))
+                self._hub.receive_unwritten(event_from_json(more, self._hub))
         except (ValueError, KeyError, TypeError) as e:
             log.warning("board.not_understood", said=said[:200], error=str(e))
 

@@ -1,8 +1,7 @@
-"""Tells the other processes that serve the same PostgreSQL database what they cannot find in its tables by themselves.
+"""Tell the other processes that serve the same PostgreSQL database what they cannot read from its tables.
 
-That is a stop that could not be written, which goes before everything else; robots' cards and live pictures; and how
-many look at a robot's camera here. Of cards and pictures only the newest is told. A picture stays in the database only
-while it is live.
+These are stops that could not be written, which go first; robots' cards and live pictures; and the number of viewers
+of each camera here. Only the newest card and picture are sent. A picture stays in the database only while it is live.
 """
 
 from __future__ import annotations
@@ -54,7 +53,7 @@ _GONE = f"DELETE FROM stage_viewers WHERE until_us < {NOW_US}"
 
 
 class ClusterMessenger:
-    """Never keeps anybody waiting: what there is to tell is noted, and told by `run`."""
+    """Queues messages without blocking; `run` sends them."""
 
     def __init__(
         self, me: str, presence: PresenceTracker, connect: Callable[[], Awaitable[AsyncConnection[Any]]]
@@ -69,8 +68,8 @@ class ClusterMessenger:
         self._wake = asyncio.Event()
 
     def announce(self, event: Event) -> None:
-        """An event that could not be written."""
-        self._events.append((time.monotonic(), words_of(event)))
+        """Send an event that could not be written."""
+        self._events.append((time.monotonic(), event_to_json(event)))
         self._wake.set()
 
     def changed(self, robot: str, what: str) -> None:
@@ -96,7 +95,7 @@ class ClusterMessenger:
                             await self._tell(connection)
                         await self._woken()
             except (psycopg.Error, OSError):
-                pass  # `peers` says that the database is gone
+                pass  # `Cluster` reports that the database is gone
             await asyncio.sleep(AGAIN_S)
 
     async def _woken(self) -> None:
@@ -147,15 +146,15 @@ class ClusterMessenger:
         await connection.execute("SELECT pg_notify(%s, %s)", [CHANNEL, f"{self.me} {said}"])
 
 
-# -------------------------------------------------------------------- events in words
-def words_of(event: Event) -> str:
-    """An event of a robot, without its id: it has none of its own."""
+# -------------------------------------------------------------------- serialization
+def event_to_json(event: Event) -> str:
+    """Serialize a robot event, without its id: an unwritten event has none."""
     at_us = round(event.at.timestamp() * _SECONDS)
     return json.dumps([str(event.kind), at_us, event.robot, event.account.name if event.account else None])
 
 
-def event_from_words(words: str, hub: Hub) -> Event:
-    """As another process said it. `ValueError` for what no process announces."""
+def event_from_json(words: str, hub: Hub) -> Event:
+    """Parse an event from another process. Raises `ValueError` for kinds that are never sent."""
     kind, at_us, robot, name = json.loads(words)
     if kind not in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP, EventKind.ROBOT_WATCH) or not isinstance(robot, str):
         raise ValueError("no event that is announced")

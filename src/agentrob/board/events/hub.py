@@ -1,7 +1,7 @@
-"""Tells everybody who listens what happened: one hub on the event loop, server-sent events that resume and beat.
+"""Deliver events to all listeners as server-sent events that can be resumed, with heartbeats.
 
-An event is read and encoded once, however many listen. A listener that cannot keep up is cut off and resumes from the
-last id it got; nothing is ever dropped from the middle of a stream.
+Each event is read and encoded once for all listeners. A listener that falls behind is disconnected and resumes after
+the last id it received; events are never dropped from the middle of a stream.
 """
 
 from __future__ import annotations
@@ -89,13 +89,13 @@ class Listener:
     def closed(self) -> bool:
         return self.ended.is_set()
 
-    def offer(self, happening: EncodedEvent) -> None:
-        if self.closed or self.topic_id not in (None, happening.topic_id):
+    def offer(self, encoded: EncodedEvent) -> None:
+        if self.closed or self.topic_id not in (None, encoded.topic_id):
             return
-        post = happening.event.post
+        post = encoded.event.post
         if post is not None and self.boards is not None and post.board_id not in self.boards:
             return
-        self._pending.append(happening)
+        self._pending.append(encoded)
         if len(self._pending) > MAX_PENDING:
             self.close()
         self._wake()
@@ -124,7 +124,7 @@ class Listener:
 
 
 class Hub:
-    """All listeners of this process. Lives on the event loop."""
+    """All listeners of this process. Use it on the event loop only."""
 
     def __init__(self, base_url: str) -> None:
         self.base_url = base_url
@@ -138,7 +138,7 @@ class Hub:
         self.tell_others: Callable[[Event], None] = lambda event: None
 
     def start(self, reader: Reader) -> None:
-        """Begin after the newest event there is."""
+        """Start after the newest event."""
         self.reader = reader
         self._last_id = reader.newest_event_id()
         self._last = event_number(self._last_id)
@@ -201,7 +201,7 @@ class Hub:
                 well = False
 
     @property
-    def hears(self) -> bool:
+    def delivers_stops(self) -> bool:
         """Whether a stop that any process takes now, by the button or in a post, is told here within a second. Without
         it there is no beat, and after 2 s of silence robots stop by themselves (law 16)."""
         since_s = time.monotonic() - PROVEN_S
@@ -265,9 +265,9 @@ class Hub:
         return self._last_id
 
     def _tell(self, event: Event, written: bool = True) -> None:
-        happening = encode(event, self.base_url, written)
+        encoded = encode(event, self.base_url, written)
         for listener in self._listeners:
-            listener.offer(happening)
+            listener.offer(encoded)
 
 
 class EventStream(Response):
@@ -310,34 +310,34 @@ class EventStream(Response):
             if not events:
                 return
             for event in events:
-                happening = encode(event, self._hub.base_url)
-                await streams.part(send, self._bytes(happening))
-                self._after = happening.number
+                encoded = encode(event, self._hub.base_url)
+                await streams.part(send, self._bytes(encoded))
+                self._after = encoded.number
 
     async def _live(self, send: Send) -> None:
         while not self._listener.closed:
-            happening = await self._listener.next(self._heartbeat_s)
-            if happening is not None:
-                if self._told_early(happening):
-                    self._after = max(self._after, happening.number)
-                elif happening.number > self._after or not happening.written:
-                    await streams.part(send, self._bytes(happening))
-                    self._after = max(self._after, happening.number)
-            elif not self._listener.closed and self._hub.hears:
+            encoded = await self._listener.next(self._heartbeat_s)
+            if encoded is not None:
+                if self._told_early(encoded):
+                    self._after = max(self._after, encoded.number)
+                elif encoded.number > self._after or not encoded.written:
+                    await streams.part(send, self._bytes(encoded))
+                    self._after = max(self._after, encoded.number)
+            elif not self._listener.closed and self._hub.delivers_stops:
                 await streams.part(send, _heartbeat())
 
-    def _told_early(self, happening: EncodedEvent) -> bool:
+    def _told_early(self, encoded: EncodedEvent) -> bool:
         """Whether this was told here before it could be written: then nobody hears it twice."""
-        event = happening.event
-        if not happening.written:
+        event = encoded.event
+        if not encoded.written:
             self._early.append((event.kind, event.robot, event.at))
             return False
         return event.robot is not None and (event.kind, event.robot, event.at) in self._early
 
-    def _bytes(self, happening: EncodedEvent) -> bytes:
-        post = happening.event.post
+    def _bytes(self, encoded: EncodedEvent) -> bytes:
+        post = encoded.event.post
         mine = post is not None and self._viewer is not None and post.author.id == self._viewer.id
-        return happening.frame_for_author if mine else happening.frame
+        return encoded.frame_for_author if mine else encoded.frame
 
 
 def _heartbeat() -> bytes:

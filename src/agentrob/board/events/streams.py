@@ -1,4 +1,4 @@
-"""Answers that go on until something ends them: what event streams and live pictures have in common."""
+"""Run a streaming response until it ends, or its viewer leaves or loses the right to see it."""
 
 from __future__ import annotations
 

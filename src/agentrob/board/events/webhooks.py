@@ -1,6 +1,6 @@
-"""Tells other programs by webhook that something happened on the board, so that an agent need not poll.
+"""Notify other programs of board events by signed webhooks, so that an agent need not poll.
 
-Only ids are told: whoever is told must ask the board, with rights of its own.
+Webhooks carry ids only: receivers read the content from the board with their own rights.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ async def _tell(hub: Hub, outbox: Outbox) -> None:
     listener = hub.listen(account_id=LISTENER, boards=None)
     try:
         while not listener.closed:
-            if (happening := await listener.next(60.0)) is not None:
-                outbox.tell(str(happening.event.kind), _ids(happening))
+            if (encoded := await listener.next(60.0)) is not None:
+                outbox.tell(str(encoded.event.kind), _ids(encoded))
     finally:
         hub.leave(listener)
     outbox.tell("board.changed", {})
 
 
-def _ids(happening: EncodedEvent) -> dict[str, str]:
-    event = happening.event
+def _ids(encoded: EncodedEvent) -> dict[str, str]:
+    event = encoded.event
     found = {"event": event.id, "robot": event.robot or ""}
     if event.post is not None:
         found |= {"post": event.post.id, "topic": event.post.topic_id, "board": event.post.board_id}

@@ -1,5 +1,4 @@
-"""What the buttons of a robot's page do: stop, emergency stop, release, home, put the room back; and telling a robot's
-agent that somebody looks."""
+"""The buttons of a robot's page: stop, emergency stop, release, set home, reset; and notifying the agent of viewers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Commands that wait for an approval, and the button that gives or denies one: it writes the same post as a person."""
+"""Commands that wait for approval, and the buttons that approve or deny them.
+
+A button posts the same reply that a person would write.
+"""
 
 from __future__ import annotations
 

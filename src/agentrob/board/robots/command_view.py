@@ -1,4 +1,4 @@
-"""What the page of a command shows, made from what a robot's agent recorded; whatever is in it, the page holds."""
+"""Build the view of a command page from the record that the robot's agent sent, tolerating malformed records."""
 
 from __future__ import annotations
 

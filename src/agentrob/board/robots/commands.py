@@ -1,4 +1,4 @@
-"""What robots' agents recorded of the commands they carried out: one record per post and robot, sent when it ends."""
+"""Store the record of each finished command: one per post and robot, sent by the robot's agent."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class CommandRecord:
     record: Mapping[str, Any]
 
 
-def keep(t: Transaction, by: Account, post_id: str, reply_id: str | None, record: Mapping[str, Any]) -> None:
+def save_record(t: Transaction, by: Account, post_id: str, reply_id: str | None, record: Mapping[str, Any]) -> None:
     """Keep a robot's record; again replaces it. 404 when the posts are not there, 403 when the reply is not its own."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
@@ -40,7 +40,12 @@ def keep(t: Transaction, by: Account, post_id: str, reply_id: str | None, record
         raise not_found("post", post_id)
     reply = reader.post(reply_id) if reply_id is not None else None
     if reply is not None and (reply.author.id != by.id or reply.topic_id != post.topic_id):
-        raise BoardError(403, "not_yours", "the reply is not this robot's in this topic", "the id of its own reply")
+        raise BoardError(
+            403,
+            "not_yours",
+            "reply_id is not a reply of this robot in this topic",
+            "send the id of the robot's own reply",
+        )
     c = db.commands.c
     key = {"post_id": int(post.id), "robot_id": int(by.id)}
     values = {"reply_id": int(reply.id) if reply else None, "at_us": now_us(), "record": dict(record)}
@@ -49,7 +54,7 @@ def keep(t: Transaction, by: Account, post_id: str, reply_id: str | None, record
         t.connection.execute(insert(db.commands).values(**key, **values))
 
 
-def of(reader: Reader, post_id: str) -> tuple[Post, tuple[CommandRecord, ...]]:
+def records_of(reader: Reader, post_id: str) -> tuple[Post, tuple[CommandRecord, ...]]:
     """The post of a command and what robots recorded of it, in the order of their names.
 
     Of a removed post nothing is told: a record may repeat its words. 404 when it is not there or not to be seen.

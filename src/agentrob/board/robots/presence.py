@@ -1,6 +1,7 @@
-"""What the robots' agents show of their robots: a card and the last live picture, in memory only, and who looks.
+"""Robots that are online: their cards, last live pictures and viewers, kept in memory.
 
-Where several processes serve one database, each tells the others (`teller`), so that a page shows the same on all.
+Where several processes serve one database, each shares its state with the others (`ClusterMessenger`), so that every
+process shows the same page.
 """
 
 from __future__ import annotations

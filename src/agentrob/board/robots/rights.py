@@ -1,7 +1,7 @@
-"""What the forum keeps of who may do what with a robot: its owner, its rights, its camera, its maintenance hours.
+"""The rights of a robot that the forum stores: owner, command rights, camera, maintenance hours.
 
-Everything here narrows what the laws allow and nothing widens it. Who may what is judged by the agents (`judge`); the
-forum keeps and tells it, and asks it itself only for its own buttons and pictures.
+These settings can only narrow what the laws allow. Agents enforce them (`agentrob.screening.rights`); the forum
+itself checks them only for its own buttons and pictures.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def _check_closed(closed: MaintenanceWindow) -> None:
         ) from None
     if not set(closed.days) <= set(DAYS) or not _CLOCK.fullmatch(closed.start) or not _CLOCK.fullmatch(closed.end):
         hint = f"days of {', '.join(DAYS)}, from and to as 09:00; or until, a time"
-        raise BoardError(422, "bad_hours", "those are no maintenance hours", hint)
+        raise BoardError(422, "bad_hours", "invalid maintenance hours", hint)
 
 
 def closed_in(data: Mapping[str, Any]) -> MaintenanceWindow:
@@ -222,7 +222,7 @@ def _hours(line: str) -> MaintenanceWindow:
         return made
     except (IndexError, ValueError):
         hint = "mon,fri 09:00-12:00 Europe/Berlin, or mon-sun 22:00-06:00, or until 2026-12-24T08:00Z"
-        raise BoardError(422, "bad_hours", f"{line.strip()[:80]!r} are no maintenance hours", hint) from None
+        raise BoardError(422, "bad_hours", f"{line.strip()[:80]!r} is not a valid maintenance window", hint) from None
 
 
 def _days(text: str) -> Sequence[str]:

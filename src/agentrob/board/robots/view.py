@@ -1,4 +1,4 @@
-"""What pages show of a robot, made from the card that its agent sent; whatever is in the card, the page holds."""
+"""Build the view of a robot's page from the card that its agent sent, tolerating malformed cards."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What the posts mean, kept as vectors: in the database for good, in memory to be compared.
+"""The embeddings of posts: stored in the database, and held in memory for comparison.
 
-A follower looks through all posts once, the oldest first, then follows the events, so that it also sees what other
-processes wrote. It only ever asks the writer to keep what is made already: nobody who posts waits for it.
+A worker embeds all existing posts once, oldest first, then follows the events, which include those written by other
+processes. It only asks the writer to store finished embeddings, so that posting never waits for it.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""The index of the words of posts: an FTS5 table on SQLite, the very same tokens under a GIN index on PostgreSQL.
+"""The full-text index of posts: FTS5 on SQLite, the same tokens under a GIN index on PostgreSQL.
 
-FTS5's tokenizer splits text at what is no letter, so a run of Chinese, Japanese or Korean would be one long word. Such
-runs are therefore written as overlapping pairs (`机器人` as `机器 器人 人`), and looked for as a phrase of pairs. The
-characters by themselves stand apart. PostgreSQL gets the tokens that FTS5 makes (in memory), so that both find the
-same: which a post has as a `tsvector`, and all in their order in a line of text, for what must stand together. (Its own
-positions in a `tsvector` end at 16,383, and at 256 of a word.)
+FTS5's tokenizer splits text at non-letters, so a run of Chinese, Japanese or Korean would be one long word. Such runs
+are indexed as overlapping pairs (`机器人` as `机器 器人 人`) and searched as a phrase of pairs; single characters are
+indexed separately. PostgreSQL stores the tokens that FTS5 produces (in memory), so that both databases find the same
+posts: as a `tsvector`, and in order as a line of text for phrases, because positions in a `tsvector` end at 16,383,
+and at 256 per word.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
-"""Full-text search, newest first: words in any language, Chinese of one character or more.
+"""Full-text search, newest first, for words in any language, including single Chinese characters.
 
-It stands on the index of `words`, which SQLite and PostgreSQL have. On another database posts are looked through for
-the words: right, but not quick.
+It uses the index of `fulltext` on SQLite and PostgreSQL. Other databases are scanned, which is correct but slow.
 """
 
 from __future__ import annotations

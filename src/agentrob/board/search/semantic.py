@@ -1,7 +1,7 @@
-"""Search by meaning: the posts that say something like the query, most alike first, in whatever language either is.
+"""Semantic search: posts whose meaning is similar to the query's, most similar first, across languages.
 
-Every vector is compared; then the database says, of those most alike, which whoever asks may see and which still say
-what was compared. So rights, hidden posts and edits count here exactly as in the search for words.
+Every embedding is compared. The database then selects, among the most similar posts, those that the viewer may see
+and whose text has not changed since. Rights, hidden posts and edits count exactly as in full-text search.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ async def command(request: Request, viewer: Reading, post_id: str, part: str = "
     known = get_services(request)
     if (asked := commands.answered(known.store.reader, post_id)) is not None:
         return go(f"/c/{asked}")
-    post, told = commands.of(known.store.reader, post_id)
+    post, told = commands.records_of(known.store.reader, post_id)
     views = [command_view(post, one) for one in told]
     hidden = robot_view.hidden_cameras(known, viewer.account, [one.reply for one in told if one.reply])
     data = {"post": post, "views": views, "topic": known.store.topic(post.topic_id), "hidden": hidden}

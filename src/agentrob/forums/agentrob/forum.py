@@ -1,4 +1,4 @@
-"""The adapter to our own board: its HTTP API and its event stream, as `docs/seams.md` says."""
+"""The adapter for AgentRob's own board, over its HTTP API and event stream (`docs/seams.md`)."""
 
 from __future__ import annotations
 

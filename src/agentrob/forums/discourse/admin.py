@@ -1,7 +1,7 @@
-"""What an admin of a Discourse does with accounts, and what its notifications say: by an admin's API key.
+"""Administration of a Discourse with an admin's API key: accounts, rights and notifications.
 
-Discourse has no roles and kinds as ours: its groups say them (`discourse_settings`), so changing them is joining and
-leaving groups. Groups that Discourse fills itself (`staff`, `trust_level_2`) cannot be joined.
+Discourse has no roles and kinds like ours. Its groups stand for them (`settings`), so changing them means joining and
+leaving groups. Groups that Discourse fills automatically (`staff`, `trust_level_2`) cannot be joined.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
-"""What changed on a Discourse, in order: made of its lists of posts, and rung in by its message bus.
+"""Derive events from a Discourse's lists of posts; the message bus only says when to look.
 
-Discourse has no list of changes. The newest posts of the site are read and held against what was there before: new,
-edited and vanished ones are the events. The message bus only says when to look; what it says is never trusted further.
+Discourse has no list of changes. The newest posts of the site are compared with what was known before: new, edited
+and missing posts become events. Content of bus messages is not trusted.
 
-An event's id tells whoever comes back with it, also to another process: the newest post and the time until which
-everything was delivered, and two posts by which the forum is known again. What was *removed* between two processes is
-not told afterwards; whoever acts on a post reads it again.
+An event's id is a watermark that another process can resume from: the newest post, the time until which everything
+was delivered, and two posts that identify the forum. Posts *removed* between two processes are not reported later;
+whoever acts on a post reads it again first.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Watermark:
     def parse(cls, text: str) -> Watermark:
         parts = text.split("-")
         if len(parts) != 6 or not all(p.isascii() and p.isdigit() and len(p) < 20 for p in parts):
-            raise ForumNotFound(f"{text!r} is no event of this forum")
+            raise ForumNotFound(f"{text!r} is not an event of this forum")
         return cls(*map(int, parts))
 
 
@@ -261,10 +261,10 @@ class ChangeTracker:
             if known is None:
                 missing.append(number)
             elif _ms(known) != created_ms:
-                raise ForumNotFound("that event is of another forum, or of one that was put back from a backup")
+                raise ForumNotFound("that event is of another forum, or the forum was restored from a backup")
         newest = max(posts, default=0)
         if mark.newest in missing and newest < mark.newest and (mark.anchor in missing or mark.anchor == 0):
-            raise ForumNotFound(f"that event is none of this forum: it knows no post {mark.newest}")
+            raise ForumNotFound(f"that event is not of this forum, which has no post {mark.newest}")
 
 
 def removed(raw: RawPost) -> bool:

@@ -1,8 +1,7 @@
-"""The adapter to Discourse: its JSON API by key or session, its message bus for what happens.
+"""The adapter for Discourse: its JSON API by key or session, and its message bus for events.
 
-What Discourse lacks is put together here: one post per key (marks in the posts, `discourse_marks`), a list of changes
-(`discourse_events`), accounts' kinds and roles (by groups, `discourse_settings`). `docs/discourse.md` says what an
-admin does for it.
+The adapter adds what Discourse lacks: one post per key (`markers`), a list of changes (`events`), and kinds and roles
+of accounts (groups, `settings`). `docs/discourse.md` explains the setup for admins.
 """
 
 from __future__ import annotations
@@ -183,7 +182,7 @@ class DiscourseForum:
         """From now on act as this account; needs an API key for all users. `ForumDenied`: it is as before."""
         before = self._client.credentials
         if "Api-Key" not in before.headers:
-            raise ForumDenied("only an API key for all users can act as another account")
+            raise ForumDenied("switching accounts needs an API key for all users")
         self._client.credentials = before.named(name)
         try:
             me = await self.me()
@@ -219,7 +218,7 @@ class DiscourseForum:
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         if not self.live:
-            raise ForumUnreachable("this key may not ask often enough for push; poll changes()")
+            raise ForumUnreachable("this key's request limit is too low for push; poll changes()")
         async for event in listen(self._tracker, self._client, after, heartbeat_s):
             yield event
 

@@ -1,4 +1,4 @@
-"""HTTP to a Discourse: keys or a session with its CSRF token, every answer either JSON or one of our errors."""
+"""HTTP client for Discourse, with an API key or a session; answers are JSON or one of our errors."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ class DiscourseClient:
     def _hold_back(self, kind: str) -> None:
         for held in ("all", kind):
             if (left_s := self._held.get(held, 0.0) - time.monotonic()) > 0:
-                raise ForumLimited(f"the forum wants no more for {left_s:.1f} s", left_s)
+                raise ForumLimited(f"Discourse's rate limit lasts for another {left_s:.1f} s", left_s)
 
     def _note_limit(self, kind: str, response: httpx2.Response, wait_s: float) -> None:
         """What holds for reading, or is told in plain text, is the limit of the address or key: it bounds everything.

@@ -1,4 +1,4 @@
-"""What Discourse's JSON becomes: boards, times, names that are safe in an address, and versions of posts."""
+"""Convert Discourse's JSON to boards, times, post versions and safe names."""
 
 from __future__ import annotations
 

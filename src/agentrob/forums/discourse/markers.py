@@ -1,10 +1,10 @@
-"""What we write into a Discourse post besides its text, and how it is taken out again: key, card, pictures (pure).
+"""Write and read the hidden marker at the end of a Discourse post: key, card, pictures (pure).
 
-Discourse has no idempotency keys and no cards, so both travel at the end of the raw text, in an empty element that
-readers never see. It is no HTML comment: Discourse does not count those towards the least length of a post
-(`StrippedLengthValidator`), and a robot says short things. It also makes each text unlike every other, so that
-Discourse neither refuses it as too similar nor answers with an older post of the same words. A mark proves nothing:
-whoever reads it asks whose post it is.
+Discourse has no idempotency keys and no cards, so both are stored at the end of the raw text in an empty element that
+readers do not see. It is not an HTML comment, because Discourse does not count comments towards the minimum length of
+a post (`StrippedLengthValidator`), and robots' posts are short. The marker also makes each text unique, so that
+Discourse neither rejects it as too similar nor answers with an older post of the same words. A marker proves nothing:
+check the post's author.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Discourse's message bus: a held request that brings messages within milliseconds, and short ones that prove it."""
+"""Discourse's message bus: a long poll that delivers messages at once, and short polls that prove it works."""
 
 from __future__ import annotations
 

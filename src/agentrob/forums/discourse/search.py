@@ -1,4 +1,4 @@
-"""Finding posts on a Discourse by their words."""
+"""Full-text search on Discourse."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _JSON = Mapping[str, Any]
 
 
 class Source(Protocol):
-    """The reading side, as far as searching needs it."""
+    """The part of the adapter that search needs."""
 
     async def category(self, board_id: str) -> tuple[int, str]: ...
 
@@ -25,14 +25,14 @@ class Source(Protocol):
 
 
 async def find_posts(
-    shelves: Source, client: DiscourseClient, query: str, board_id: str | None, cursor: str | None, limit: int
+    source: Source, client: DiscourseClient, query: str, board_id: str | None, cursor: str | None, limit: int
 ) -> Page[Post]:
     """Posts that have the words, newest first. What would be more than words to Discourse (`in:`, `@`, `#`) is left
     out, so that nobody searches an account's private messages by a query."""
     words = [w for w in query.split() if ":" not in w and not w.startswith(("@", "#", "-"))]
     if not words:
         return Page(())
-    place = "#" + (await shelves.category(board_id))[1].replace("/", ":") if board_id else ""
+    place = "#" + (await source.category(board_id))[1].replace("/", ":") if board_id else ""
     start = int(cursor) if cursor and cursor.isdigit() else 0
     page, skip = divmod(start, RESULTS_A_PAGE)
     term = " ".join(filter(None, (*words, place, "order:latest")))
@@ -42,7 +42,7 @@ async def find_posts(
     shown = hits[skip : skip + limit]
     posts: dict[int, _JSON] = {}
     for topic_id in dict.fromkeys(t for t, _ in shown):
-        posts |= await shelves.raw_posts(topic_id, [n for t, n in shown if t == topic_id])
-    items = [await shelves.build(posts[n]) for _, n in shown if n in posts]
+        posts |= await source.raw_posts(topic_id, [n for t, n in shown if t == topic_id])
+    items = [await source.build(posts[n]) for _, n in shown if n in posts]
     more = len(hits) > skip + limit or len(found) >= RESULTS_A_PAGE
     return Page(tuple(items), str(start + len(shown)) if more and shown else None)

@@ -1,4 +1,4 @@
-"""What a Discourse needs besides its address: how we sign in, what groups may do, how much we may ask of it."""
+"""Options of a Discourse forum: credentials, the rights of groups, and the request limit."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Credentials:
         if what == "login":
             name, _, password = rest.partition(":")
             if not name or not password:
-                raise ConfigError("the token is not login:name:password")
+                raise ConfigError("invalid token; expected login:NAME:PASSWORD")
             return cls({}, name, password)
         if what == "user-api-key":
             return cls({"User-Api-Key": rest})

@@ -1,7 +1,7 @@
-"""Writing to Discourse: one post per key, whatever was lost, queued, limited or sent twice.
+"""Write to Discourse: one post per key, also after lost answers, moderation queues, rate limits and retries.
 
-Before a reply is written, the account's own posts in that topic are read for its key; after it was written, when
-somebody else wrote in between, they are read again, and of two posts of one key the older one stays.
+Before a reply is written, the account's own posts in the topic are searched for its key. If somebody else posted in
+between, they are searched again afterwards; of two posts with the same key, the older one is kept.
 """
 
 from __future__ import annotations
@@ -76,10 +76,10 @@ class ReadPosts(BoundedDict[int, str | None]):
 
 
 class PostWriter:
-    """Where one account writes. Writes of the same key take turns."""
+    """Writes as one account. Writes with the same key run one after another."""
 
-    def __init__(self, library: PostSource, client: DiscourseClient, options: DiscourseOptions) -> None:
-        self._library = library
+    def __init__(self, source: PostSource, client: DiscourseClient, options: DiscourseOptions) -> None:
+        self._source = source
         self._client = client
         self._prefix = options.key_prefix
         self._turns: OrderedDict[str, asyncio.Lock] = OrderedDict()
@@ -98,7 +98,7 @@ class PostWriter:
             if (old := await self._topic_of(key) or await self._by_search(key)) is not None:
                 return Written(old, created=False)
             self._not_rejected(key)
-            number, _ = await self._library.category(board_id)
+            number, _ = await self._source.category(board_id)
             raw = marks.mark(marks.MarkedText(body, self._prefix + key, None, await self._upload(images)))
             content = {"title": title, "raw": raw, "category": number}
             if self._client.credentials.by_api_key:
@@ -121,12 +121,12 @@ class PostWriter:
             return None
         with translate_errors():
             number = next(int(p) for p in led.partition("?")[0].removesuffix(".json").split("/")[::-1] if p.isdigit())
-            first = (await self._library.topic_json(number))["post_stream"]["stream"][0]
+            first = (await self._source.topic_json(number))["post_stream"]["stream"][0]
             self._read[int(first)] = key
-        return await self._library.post(str(first))
+        return await self._source.post(str(first))
 
     async def _external_id(self, key: str) -> str:
-        return marks.external_id((await self._library.myself()).id, self._prefix + key)
+        return marks.external_id((await self._source.myself()).id, self._prefix + key)
 
     # ---------------------------------------------------------------- replies
     async def reply(
@@ -146,7 +146,7 @@ class PostWriter:
             self._not_rejected(key)
             raw = marks.mark(marks.MarkedText(body, self._prefix + key, card, await self._upload(images)))
             content: dict[str, Any] = {"raw": raw, "topic_id": topic_id}
-            if reply_to is not None and (number := await self._library.number_of(reply_to)) is not None:
+            if reply_to is not None and (number := await self._source.number_of(reply_to)) is not None:
                 content["reply_to_post_number"] = number
             try:
                 sent = await self._create(key, content)
@@ -160,43 +160,43 @@ class PostWriter:
                 await self._search(topic_id)
                 if (first := self._read.first(key)) not in (None, int(sent["id"])):
                     await self._client.ask("DELETE", f"/posts/{sent['id']}.json")
-                    return Written(await self._library.post(str(first)), created=False)
+                    return Written(await self._source.post(str(first)), created=False)
             return Written(await self._noted(key, {**sent, "raw": raw}))
 
     async def _search(self, topic_id: int) -> int:
         """Note the keys of the account's own posts in a topic; returns the highest number of a post."""
-        me = await self._library.myself()
-        topic = await self._library.topic_json(topic_id, username_filters=me.name)
+        me = await self._source.myself()
+        topic = await self._source.topic_json(topic_id, username_filters=me.name)
         with translate_errors():
             newest = [int(n) for n in topic["post_stream"]["stream"][-SEARCHED_POSTS:]]
             unread = [number for number in newest if number not in self._read]
-            for post_id, raw in (await self._library.raw_posts(topic_id, unread)).items():
+            for post_id, raw in (await self._source.raw_posts(topic_id, unread)).items():
                 own = str(raw["user_id"]) == me.id
                 self._read[post_id] = self.own_key(marks.unmark(text_of(raw["raw"])).key) if own else None
             return int(topic["highest_post_number"] or 0)
 
     async def _explain(self, topic_id: int, refused: Refused) -> None:
         """A thread in slow mode refuses without saying for how long."""
-        slow_s = int((await self._library.topic_json(topic_id)).get("slow_mode_seconds") or 0)
+        slow_s = int((await self._source.topic_json(topic_id)).get("slow_mode_seconds") or 0)
         if slow_s > 0:
             raise ForumLimited(f"{refused} (this topic is in slow mode)", float(slow_s)) from None
 
     # ---------------------------------------------------------------- edits
     async def edit(self, post_id: int, body: str, images: Sequence[bytes], card: StatusCard | None) -> Post:
-        before = await self._library.one(post_id)
+        before = await self._source.one(post_id)
         if before is None:
             raise ForumNotFound(f"there is no post {post_id}")
-        me = await self._library.myself()
+        me = await self._source.myself()
         if str(before["user_id"]) != me.id:
             raise ForumDenied(f"post {post_id} belongs to {before['username']}")
-        await self._library.build(before)  # so that a change is told from what was there
+        await self._source.build(before)  # so that a change is told from what was there
         was = marks.unmark(before["raw"])
         pictures = (*was.pictures, *await self._upload(images, len(was.pictures) + 1))
         raw = marks.mark(marks.MarkedText(body, was.key, card or was.card, pictures))
         answer = await self._client.ask("PUT", f"/posts/{post_id}.json", json={"post": {"raw": raw}})
         with translate_errors():
             edited = {**before, **answer["post"]}
-        return await self._library.build(edited)
+        return await self._source.build(edited)
 
     # ---------------------------------------------------------------- keys
     async def find(self, key: str) -> Post | None:
@@ -207,7 +207,7 @@ class PostWriter:
         """Look through the topics that this account wrote in last."""
         if (old := await self._old(key)) is not None:
             return old
-        me = await self._library.myself()
+        me = await self._source.myself()
         found = await self._client.get("/user_actions.json", offset=0, username=me.name, filter="4,5")
         topics = list(dict.fromkeys(int(a["topic_id"]) for a in found["user_actions"]))[:SEARCHED_TOPICS]
         for topic_id in topics:
@@ -225,11 +225,11 @@ class PostWriter:
             return None
         if self._waiting is not None:  # a moderator let it pass
             self._waiting.discard(key)
-        return await self._library.post(str(post_id))
+        return await self._source.post(str(post_id))
 
     async def _noted(self, key: str, sent: _JSON) -> Post:
         self._read[int(sent["id"])] = key
-        return await self._library.build(sent)
+        return await self._source.build(sent)
 
     # ---------------------------------------------------------------- inside
     def _turn(self, key: str) -> asyncio.Lock:
@@ -265,7 +265,7 @@ class PostWriter:
 
     async def _pending(self) -> set[str]:
         """Keys of own posts that wait for approval."""
-        me = await self._library.myself()
+        me = await self._source.myself()
         try:
             found = await self._client.get(f"/posts/{me.name}/pending.json")
         except (ForumNotFound, ForumDenied):  # not every version and key has it

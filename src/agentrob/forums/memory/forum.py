@@ -1,7 +1,7 @@
-"""A whole forum in memory: several accounts on one world, with events, keys, edits, limits and failures on demand.
+"""A forum in memory: several accounts on one world, with events, keys, edits, limits and failures on demand.
 
-It is a product, not a mock: examples, stories and other people's tests stand on it. It behaves as our board does, and
-passes the same contract.
+It is part of the product, not a test mock: examples, stories and tests of other packages use it. It behaves like the
+board and passes the same contract.
 
     world = MemoryForum.world()
     alice = world.sign_in("alice", role=Role.OPERATOR)

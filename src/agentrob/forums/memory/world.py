@@ -1,4 +1,4 @@
-"""What a forum in memory holds, and what moderators, time and bad days do to it."""
+"""The state of a forum in memory, and the actions of moderators and failures on it."""
 
 from __future__ import annotations
 

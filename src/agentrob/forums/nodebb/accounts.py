@@ -1,4 +1,4 @@
-"""Accounts of a NodeBB: who somebody is now, and what an admin makes."""
+"""Accounts of a NodeBB: read their current rights, create them and change them as an admin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The clock of a forum that tells its time in whole seconds only, made finer by comparing many answers (pure)."""
+"""Estimate a server's clock from `Date` headers, which have whole seconds, by comparing many answers (pure)."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""What happened on a NodeBB, made of its latest posts: NodeBB keeps no list of events that one could ask for.
+"""Derive events from the latest posts of a NodeBB, which keeps no list of events.
 
-A ledger looks at the latest posts and notes what is new, edited or gone since it last looked. Ids of its events are
-`<newest post>.<when it was written>.<until when edits are known>.<number>`: a ledger that has the event goes on after
-it; another one (after a restart) finds out from the first three what was written and edited since. Removals that
-happened meanwhile it cannot find: whoever acts on a post reads it again.
+A `ChangeTracker` compares the latest posts with what it saw before and records new, edited and missing ones. Event
+ids are `<newest post>.<its time>.<edits known until>.<number>`: a tracker that has the event resumes after it;
+another one (after a restart) finds from the first three parts what was written and edited since. It cannot find posts
+removed in the meantime; whoever acts on a post reads it again first.
 """
 
 from __future__ import annotations

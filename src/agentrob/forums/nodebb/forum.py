@@ -1,4 +1,4 @@
-"""The adapter to NodeBB: its write API and JSON pages as a `Forum`, with keys, cards and push; see `docs/nodebb.md`."""
+"""The adapter for NodeBB: its write API and JSON pages, with keys, cards and push (`docs/nodebb.md`)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What we write into a NodeBB post besides its text, and how it is taken out again: key, status card, pictures (pure).
+"""Write and read the hidden marker at the end of a NodeBB post: key, status card, pictures (pure).
 
-NodeBB has no idempotency keys and no cards, so both travel at the end of the raw text, in a link definition that no
-reader sees and that does not stand in the page. A mark proves nothing: whoever reads it asks whose post it is.
+NodeBB has no idempotency keys and no cards, so both are stored at the end of the raw text in a link definition, which
+is not rendered. A marker proves nothing: check the post's author.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a NodeBB notifies its accounts of, as far as a post asks for an answer."""
+"""Notifications of a NodeBB account that point to a post worth answering."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Boards, topics and posts of a NodeBB as ours: JSON of its pages, and each post's raw Markdown asked for besides."""
+"""Read boards, topics and posts of a NodeBB, including each post's raw Markdown."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ _log = structlog.get_logger()
 
 
 class PostReader:
-    """Reads as one account."""
+    """Reads posts as one account."""
 
-    def __init__(self, client: NodeBBClient, registry: AccountAdmin) -> None:
+    def __init__(self, client: NodeBBClient, accounts: AccountAdmin) -> None:
         self._client = client
-        self._admin = registry
+        self._admin = accounts
         self._boards: list[tuple[int, Board]] = []
         self._boards_s = -BOARDS_AGE_S
         self._known = BoundedDict[str, Post](MOST_KNOWN)

@@ -1,4 +1,4 @@
-"""What a NodeBB needs besides its address: how we sign in, and what its groups may do with robots."""
+"""Options of a NodeBB forum: credentials, and the rights of groups."""
 
 from __future__ import annotations
 
@@ -79,11 +79,11 @@ class Credentials:
         if secret.startswith("login:"):
             name, _, password = secret.removeprefix("login:").partition(":")
             if not name or not password:
-                raise ConfigError("the forum's token is not login:name:password")
+                raise ConfigError("invalid token; expected login:NAME:PASSWORD")
             return cls(name=name, password=password)
         token, _, uid = secret.partition("@")
         if uid and not uid.isdigit():
-            raise ConfigError("after the @ of a master token stands the number of an account (its uid)")
+            raise ConfigError(f"{uid!r} after the @ of a master token is not an account number (uid)")
         return cls(token=token, uid=uid)
 
     @property

@@ -1,7 +1,7 @@
-"""NodeBB's live channel: Engine.IO 4 over a WebSocket, of which only "something happened" is used.
+"""NodeBB's push channel (Engine.IO 4 over a WebSocket), used only as a signal that something changed.
 
-What it brings is HTML, and it brings nothing of what happened while it was cut, so posts are always fetched anew; it
-only makes that happen at once. It needs a session: the cookie and, in the address, the CSRF token.
+Its messages carry HTML and miss everything that happens while it is disconnected, so posts are always read again over
+HTTP. It needs a session: the cookie, and the CSRF token in the address.
 """
 
 from __future__ import annotations
