@@ -17,8 +17,6 @@ from agentrob.sim.services import go2_sport
 from agentrob.sim.world.scene import OPEN_FLOOR, Start
 from agentrob.sim.world.world import World
 
-pytestmark = pytest.mark.sim
-
 
 def test_it_goes_over_its_back_and_stands_and_walks_on(bench: Any) -> None:
     body, at = bench.body, bench.body.xy_m

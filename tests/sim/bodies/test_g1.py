@@ -25,8 +25,6 @@ from agentrob.sim.world.meshes import read_stl
 from agentrob.sim.world.scene import OPEN_FLOOR
 from agentrob.sim.world.world import World
 
-pytestmark = pytest.mark.sim
-
 CLAP, HEART, WAVE, SHAKE = 17, 20, 26, 27
 
 

@@ -11,8 +11,6 @@ from agentrob.sim.bodies.sensors import wrap
 from agentrob.sim.services.go2_sport import MOVE, STOP_MOVE
 from agentrob.sim.world.world import World
 
-pytestmark = pytest.mark.sim
-
 
 def test_it_stands_still_without_drifting(bench):
     at, yaw = bench.body.xy_m, bench.body.yaw_rad

@@ -9,8 +9,6 @@ from agentrob.sim.bodies import sensors
 from agentrob.sim.services.go2 import FEET
 from agentrob.sim.world.scene import load
 
-pytestmark = pytest.mark.sim
-
 LENGTH_M, WIDTH_M = load("room").room.size_m
 
 

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from agentrob.sim.services import go2_sport
 from agentrob.sim.services.go2_sport import Posture
 
-pytestmark = pytest.mark.sim
-
 GESTURES = (go2_sport.HELLO, go2_sport.HEART, go2_sport.STRETCH, go2_sport.SIT)
 
 
