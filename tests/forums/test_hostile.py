@@ -289,7 +289,7 @@ class _Server:
 @example(_event(1, {**_POST, "body": "x", "card": {"robot": 1, "state": float("inf")}}), True)
 def test_law_15_behind_mcp_a_stop_is_heard_after_whatever_event(event: dict[str, Any], live: bool) -> None:
     stop = _event(2, {**_POST, "id": "3", "body": f"@{ROBOT} stop", "card": None})
-    forum = McpForum.over(_Server([event, stop]).client())
+    forum = McpForum.from_client(_Server([event, stop]).client())
     forum.live = live
     asyncio.run(hears_a_stop(forum, "0"))
 
@@ -350,7 +350,7 @@ def test_law_1_a_card_of_another_robot_is_no_card_on_a_board_of_before_and_behin
             return list(await forum.changes("0"))
 
         over = _event(1, {**_POST, "author": author, "card": card, "body": "hello"})
-        for forum in (_board([told], streamed=False), McpForum.over(_Server([over]).client())):
+        for forum in (_board([told], streamed=False), McpForum.from_client(_Server([over]).client())):
             (event,) = asyncio.run(read(forum))
             assert event.post is not None
             assert (event.post.card is not None) is counts, (forum, kind, card)

@@ -37,7 +37,7 @@ class MemoryMcpWorld:
     async def sign_in(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER) -> Forum:
         self.world.sign_in(name, kind=kind, role=role)
         server, accounts = server_of(self.world, name, Rights(True, ALL))
-        forum = McpForum.over(ForumClient(lambda: Client(server.engine, cache=None)))
+        forum = McpForum.from_client(ForumClient(lambda: Client(server.engine, cache=None)))
         self.open.push_async_callback(accounts.close)
         self.open.push_async_callback(server.close)
         self.open.push_async_callback(forum.close)

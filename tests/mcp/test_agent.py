@@ -41,7 +41,7 @@ async def agent_on_mcp(driver: Driver, folder: Path, **world: Any) -> AsyncItera
     """An agent that runs; what its forum can do it learns, as in the field, only when it first asks."""
     scene = make_scene(driver, folder, MemoryForum.world(**world), poll_s=0.5)
     server, accounts = server_of(scene.world, ROBOT, Rights(True, ALL))
-    forum = McpForum.over(ForumClient(lambda: Client(server.engine, cache=None)))
+    forum = McpForum.from_client(ForumClient(lambda: Client(server.engine, cache=None)))
     try:
         async with scene.agent(forum=forum):
             yield scene

@@ -1,1 +1,1 @@
-"""MCP: the forum and the robots as tools for any client, and a forum adapter over the same tools."""
+"""MCP: servers that offer the forum and the robots as tools, and a forum adapter that is their client."""

@@ -1,10 +1,10 @@
-"""The forum adapter that stands on MCP: an agent runs on the paper's tools instead of a forum's own API.
+"""The forum adapter over MCP: an agent uses the tools of an MCP server instead of a forum's own API.
 
     [forum]
     kind = "mcp"
     url = "http://127.0.0.1:8090/mcp"            # the token in token_env is that of [mcp.users.NAME]
 
-or, for a server as a process of its own (the token is then the forum's, and is handed on):
+or, for a server that is started as a child process (the token is then the forum's, and is passed on):
 
     url = "stdio:agentrob mcp forum --config forum.toml"
 """
@@ -38,14 +38,14 @@ from agentrob.model import Account, EventKind, Page, Post, Role, StatusCard
 
 T = TypeVar("T")
 _STDIO = "stdio:"
-#: Bodies come whole: the longest that a forum of ours takes.
+#: Requests whole bodies: the longest that our forums accept.
 _MAX_CHARS = 70_000
 
 
 class McpForum:
-    """A forum behind an MCP server, signed in as whom the server says; fulfils `Forum`.
+    """A forum behind an MCP server, by the account that the server signs in; implements `Forum`.
 
-    What the forum can do (`live`, `max_edits`) is known only once the server was asked: `connect()`, or the first call.
+    `live` and `max_edits` are known after `connect()` or the first call.
     """
 
     max_edits: int | None = None
@@ -63,14 +63,14 @@ class McpForum:
             self._client = ForumClient.connect(settings.url, token)
 
     @classmethod
-    def over(cls, client: ForumClient) -> McpForum:
-        """The forum behind a client that is there already."""
+    def from_client(cls, client: ForumClient) -> McpForum:
+        """The forum behind an existing client."""
         forum = cls.__new__(cls)
         forum._client = client
         return forum
 
     async def connect(self) -> None:
-        """Ask what the forum can do."""
+        """Read what the forum supports."""
         await self._facts()
 
     async def close(self) -> None:
@@ -171,7 +171,7 @@ class McpForum:
         return _events(await _said(self._client.read(uri, results.Changes)))
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
-        """Each answer of the server is an event or a heartbeat of the forum behind it: both links are proven alive."""
+        """Each answer is an event or a heartbeat of the forum behind the server: both connections work."""
         if not self.live:
             raise ForumUnreachable("this forum has no event stream; poll changes()")
         beat_s = max(0.25, heartbeat_s)
@@ -184,7 +184,7 @@ class McpForum:
             if not said.events:
                 yield Event("", EventKind.HEARTBEAT, said.at or datetime.now(UTC))
 
-    # ---------------------------------------------------------------- what not every forum has
+    # ---------------------------------------------------------------- optional features
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
@@ -202,7 +202,7 @@ class McpForum:
 
 
 async def _said(asked: Awaitable[T]) -> T:
-    """The answer; what the server or the connection says instead becomes a forum's error."""
+    """The answer; errors of the tool or the connection are raised as forum errors."""
     try:
         return await asked
     except ToolFailed as e:
@@ -225,7 +225,7 @@ async def _said(asked: Awaitable[T]) -> T:
 
 
 def _events(said: results.Changes) -> tuple[Event, ...]:
-    """Kinds that a newer server may have are passed over."""
+    """Event kinds of a newer server are skipped."""
     return tuple(mapping.event(e) for e in said.events if e.kind in frozenset(EventKind))
 
 

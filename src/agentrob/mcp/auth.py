@@ -1,4 +1,4 @@
-"""Who connects by HTTP: static tokens of the configuration, or JWTs of an OAuth server for this address."""
+"""Verifies bearer tokens of HTTP clients: static tokens of the configuration, or JWTs of an OAuth server."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from agentrob.mcp.forum.identity import Identity
 
 log = structlog.get_logger(__name__)
 SCOPE = "forum"
-#: Signatures that a public key can check; a shared secret or none at all is never taken.
+#: Asymmetric signatures only: HMAC and unsigned tokens are refused.
 _ALGORITHMS = ["RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA"]
 
 
 class BearerTokenVerifier:
-    """Verifies bearer tokens. What is taken as `client_id` is the user's name in the configuration.
+    """Verifies bearer tokens. `client_id` of the result is the user's name in the configuration.
 
     `users` gives for each name the identity, the static token (or "") and the OAuth subject (or "").
     """
@@ -39,9 +39,9 @@ class BearerTokenVerifier:
             self._keys = PyJWKClient(jwks_url or f"{issuer}/.well-known/jwks.json", timeout=5, cache_keys=True)
 
     async def verify_token(self, token: str) -> AccessToken | None:
-        """Whose token it is, or None."""
+        """The owner of the token, or None."""
         given, found = _hash(token), None
-        for known, name in self._tokens:  # all of them, so that the time does not tell which one was nearly right
+        for known, name in self._tokens:  # compare with every token, so that the time leaks nothing
             if hmac.compare_digest(known, given):
                 found = name
         if found is not None:

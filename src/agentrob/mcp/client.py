@@ -1,11 +1,12 @@
-"""The typed client of a forum's MCP server: starts one or connects to one, and gives each tool as a method.
+"""A typed client of a forum's MCP server: starts or connects to one, and has a method for each tool.
 
     async with ForumClient.spawn("agentrob", "mcp", "forum") as forum:
         for board in (await forum.list_boards()).boards:
             print(board.name)
 
-It needs the MCP SDK and pydantic only. A tool that says no raises `ToolFailed` with the envelope's words; a server
-that is gone raises `ServerUnavailable`, and the next call connects again. Cancelling a call cancels it at the server.
+It needs only the MCP SDK and pydantic. A tool error raises `ToolFailed` with the envelope's fields; a server that
+ended or does not answer raises `ServerUnavailable`, and the next call reconnects. Cancelling a call cancels it at the
+server.
 """
 
 from __future__ import annotations
@@ -27,16 +28,16 @@ if TYPE_CHECKING:
     from mcp.client.client import Client
 
 R = TypeVar("R", bound=BaseModel)
-#: Of one call, in seconds.
+#: Timeout of one call.
 TIMEOUT_S = 30.0
-#: So long a call or a connection that we leave may take to end.
+#: How long a cancelled call or a closing connection may take to end.
 LEAVE_S = 5.0
-#: Whatever wait is told, it is asked again after an hour at the latest.
+#: Upper bound of `retry_after_s`.
 LONGEST_RETRY_S = 3600.0
 
 
 class ToolFailed(McpError):
-    """A tool that said no: `code`, `hint`, `retryable` and `trace_id` as in the server's log."""
+    """A tool returned an error. `trace_id` finds the call in the server's log."""
 
     def __init__(self, code: str, message: str, hint: str = "", retryable: bool = False, trace_id: str = "") -> None:
         super().__init__(f"{message}; {hint}" if hint else message)
@@ -49,12 +50,12 @@ class ServerUnavailable(McpError):
 
 
 class ForumClient:
-    """One connection to a forum's MCP server, made when it is first needed and again after it broke."""
+    """A connection to a forum's MCP server, opened on first use and again after it broke."""
 
     def __init__(
         self, connect: Callable[[], Client], *, timeout_s: float = TIMEOUT_S, close: Callable[[], Any] | None = None
     ) -> None:
-        """`connect` makes an SDK client that was not entered yet; see `spawn` and `connect` for the usual ones."""
+        """`connect` returns an SDK client that was not entered yet; `spawn` and `connect` provide the usual ones."""
         self._connect = connect
         self._timeout_s = timeout_s
         self._close = close
@@ -65,7 +66,7 @@ class ForumClient:
     def spawn(
         cls, command: str, *args: str, env: Mapping[str, str] | None = None, timeout_s: float = TIMEOUT_S
     ) -> Self:
-        """A server as a process of ours: it ends when this client is closed. Its log goes to our standard error."""
+        """Start a server as a child process, which ends when this client is closed. It logs to our standard error."""
 
         def connect() -> Client:
             from mcp.client.client import Client
@@ -78,7 +79,7 @@ class ForumClient:
 
     @classmethod
     def connect(cls, url: str, token: str, *, timeout_s: float = TIMEOUT_S) -> Self:
-        """A server over HTTP, signed in by a bearer token."""
+        """Connect to a server over HTTP with a bearer token."""
         made: list[Any] = []
 
         def connect() -> Client:
@@ -115,7 +116,7 @@ class ForumClient:
         await self.close()
 
     async def close(self) -> None:
-        """End the connection, and the server when it is a process of ours."""
+        """Close the connection, and end the server when it is a child process."""
         async with self._lock:
             if self._connection is not None:
                 await self._connection.close()
@@ -149,7 +150,7 @@ class ForumClient:
         answer = await self._answered(client.call_tool(tool, given, read_timeout_seconds=limit_s), limit_s)
         said = answer.structured_content
         if not isinstance(said, dict) or not isinstance(said.get("ok"), bool):
-            raise McpError(f"{tool} answered what is no envelope")
+            raise McpError(f"{tool} did not answer with an envelope")
         if not said["ok"]:
             raise _tool_failed(said)
         return _read(result, said.get("data", {}), tool)
@@ -162,13 +163,13 @@ class ForumClient:
         raise McpError(f"{uri} has no text")
 
     async def read_bytes(self, uri: str) -> bytes:
-        """Read a resource that is a picture."""
+        """Read a binary resource."""
         for content in await self._contents(uri, None):
             if (blob := getattr(content, "blob", None)) is not None:
                 try:
                     return base64.b64decode(blob)
                 except ValueError as e:
-                    raise McpError(f"{uri} is no picture: {e}") from None
+                    raise McpError(f"{uri} is not base64: {e}") from None
         raise McpError(f"{uri} has no bytes")
 
     async def _contents(self, uri: str, limit_s: float | None) -> Sequence[Any]:
@@ -202,7 +203,7 @@ class ForumClient:
             if ended is not None:
                 ended.cancel()
             if not await _left(asking, LEAVE_S) and connection is not None:
-                connection.broken = True  # not even a cancellation gets through
+                connection.broken = True  # it does not even answer a cancellation
 
     # ---------------------------------------------------------------- the tools
     async def get_manual(self, tool: str | None = None) -> r.Manual:
@@ -289,7 +290,7 @@ class ForumClient:
         return await self.call("manage_permissions", r.SignedIn, account=account, role=role, suspended=suspended)
 
     async def updates(self, *uris: str) -> AsyncIterator[str]:
-        """The addresses, among these, of what was changed, as the server pushes them (protocol of 2026 only)."""
+        """Yield the address of each of these resources when it changes (protocol 2026-07-28 only)."""
         client = await self._connected()
         async with client.listen(resource_subscriptions=list(uris)) as events:
             async for event in events:
@@ -298,7 +299,7 @@ class ForumClient:
 
 
 class _Connection:
-    """An SDK client in a task of its own, since it must be left in the task that entered it."""
+    """An SDK client in a task of its own, since it must be exited in the task that entered it."""
 
     def __init__(self, connect: Callable[[], Client]) -> None:
         self._connect = connect
@@ -341,7 +342,7 @@ class _Connection:
 
 
 async def _left(task: asyncio.Future[Any], limit_s: float) -> bool:
-    """Cancel a task and wait until it has ended, but not for ever: whether it did. What it raises is not ours."""
+    """Cancel a task and wait up to `limit_s` for its end; return whether it ended. Its exception is ignored."""
     task.add_done_callback(lambda t: t.cancelled() or t.exception())
     if not task.done():
         task.cancel()
@@ -365,7 +366,7 @@ def _tool_failed(said: dict[str, Any]) -> ToolFailed:
 
 
 def _protocol_error(error: Any, connection: _Connection | None) -> McpError:
-    """A JSON-RPC error: ours carry the envelope's words as data, others are the connection's."""
+    """A JSON-RPC error: our server's carry the envelope's error as data, others mean a broken connection."""
     data = error.error.data
     if isinstance(data, dict) and "code" in data:
         return _tool_failed({"error": {**data, "message": error.error.message}, "trace_id": data.get("trace_id", "")})
@@ -382,13 +383,13 @@ def _read(result: type[R], data: Any, what: str) -> R:
     try:
         return result.model_validate(data)
     except ValidationError as e:
-        raise McpError(f"{what} answered what its client does not know: {e.error_count()} errors") from None
+        raise McpError(f"{what} answered with an unknown result: {e.error_count()} errors") from None
     except Exception as e:
-        raise McpError(f"{what} answered what cannot be read: {e!r}"[:300]) from None
+        raise McpError(f"{what} answered with an unreadable result: {e!r}"[:300]) from None
 
 
 def _read_json(result: type[R], text: str, what: str) -> R:
-    """The same of a text. Python reads some JSON that pydantic does not: lone surrogates, which are then replaced."""
+    """As `_read`, from text. Replaces lone surrogates, which pydantic's JSON parser rejects."""
     try:
         return result.model_validate_json(text)
     except ValidationError:

@@ -1,4 +1,4 @@
-"""The one shape of every answer: `{ok, tool, data | error, trace_id}`, for results, refusals and nonsense alike."""
+"""The envelope of every tool answer: `{ok, tool, data | error, trace_id}`, for results and errors."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from agentrob.errors import (
     ForumUnreachable,
 )
 
-#: What every tool answers, as JSON Schema: one for all, so that a list of tools stays short.
+#: The JSON Schema of every tool's output; one for all keeps the list of tools short.
 SCHEMA: dict[str, Any] = {"type": "object", "required": ["ok", "tool", "trace_id"]}
 
 
 class ToolError(AgentRobError):
-    """A tool that says no. `code` is a stable word, `hint` what would work, `retryable` whether waiting helps."""
+    """A tool error. `code` is stable, `hint` says what would work, `retryable` whether to call again later."""
 
     def __init__(
         self, code: str, message: str, hint: str = "", retryable: bool = False, retry_after_s: float | None = None
@@ -42,7 +42,7 @@ def new_trace_id() -> str:
 
 @dataclass(frozen=True, slots=True)
 class Envelope:
-    """An envelope as compact JSON, made only once. `code` is "ok" or that of the error."""
+    """An envelope as compact JSON. `code` is "ok" or that of the error."""
 
     text: str
     code: str = "ok"
@@ -53,13 +53,13 @@ class Envelope:
 
 
 def success(tool: str, data: BaseModel | dict[str, Any], trace_id: str) -> Envelope:
-    """The envelope of a result; what a model has by default is left out."""
+    """The envelope of a result; a model's defaults are left out."""
     shown = data.model_dump_json(exclude_defaults=True) if isinstance(data, BaseModel) else _json(data)
     return Envelope(f'{{"ok":true,"tool":{_json(tool)},"data":{shown},"trace_id":"{trace_id}"}}')
 
 
 def failure(tool: str, error: Exception, trace_id: str) -> Envelope:
-    """The envelope of an error. What nobody foresaw is called `internal`, and its text stays in the log."""
+    """The envelope of an error. Unexpected errors have the code `internal`, and their text is only logged."""
     said = as_tool_error(error)
     body = {"ok": False, "tool": tool[:64], "error": error_body(said), "trace_id": trace_id}
     return Envelope(_json(body), said.code)
@@ -70,7 +70,7 @@ def _json(value: Any) -> str:
 
 
 def error_body(said: ToolError) -> dict[str, Any]:
-    """`retry_after_s` is there only when the forum named a time."""
+    """The error's fields; `retry_after_s` only when the forum named a time."""
     body = {"code": said.code, "message": str(said), "hint": said.hint, "retryable": said.retryable}
     return body if said.retry_after_s is None else {**body, "retry_after_s": said.retry_after_s}
 
@@ -80,7 +80,7 @@ def as_tool_error(error: Exception) -> ToolError:
         case ToolError():
             return error
         case ForumUnoffered():
-            return ToolError("not_offered", str(error), "this forum does not have it; nothing to try again")
+            return ToolError("not_offered", str(error), "this forum does not support it; do not try again")
         case ForumNotFound():
             return ToolError("not_found", str(error), "list_boards, list_posts and search_posts give ids that exist")
         case ForumDenied():
@@ -91,5 +91,5 @@ def as_tool_error(error: Exception) -> ToolError:
         case ForumUnreachable():
             return ToolError("unreachable", str(error), "send it again with the same key in a moment", retryable=True)
         case ForumError():
-            return ToolError("refused", str(error), "the forum did not take it as it was")
+            return ToolError("refused", str(error), "the forum rejected the content")
     return ToolError("internal", "something went wrong; the server's log has it under this trace id", "")

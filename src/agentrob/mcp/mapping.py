@@ -1,4 +1,4 @@
-"""The forum's records as tools show them, and back: bodies without the agent's tag, long ones cut."""
+"""Maps the forum's records to tool results and back; bodies lose the agent's tag, and long ones are cut."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agentrob.model import Account, EventKind, Post
 
 @lru_cache(maxsize=512)
 def account_info(a: Account) -> AccountInfo:
-    """Of a page of posts most are by few accounts."""
+    """Cached: most posts of a page are by few accounts."""
     shown = a.display_name if a.display_name != a.name else ""
     return AccountInfo(id=a.id, name=a.name, kind=a.kind, role=a.role, suspended=a.suspended, display_name=shown)
 
@@ -31,8 +31,8 @@ def board_info(b: Board) -> BoardInfo:
 
 @lru_cache(maxsize=256)
 def post_info(p: Post, max_chars: int | None = None) -> PostInfo:
-    """A post with its body cut at `max_chars`; `left` says how much is missing. A thread is read again and again, and
-    most of its posts are as they were."""
+    """A post with its body cut at `max_chars`; `left` is the number of characters cut. Cached, since a topic is read
+    again and again and few of its posts change."""
     body, tag = split_tag(p.raw, p.author)
     cut = max_chars is not None and len(body) > max_chars
     return PostInfo(
@@ -68,7 +68,7 @@ def event_info(e: Event) -> EventInfo:
     )
 
 
-# ---------------------------------------------------------------------- and back, in the client's adapter
+# ---------------------------------------------------------------------- results to records, for the client's adapter
 def account(a: AccountInfo) -> Account:
     return Account(a.id, a.name, a.kind, a.role, a.suspended, a.display_name or a.name)
 

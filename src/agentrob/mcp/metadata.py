@@ -1,10 +1,10 @@
-"""The tag before each post that an agent writes: which kind of agent, which account, what status, which trace.
+"""The tag at the start of each post that an agent writes: kind of agent, account, status, trace id.
 
     > [agent_type=commanding agent_id=planner status=asking trace=3f…]
 
-It stands in a quotation, which robots never read as a command, and is made of the authenticated account, never of what
-the caller says. What a caller writes itself that looks like such a tag is disarmed. A tag counts as one only at the
-very beginning of a post whose account it names; anywhere else it is text.
+It is a quotation, which robots never read as a command, and is made from the authenticated account, never from
+arguments. Text of the caller that looks like a tag is neutralised. A tag is valid only at the very start of a post by
+the account that it names; anywhere else it is text.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ _TAG = re.compile(
     r"(?: trace=(?P<trace>[0-9a-f]{8,64}))?\]\s*(?:\n|$)\s*"
 )
 _NAME_CHARS = re.compile(r"[^A-Za-z0-9_.-]")
-#: Opening brackets after folding, up to three signs of nothing between, then a word of the tag.
+#: An opening bracket after folding, then a word of the tag, with up to three separators inside.
 _LOOKS_LIKE = re.compile(r"[\[【〔⟦](?=[\W_]{0,3}agent[\W_]{0,3}(?:type|id|status|kind|name))", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
 class Tag:
-    """What a genuine tag says."""
+    """The fields of a valid tag."""
 
     type: str
     status: str
@@ -42,7 +42,7 @@ class Tag:
 
 
 def with_tag(body: str, author: Account, status: str, trace_id: str) -> str:
-    """The text as it is posted: the account's own tag, then what the caller wrote with its own tags disarmed."""
+    """The text to post: the account's tag, then the caller's text with tags neutralised."""
     name = _NAME_CHARS.sub("-", author.name)[:64] or "-"
     kind = AGENT_TYPES[author.kind]
     trace = f" trace={trace_id}" if trace_id else ""
@@ -50,7 +50,7 @@ def with_tag(body: str, author: Account, status: str, trace_id: str) -> str:
 
 
 def split_tag(raw: str, author: Account) -> tuple[str, Tag | None]:
-    """A post's text without its tag, and the tag when it is genuine: of the author's own kind and name."""
+    """A post's text without its tag, and the tag if it is valid: it names the author and the author's kind."""
     found = _TAG.match(raw)
     name = _NAME_CHARS.sub("-", author.name)[:64]
     if not found or found["id"] != name or found["type"] != AGENT_TYPES[author.kind]:
@@ -59,8 +59,8 @@ def split_tag(raw: str, author: Account) -> tuple[str, Tag | None]:
 
 
 def disarm_tags(text: str) -> str:
-    """The text with brackets that would open a tag made round, also where letters are full-width or split by signs
-    that are not seen."""
+    """Replace brackets that would open a tag, also where letters are full-width or separated by invisible
+    characters."""
     folded, places = _folded(text)
     marks = [places[m.start()] for m in _LOOKS_LIKE.finditer(folded)]
     if not marks:
@@ -72,7 +72,7 @@ def disarm_tags(text: str) -> str:
 
 
 def _folded(text: str) -> tuple[str, list[int]]:
-    """The text in NFKC without invisible signs, and for each sign of it where it came from."""
+    """The text in NFKC without invisible characters, and for each character its index in the original."""
     out: list[str] = []
     places: list[int] = []
     for at, char in enumerate(text):

@@ -1,1 +1,1 @@
-"""What one operating system process needs: children, locks, logs, TLS, webhooks."""
+"""Process infrastructure: child processes, host locks, logs, listen addresses, HTTP server, TLS, webhooks."""

@@ -1,7 +1,7 @@
-"""A process of our own: started with a ready line to wait for, logged to a file, ended when we end, however we end.
+"""Starts child processes, waits for their ready line, logs their output to a file and ends them.
 
 A child prints one line of JSON with `"ready": true` on standard output when it can be used. The kernel sends it SIGTERM
-when its parent dies (`end_with_parent`), so that a killed demo leaves no world and no driver behind.
+when its parent dies (`end_with_parent`), so that a killed demo leaves no simulator or driver running.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ _PR_SET_PDEATHSIG = 1
 
 
 class ChildError(AgentRobError):
-    """A process that we need did not start or has ended."""
+    """A child process did not start, or has ended."""
 
 
 class Child:
-    """`python -m agentrob <args>` in a session of its own (a Ctrl-C reaches only us, and we end it in order)."""
+    """`python -m agentrob <args>` in a session of its own, so that Ctrl-C reaches only the parent, which ends it."""
 
     def __init__(self, name: str, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
         self.name = name
@@ -65,7 +65,7 @@ class Child:
         self._changed.set()
 
     def wait_ready(self, limit_s: float = 60.0) -> dict[str, Any]:
-        """What the ready line says; `ChildError` with the child's last words when it ends or is late."""
+        """The contents of the ready line; `ChildError` with the child's last log line if it ends or is late."""
         self._changed.wait(limit_s)
         if self.ready is not None:
             return self.ready
@@ -78,21 +78,21 @@ class Child:
     def last_line(self) -> str:
         """The last line that it wrote."""
         lines = self.log.read_text(errors="replace").strip().splitlines() if self.log.exists() else []
-        return lines[-1].strip() if lines else "it said nothing"
+        return lines[-1].strip() if lines else "it logged nothing"
 
     @property
     def alive(self) -> bool:
         return self.process.poll() is None
 
     def end(self) -> None:
-        """Ask it to end; `terminate_all` waits."""
+        """Send SIGTERM; `terminate_all` also waits."""
         if self.alive:
             with contextlib.suppress(ProcessLookupError):
                 self.process.send_signal(signal.SIGTERM)
 
 
 def terminate_all(children: Sequence[Child], limit_s: float = 2.5) -> None:
-    """End them all at once; whoever is left at the limit is killed."""
+    """Send SIGTERM to all, and SIGKILL to those that still run after `limit_s`."""
     for child in children:
         child.end()
     deadline = time.monotonic() + limit_s
@@ -105,7 +105,7 @@ def terminate_all(children: Sequence[Child], limit_s: float = 2.5) -> None:
 
 
 def end_with_parent() -> None:
-    """Called by a child at its start: have the kernel end us when the process that started us is gone."""
+    """Called by a child at its start: have the kernel send SIGTERM to it when its parent dies."""
     if parent := os.environ.pop(_PARENT, None):
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
         if os.getppid() != int(parent):
@@ -113,8 +113,8 @@ def end_with_parent() -> None:
 
 
 def print_ready(**facts: Any) -> None:
-    """Print the ready line. What is there by then is there for good, and no search for garbage looks at it again: in a
-    robot's agent such a search took 0.1 to 0.2 s, in which it would have heard no stop."""
+    """Print the ready line, and exclude all present objects from garbage collection: in a robot's agent a full
+    collection took 0.1 to 0.2 s, during which it could not receive a stop."""
     gc.collect()
     gc.freeze()
     sys.stdout.write(json.dumps({"ready": True, **facts}) + "\n")

@@ -1,4 +1,4 @@
-"""Where the log goes, and what a line of it looks like."""
+"""Configures the log: structlog lines on standard error."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from structlog.typing import Processor
 
-#: One list for good: loggers keep the one that they began with, and who captures the log changes it in place.
+#: One list that is changed in place: loggers keep the list that they were created with, as log-capturing tests do.
 _PROCESSORS: list[Processor] = []
 
 
 def log_to_stderr() -> None:
-    """Standard output belongs to ready lines and results; people read the log."""
+    """Log to standard error; standard output is for ready lines and results."""
     import structlog
 
     renderer = structlog.dev.ConsoleRenderer(
@@ -34,7 +34,7 @@ def log_to_stderr() -> None:
 
 
 class _Lossy:
-    """Standard error as it is now; its full disk costs lines, and never the process that writes them."""
+    """The current standard error. Lines that cannot be written, on a full disk, are lost without an error."""
 
     def write(self, text: str) -> None:
         with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""Signals that end a process as Ctrl-C does."""
+"""Turns SIGTERM and SIGHUP into KeyboardInterrupt."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 @contextlib.contextmanager
 def sigterm_interrupts() -> Iterator[None]:
-    """SIGTERM and a closed terminal end us as Ctrl-C does."""
+    """Within this, SIGTERM and a closed terminal raise `KeyboardInterrupt`, as Ctrl-C does."""
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""Whose certificates are believed, for every connection to a server."""
+"""The TLS context of all outgoing connections."""
 
 from __future__ import annotations
 
@@ -10,6 +10,5 @@ import httpx2
 
 @cache
 def tls() -> ssl.SSLContext:
-    """Those that SSL_CERT_FILE or SSL_CERT_DIR name, else the library's own. Reading them takes a moment, so once will
-    do."""
+    """Trusts the certificates of SSL_CERT_FILE or SSL_CERT_DIR, else httpx2's own. Cached, since loading takes time."""
     return httpx2.create_ssl_context()

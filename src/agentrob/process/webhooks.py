@@ -1,6 +1,6 @@
-"""Tells other programs over HTTP that something has happened: signed as Standard Webhooks are, again until it is taken.
+"""Delivers webhooks, signed as Standard Webhooks are, with retries.
 
-A delivery that is not taken is tried a few times, then given up; what waits for one receiver is bounded and in memory.
+A failed delivery is retried a few times, then dropped. Each receiver has a bounded queue in memory.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import structlog
 from agentrob.errors import ConfigError
 from agentrob.process.tls import tls
 
-#: A delivery is tried so often, with these pauses between, and at most so many wait for one receiver.
+#: Pauses between the attempts of a delivery, and the size of a receiver's queue.
 PAUSES_S = (1.0, 5.0, 30.0, 120.0, 300.0)
 MOST_WAITING = 500
 TIMEOUT_S = 10.0
@@ -31,7 +31,7 @@ _log = structlog.get_logger()
 
 
 def signature(identity: str, sent: str, body: bytes, secret: str) -> str:
-    """As Standard Webhooks has it. The secret is used as it is, `whsec_` ones as the base64 that they carry."""
+    """The Standard Webhooks signature. A secret is used as it is; after `whsec_` it is base64."""
     key = base64.b64decode(secret.removeprefix("whsec_")) if secret.startswith("whsec_") else secret.encode()
     signed = hmac.new(key, f"{identity}.{sent}.".encode() + body, hashlib.sha256).digest()
     return "v1," + base64.b64encode(signed).decode()
@@ -51,7 +51,7 @@ def read_secret(variable: str) -> str:
 
 @dataclass
 class Receiver:
-    """Who is told. What it is told waits in its own queue, so that a slow one holds up nobody else."""
+    """A receiver of webhooks. It has its own queue, so that a slow one does not delay others."""
 
     name: str
     url: str
@@ -60,7 +60,7 @@ class Receiver:
 
 
 class Outbox:
-    """Tells receivers what happened: each delivery again until it is taken, but not for ever. In memory only."""
+    """Queues webhooks in memory and delivers them with retries."""
 
     def __init__(
         self,
@@ -68,13 +68,13 @@ class Outbox:
         count: Callable[[str], None] = lambda _: None,
         pauses_s: Sequence[float] | None = None,
     ) -> None:
-        """`count` hears what became of each delivery: `told`, `failed` or `dropped`."""
+        """`count` is called with the outcome of each delivery: `told`, `failed` or `dropped`."""
         self._receivers = receivers
         self._count = count
         self._pauses_s = PAUSES_S if pauses_s is None else pauses_s
 
     def tell(self, kind: str, data: dict[str, Any]) -> None:
-        """Never waits. A receiver whose queue is full is not told."""
+        """Queue a webhook for every receiver without waiting; drop it for one whose queue is full."""
         said = {"type": kind, "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), "data": data}
         body = json.dumps(said, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "replace")
         for receiver in self._receivers:
@@ -85,7 +85,7 @@ class Outbox:
                 _log.error("webhook dropped: too many wait", receiver=receiver.name)
 
     async def run(self) -> None:
-        """For ever."""
+        """Deliver until cancelled."""
         if not self._receivers:
             return
         http = httpx2.AsyncClient(timeout=TIMEOUT_S, trust_env=False, follow_redirects=False, verify=tls())
@@ -98,7 +98,7 @@ class Outbox:
             identity, body = await receiver.waiting.get()
             try:
                 outcome = "told" if await self._deliver(http, receiver, identity, body) else "failed"
-            except Exception as e:  # the next ones are told all the same
+            except Exception as e:  # go on with the next webhook
                 outcome = "failed"
                 _log.error("webhook not told", receiver=receiver.name, why=type(e).__name__)
             self._count(outcome)

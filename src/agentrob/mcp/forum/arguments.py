@@ -1,4 +1,4 @@
-"""What each tool takes: one model a tool, its docstring is what an MCP client reads. Unknown arguments are refused."""
+"""The arguments of each tool: one model per tool, with the tool's description as docstring. Unknown ones are refused."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from agentrob.model import AccountKind, Role
 
-#: No NUL and no lone surrogates: no forum can be trusted with them. At least one sign that is seen.
+#: No NUL, which not every forum can store, and at least one visible character.
 _SAFE = r"^[^\x00]*[^\x00\s][^\x00]*$"
 Id = Annotated[str, StringConstraints(min_length=1, max_length=200, pattern=r"^[^\x00-\x20\x7f]+$")]
 Cursor = Annotated[str | None, Field(max_length=2_000, description="next or more of an answer")]
@@ -155,7 +155,7 @@ class ManagePermissions(Arguments):
 
 
 def input_schema(model: type[Arguments]) -> dict[str, Any]:
-    """The JSON Schema of a tool's arguments without what only costs tokens."""
+    """The JSON Schema of a tool's arguments, without parts that only cost tokens."""
     return _lean(model.model_json_schema(), model.model_json_schema().get("$defs", {}), top=True)
 
 
@@ -173,7 +173,7 @@ def _lean(schema: dict[str, Any], definitions: dict[str, Any], top: bool = False
         if name == "description" and top:
             continue
         if name in ("minLength", "maxLength") or (name == "pattern" and ("x00" in value or "!-~" in value)):
-            continue  # such bounds are met by whoever means well; the answer to others says them
+            continue  # well-meant calls keep these bounds; the error message states them to others
         if (name, value) in (("minimum", 1), ("additionalProperties", True)):
             continue
         if name == "properties":

@@ -1,6 +1,6 @@
-"""Opaque cursors: what to go on with, bound to the tool and the place they were given out for.
+"""Opaque page cursors, bound to the tool and to what was listed (a board, a topic, a query).
 
-They hold nothing secret and need no signature: a made-up one only asks for a page that its maker might ask for anyway.
+They hold no secret and need no signature: a forged one can only request a page that its maker may read anyway.
 """
 
 from __future__ import annotations
@@ -13,29 +13,29 @@ from agentrob.mcp.envelope import ToolError
 
 
 def seal(tool: str, place: str, **state: Any) -> str:
-    """A cursor for the next call of this tool at this place (a board, a topic, a query)."""
+    """A cursor for the next call of this tool for this board, topic or query."""
     packed = json.dumps([tool, place, state], ensure_ascii=False, separators=(",", ":"))
     return base64.urlsafe_b64encode(packed.encode("utf-8", "surrogatepass")).decode().rstrip("=")
 
 
 def place_in(state: dict[str, Any], name: str = "at") -> str | None:
-    """The forum's own cursor in a cursor of ours."""
+    """The forum's own cursor inside a cursor."""
     found = state.get(name)
     if found is not None and not isinstance(found, str):
-        raise ToolError("invalid_arguments", "that cursor was not given out", "send it as it was given")
+        raise ToolError("invalid_arguments", "this cursor is not valid", "send `next` or `more` unchanged")
     return found
 
 
 def number_in(state: dict[str, Any], name: str) -> int:
-    """A number in a cursor of ours; 0 when it is not there."""
+    """A number inside a cursor; 0 if it is missing."""
     found = state.get(name, 0)
     if type(found) is not int or not 0 <= found < 2**31:
-        raise ToolError("invalid_arguments", "that cursor was not given out", "send it as it was given")
+        raise ToolError("invalid_arguments", "this cursor is not valid", "send `next` or `more` unchanged")
     return found
 
 
 def unseal(tool: str, place: str, cursor: str | None) -> dict[str, Any]:
-    """What a cursor holds; empty without one. `ToolError` when it was given out for something else."""
+    """The contents of a cursor; empty without one. `ToolError` if it belongs to another tool or list."""
     if cursor is None:
         return {}
     try:
@@ -45,4 +45,4 @@ def unseal(tool: str, place: str, cursor: str | None) -> dict[str, Any]:
             return state
     except (ValueError, TypeError, RecursionError):
         pass
-    raise ToolError("invalid_arguments", "that cursor does not belong here", f"send `next` of {tool} as it was given")
+    raise ToolError("invalid_arguments", "this cursor belongs to another list", f"send `next` of {tool} unchanged")

@@ -1,6 +1,6 @@
-"""Waiting for what happens on a forum: by its event stream where it has one, else by asking as often as it allows.
+"""Waits for events of a forum: by its event stream if it has one, else by polling as often as it allows.
 
-A client that asks again and again where it left off keeps one open stream; who comes with another place gets another.
+A client that asks again from where it left off continues its open stream; from another event it gets a new one.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from agentrob.errors import ForumUnreachable
 from agentrob.forums.protocol import Event, Forum
 from agentrob.model import EventKind
 
-#: Streams that wait for their reader to come back; beyond, the oldest are closed.
+#: Open streams whose client has not asked again yet; beyond, the oldest are closed.
 MAX_OPEN = 16
-#: Of a forum that can only be polled, when it names no interval itself.
+#: Polling interval for a forum that names none.
 POLL_S = 1.0
 
 
@@ -28,7 +28,7 @@ class EventTail:
         self._open: dict[tuple[str, float], _OpenStream] = {}
 
     async def wait(self, after: str, heartbeat_s: float) -> tuple[tuple[Event, ...], datetime | None]:
-        """Events after one as soon as there are any; else, at the forum's heartbeat, nothing and the forum's clock."""
+        """The events after `after` as soon as there are any; at a heartbeat, no events and the forum's time."""
         tail = self._open.pop((after, heartbeat_s), None) or _OpenStream(self._forum, after, heartbeat_s)
         try:
             events, at = await tail.next()
@@ -49,7 +49,7 @@ class EventTail:
 
 
 class _OpenStream:
-    """A stream that is read in bites."""
+    """An open event stream that is read one event at a time."""
 
     def __init__(self, forum: Forum, after: str, heartbeat_s: float) -> None:
         self._events: AsyncIterator[Event] = follow(forum, after, heartbeat_s)
@@ -67,7 +67,7 @@ class _OpenStream:
 
 
 async def follow(forum: Forum, after: str, heartbeat_s: float) -> AsyncIterator[Event]:
-    """The events of any forum, live or polled, with heartbeats that prove that it still answers."""
+    """The events of a forum, streamed or polled, with heartbeats while it answers."""
     if forum.live:
         stream = forum.stream(after, heartbeat_s)
         try:

@@ -1,7 +1,7 @@
-"""Serves the forum's tools over streamable HTTP: several users, each with an account of the forum of its own.
+"""Serves the forum's tools over streamable HTTP to several users, each with a forum account of its own.
 
-Nobody is anonymous: without a valid bearer token nothing is answered but where to get one. Foreign hosts and origins
-are refused, so that no web page reaches a server on loopback.
+Every request needs a valid bearer token. Other hosts and origins are refused, so that web pages cannot reach a server
+on loopback.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _VERSION = b"mcp-protocol-version"
 def make_app(
     config: McpConfig, users: Mapping[str, tuple[Identity, str, str]], port: int
 ) -> tuple[ASGIApp, ForumServer]:
-    """The ASGI app and its server. `port` is the real one, where any free one was asked for."""
+    """The ASGI app and its server. `port` is the port in use, also where the configuration says 0."""
     host = _address(config)[0]
     url = config.public_url or base_url(host, port) + PATH
     verifier = BearerTokenVerifier(users, url, config.issuer, config.jwks_url)
@@ -72,9 +72,9 @@ def make_app(
 
 
 def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
-    """Calls in sessions (before 2026) are answered with JSON: a stream for each costs more than most calls, and what is
-    pushed has a stream of its own. The newer protocol answers so by itself, unless it takes long; and there a client
-    that leaves takes its call back, which JSON alone would not notice."""
+    """Answer calls in sessions (before 2026) with JSON, since an event stream per call costs more than most calls and
+    updates have a stream of their own. The newer protocol chooses JSON itself for short calls; for long ones it needs
+    the stream to notice that a client disconnects, which cancels the call."""
 
     async def chosen(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
@@ -109,7 +109,7 @@ def _values(scope: Scope, header: bytes) -> list[str]:
 
 
 def strip_header_whitespace(app: ASGIApp) -> ASGIApp:
-    """White space around a header's value is none of it (RFC 9110, 5.5); the HTTP parser leaves it there."""
+    """Remove white space around header values (RFC 9110, 5.5), which the HTTP parser keeps."""
 
     async def passed_on(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":
@@ -120,7 +120,7 @@ def strip_header_whitespace(app: ASGIApp) -> ASGIApp:
 
 
 def _security(url: str, host: str, port: int) -> TransportSecuritySettings:
-    """Requests must be meant for this server, and pages only of its own address may send them."""
+    """Accept only requests whose Host is this server and whose Origin, if any, is its address."""
     public = urlsplit(url)
     hosts = {f"{host_in_url(h)}:{port}" for h in (host, "127.0.0.1", "localhost", "::1")} | {public.netloc}
     origins = {f"http://{h}" for h in hosts} | {f"{public.scheme}://{public.netloc}"}

@@ -1,4 +1,4 @@
-"""One account of the forum at the MCP server: its forum, what it may do here, and what waits for it."""
+"""An account of the forum at the MCP server: its connection, rights, uploads and event streams."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from agentrob.mcp.forum.event_tail import EventTail
 from agentrob.mcp.forum.media import MediaStore
 from agentrob.model import Account
 
-#: Makes a forum that is signed in by a token.
+#: Opens the forum with a token.
 OpenForum = Callable[[str], Forum]
-#: Edits that are remembered under their key.
+#: Edits remembered by their key.
 _MAX_KEYS = 256
 
 
 @dataclass(frozen=True, slots=True)
 class Rights:
-    """What the server's owner allows here; what the account may do on the forum, the forum decides."""
+    """What the server's owner allows here. The forum enforces the account's own rights."""
 
     write: bool = False
     toolsets: frozenset[str] = frozenset({"core"})
@@ -31,7 +31,7 @@ class Rights:
 
 @dataclass
 class Identity:
-    """A signed-in account. `name` is what the server calls it before the forum was asked."""
+    """A signed-in account. `name` is the configured name until the forum was asked."""
 
     name: str
     forum: Forum
@@ -45,14 +45,14 @@ class Identity:
         self._meaning: bool | None = None
 
     async def me(self) -> Account:
-        """The account as it was when first asked; the forum holds its rights against every write itself."""
+        """The account, read once; the forum checks its rights at every write itself."""
         if self._me is None:
             self._me = await self.forum.me()
             self.name = self._me.name
         return self._me
 
     async def has_semantic_search(self) -> bool:
-        """Whether this forum is searched by meaning too; what it said first is remembered."""
+        """Whether this forum supports search by meaning; read once."""
         if self._meaning is None:
             forum = self.forum
             try:
@@ -62,8 +62,8 @@ class Identity:
         return self._meaning
 
     async def once(self, key: str | None, write: Callable[[], Awaitable[Any]]) -> tuple[Any, bool]:
-        """A write that is done once under a key, also when two send it at the same time; what it gave, and whether it
-        was done now. For writes whose forum takes no key itself."""
+        """Run a write once per key, also when two calls send it at the same time; return its result and whether it ran
+        now. For writes that the forum itself does not make idempotent."""
         if key is None:
             return await write(), True
         if (running := self._edits.get(key)) is not None:
@@ -74,8 +74,8 @@ class Identity:
             future.set_result(await write())
         except BaseException as e:
             del self._edits[key]
-            future.set_exception(e if isinstance(e, Exception) else ForumError("the write was broken off"))
-            future.exception()  # whoever waits besides gets it; nobody needs to
+            future.set_exception(e if isinstance(e, Exception) else ForumError("the write was cancelled"))
+            future.exception()  # mark as retrieved: often no other call waits for it
             raise
         while len(self._edits) > _MAX_KEYS:
             del self._edits[next(iter(self._edits))]
@@ -89,7 +89,7 @@ class Identity:
 
 
 class Accounts:
-    """The accounts that one stdio client may switch between: configured ones, registered ones, or by their token."""
+    """The accounts that one stdio client may switch between: configured, registered, or given by token."""
 
     def __init__(self, first: Identity, open_forum: OpenForum, tokens: Mapping[str, str]) -> None:
         self.current = first
@@ -106,7 +106,7 @@ class Accounts:
         self._tokens[name] = token
 
     async def switch(self, name: str, token: str | None) -> Identity:
-        """Sign in, as before where that token was used already; the forum must say that it is this account's."""
+        """Sign in by a known or given token, which the forum must confirm to be this account's."""
         secret = token if token is not None else self._tokens.get(name)
         if secret is None:
             known = ", ".join(self.names) or "none"

@@ -1,4 +1,4 @@
-"""The manual that `get_manual` gives: how the tools work together, in few words."""
+"""The text of `get_manual`: how the tools work together."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _EXAMPLES = {
 
 
 def manual(tool: str | None, tools: Mapping[str, str]) -> str:
-    """The whole manual, or what is to be said of one tool. `tools` are those that the caller may use."""
+    """The whole manual, or the entry of one tool. `tools` are those that the caller may use."""
     if tool is not None and tool in tools:
         return f"{tool}: {tools[tool]}" + (f"\nExample: {_EXAMPLES[tool]}" if tool in _EXAMPLES else "")
     lines = "\n".join(f"- {name}: {said}" for name, said in tools.items())

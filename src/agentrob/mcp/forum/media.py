@@ -1,4 +1,4 @@
-"""Pictures that were handed in and wait for the post that shows them: in memory, a few, not for long."""
+"""Uploaded pictures that wait for their post: in memory, bounded in number and time."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _KINDS = ((b"\xff\xd8\xff", "image/jpeg"), (b"\x89PNG\r\n", "image/png"), (b"GIF
 
 
 class MediaStore:
-    """The pictures of one account; the oldest go first when there are too many."""
+    """The uploaded pictures of one account; beyond the limit the oldest are dropped."""
 
     def __init__(self) -> None:
         self._waiting: dict[str, tuple[float, bytes]] = {}
 
     def put(self, data: str) -> tuple[str, str, int]:
-        """Keep a picture given as base64; its id, media type and size in bytes."""
+        """Store a picture given as base64; return its id, media type and size in bytes."""
         try:
             picture = base64.b64decode(data, validate=True)
         except (binascii.Error, ValueError):
@@ -31,7 +31,7 @@ class MediaStore:
         kind = media_type(picture)
         if kind is None or len(picture) > MAX_BYTES:
             wanted = f"a JPEG, PNG, WebP or GIF of at most {MAX_BYTES} bytes"
-            raise ToolError("invalid_arguments", "that is no picture that can be posted", wanted)
+            raise ToolError("invalid_arguments", "data is not a picture that can be posted", wanted)
         self._forget()
         while len(self._waiting) >= MAX_WAITING:
             del self._waiting[next(iter(self._waiting))]
@@ -40,7 +40,7 @@ class MediaStore:
         return media_id, kind, len(picture)
 
     def get(self, ids: Sequence[str]) -> tuple[bytes, ...]:
-        """The pictures of these ids; they stay until they expire, so that a write can be sent again."""
+        """The pictures of these ids. They stay until they expire, so that a write can be repeated."""
         self._forget()
         if missing := [i for i in ids if i not in self._waiting]:
             raise ToolError("not_found", f"there is no picture {missing[0][:40]!r} (any more)", "upload_media again")
@@ -52,7 +52,7 @@ class MediaStore:
 
 
 def media_type(picture: bytes) -> str | None:
-    """What a picture is by its first bytes."""
+    """The media type of a picture, by its first bytes."""
     if picture[:4] == b"RIFF" and picture[8:12] == b"WEBP":
         return "image/webp"
     return next((kind for mark, kind in _KINDS if picture.startswith(mark)), None)

@@ -1,4 +1,4 @@
-"""A few prompts that a person may choose in an MCP client."""
+"""Prompts that a person may choose in an MCP client."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from agentrob.mcp.envelope import ToolError
 
 @dataclass(frozen=True, slots=True)
 class PromptText:
-    """A prompt; `needs` are its arguments with what each is."""
+    """A prompt; `needs` maps its arguments to their descriptions."""
 
     name: str
     description: str
@@ -45,7 +45,7 @@ _BY_NAME = {p.name: p for p in PROMPTS}
 
 
 def filled(name: str, given: dict[str, str]) -> PromptText:
-    """The prompt with its arguments put in. `ToolError` says what is missing."""
+    """The prompt with its arguments filled in. Raises `ToolError` for missing or unknown arguments."""
     prompt = _BY_NAME.get(name)
     if prompt is None:
         raise ToolError("not_found", f"no prompt {name[:64]!r}", f"there are: {', '.join(_BY_NAME)}")

@@ -1,4 +1,4 @@
-"""What can be read by address, `forum://…`: the same as the tools give, and what only programs need (events, pictures).
+"""The resources, `forum://…`: the same content as the tools return, and what programs need (events, pictures).
 
 forum://manual                       how the tools work together
 forum://boards                       all boards
@@ -29,13 +29,13 @@ from agentrob.mcp.forum.tools import allowed
 from agentrob.mcp.mapping import account_info, board_info, event_info, post_info, topic_info
 
 SCHEME = "forum://"
-#: What a reader gets: JSON, text, or a picture with its media type.
+#: JSON, text, or a picture with its media type.
 Content = r._Result | str | tuple[bytes, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """A kind of resource. `parts` is how many words follow its own."""
+    """A kind of resource. `parts` is the number of path segments after its word."""
 
     word: str
     uri: str
@@ -102,7 +102,7 @@ async def _media(who: Identity, parts: list[str]) -> Content:
     picture = await who.forum.download(parts[0])
     kind = media_type(picture[:16])
     if kind is None or len(picture) > MAX_BYTES:
-        raise ForumError("that is no picture that can be shown")
+        raise ForumError("that file is not a picture that can be shown")
     return picture, kind
 
 
@@ -143,12 +143,12 @@ _BY_WORD = {t.word: t for t in TEMPLATES}
 
 
 def address(word: str, *parts: str) -> str:
-    """The address of a resource; parts may hold any signs."""
+    """The address of a resource; parts may hold any characters."""
     return "/".join([SCHEME + word, *(quote(p, safe="") for p in parts)])
 
 
 async def read(who: Identity, uri: str) -> tuple[Content, str]:
-    """What is at an address, and its media type. `ForumNotFound` when there is no such kind of address."""
+    """Read an address; return content and media type. Raises `ForumNotFound` for an unknown kind of address."""
     word, *parts = uri.removeprefix(SCHEME).split("/") if uri.startswith(SCHEME) else [""]
     template = _BY_WORD.get(word)
     if template is None or len(parts) != template.parts or not all(parts):

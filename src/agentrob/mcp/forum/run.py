@@ -84,7 +84,7 @@ def http_users(users: Mapping[str, McpUserConfig], open_forum: OpenForum) -> dic
         found[name] = (identity, token, user.subject)
     tokens = [token for _, token, _ in found.values() if token]
     if len(set(tokens)) != len(tokens):
-        raise ConfigError("two users of [mcp.users] have the same token; nobody could tell them apart")
+        raise ConfigError("two users of [mcp.users] have the same token; each needs its own")
     if not found:
         raise ConfigError("nobody may connect: [mcp.users.NAME] needs token_env or subject, and forum_token_env")
     return found

@@ -1,7 +1,7 @@
-"""The MCP server of a forum: lists and calls tools, reads resources, pushes updates, on the SDK's low-level engine.
+"""The MCP server of a forum, on the SDK's low-level server: tools, resources, prompts and pushed updates.
 
-The engine speaks both eras of the protocol. What is said about a call (validation, unknown tools, refusals of the
-forum, failures of ours) always comes as one envelope with a trace id.
+The SDK speaks both eras of the protocol. Every outcome of a tool call (result, invalid arguments, unknown tool, error
+of the forum, internal error) is one envelope with a trace id.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class ForumServer:
         self.engine.middleware[:] = [self._answer_tool_call]
 
     def options(self) -> Any:
-        """What a client of before 2026 is told at its handshake."""
+        """The answer to `initialize`, for clients before 2026."""
         return self.engine.create_initialization_options(NotificationOptions(tools_changed=True))
 
     async def close(self) -> None:
@@ -113,7 +113,7 @@ class ForumServer:
         return answer
 
     async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> Envelope:
-        """Call a tool; its envelope, whatever happens."""
+        """Call a tool; return its envelope in every case."""
         trace_id, began = new_trace_id(), time.monotonic()
         TRACE_ID.set(trace_id)
         who = self._identify(ctx)
@@ -210,7 +210,7 @@ class ForumServer:
             return await subscriptions.listen(ctx, params)
 
     async def _subscribe_legacy(self, ctx: Context, who: Identity, uri: str) -> None:
-        """A tool call cannot open a stream in the protocol of 2026: there a client listens to the address itself."""
+        """Subscribe clients before 2026; in the protocol of 2026 a client listens to the address itself."""
         if ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS and not self.subscriptions(who).subscribe(ctx, uri):
             raise ToolError("refused", "too many subscriptions", "resources/unsubscribe from some first")
 
@@ -232,7 +232,7 @@ class ForumServer:
 
 
 def _result(said: Envelope, structure: Any) -> dict[str, Any]:
-    """The result of a call: the envelope as structure, and as compact text beside it."""
+    """The result of a call: the envelope as structured content, and as compact text."""
     return {
         "content": [{"type": "text", "text": said.text}],
         "structuredContent": structure,
@@ -241,7 +241,7 @@ def _result(said: Envelope, structure: Any) -> dict[str, Any]:
 
 
 def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:
-    """The arguments, or a `ToolError` that says which is wrong and never repeats what was given."""
+    """The arguments, or a `ToolError` that names the wrong ones without repeating their values."""
     try:
         return tool.arguments.model_validate(given)
     except (ValidationError, RecursionError) as e:
@@ -257,7 +257,7 @@ def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:
 
 
 def _protocol_error(error: Exception, trace_id: str, **data: Any) -> MCPError:
-    """An error of what is no tool call: the same words in a JSON-RPC error."""
+    """A JSON-RPC error with the fields of the envelope, for requests that are not tool calls."""
     said = as_tool_error(error)
     if said.code == "internal":
         log.error("mcp.read_failed", trace_id=trace_id, exc_info=error)
@@ -269,7 +269,7 @@ def _protocol_error(error: Exception, trace_id: str, **data: Any) -> MCPError:
 @functools.cache
 def _described(tool: Tool) -> types.Tool:
     read_only = not tool.writes and tool.name != "login_account"
-    # What a hint of the protocol is by default, and what says nothing of a tool that only reads, is left out.
+    # Hints that equal the protocol's defaults are left out.
     hints = types.ToolAnnotations(read_only_hint=True)
     if not read_only:
         idempotent = tool.idempotent or None

@@ -1,4 +1,4 @@
-"""The tools: what each does with a forum. Their arguments are in `arguments`, their answers in `results`."""
+"""The forum's tools. Their arguments are in `arguments`, their results in `results`."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from agentrob.mcp.mapping import account_info, board_info, post_info, topic_info
 from agentrob.mcp.metadata import disarm_tags, with_tag
 from agentrob.model import EventKind, Page, Post, StatusCard
 
-#: How often a waiting call proves that its forum still answers.
+#: Interval at which a waiting call checks that the forum answers.
 WAIT_HEARTBEAT_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """Who calls, and under which trace. `accounts` is None where an account cannot be switched (HTTP)."""
+    """The caller of a tool and the trace id. `accounts` is None where accounts cannot be switched (HTTP)."""
 
     who: Identity
     trace_id: str
@@ -39,7 +39,7 @@ class Call:
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """One tool. `writes` needs the owner's leave; `hints` are its annotations besides."""
+    """One tool. `writes` tools must be allowed by the server's owner; the other flags are MCP annotations."""
 
     name: str
     toolset: str
@@ -87,10 +87,10 @@ async def get_topic(call: Call, args: a.GetTopic) -> r.TopicPosts:
 
 
 async def _rest(call: Call, args: a.GetTopic, post_id: str, start: int) -> r.PostInfo:
-    """One post's body from somewhere on."""
+    """One post with its body from `start` on."""
     whole = post_info(await call.who.forum.post(post_id))
     if whole.topic_id != args.topic_id:
-        raise ToolError("invalid_arguments", "that cursor does not belong here", "send `more` as it was given")
+        raise ToolError("invalid_arguments", "this cursor belongs to another topic", "send `more` unchanged")
     end = start + args.max_chars
     left = max(0, len(whole.body) - end)
     more = seal("get_topic", args.topic_id, post=post_id, **{"from": end}) if left else None
@@ -118,7 +118,7 @@ async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
     elif isinstance(forum, Searcher) and not by_meaning:
         find = forum.search
     else:
-        raise ForumUnoffered("this forum cannot be searched so")
+        raise ForumUnoffered("this forum does not support this search")
     place = f"{args.board_id or ''}\n{'meaning' if by_meaning else ''}\n{args.query}"
     cursor = place_in(unseal("search_posts", place, args.cursor))
     page = await find(args.query, board_id=args.board_id, cursor=cursor, limit=args.limit)
@@ -130,7 +130,7 @@ async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
 async def list_notifications(call: Call, args: a.ListNotifications) -> r.Notifications:
     forum = call.who.forum
     if not isinstance(forum, Notifications):
-        raise ForumUnoffered("this forum keeps no notifications; subscribe_topic tells of new posts")
+        raise ForumUnoffered("this forum has no notifications; subscribe_topic returns new posts")
     page = await forum.notifications(place_in(unseal("list_notifications", "", args.cursor)), args.limit)
     found = (r.NoticeInfo(id=n.id, kind=n.kind, post=_cut([n.post], 400)[0], read=n.read) for n in page.items)
     return r.Notifications(
@@ -139,7 +139,7 @@ async def list_notifications(call: Call, args: a.ListNotifications) -> r.Notific
 
 
 async def subscribe_topic(call: Call, args: a.SubscribeTopic) -> r.TopicUpdates:
-    """Subscribes first, then waits: nothing that comes between is missed."""
+    """Subscribe first, then wait, so that no post in between is missed."""
     forum = call.who.forum
     topic = await forum.topic(args.topic_id)
     uri = f"forum://topic/{topic.id}"
@@ -159,7 +159,7 @@ async def subscribe_topic(call: Call, args: a.SubscribeTopic) -> r.TopicUpdates:
 
 
 def _new_posts(events: Sequence[Event], after: str, topic_id: str) -> tuple[str, list[Post]]:
-    """Where to go on, and the posts of a topic that were written or edited."""
+    """The event to continue after, and the posts of a topic that were written or edited."""
     new = (EventKind.POST_CREATED, EventKind.POST_EDITED)
     posts = [e.post for e in events if e.post and e.kind in new and e.post.topic_id == topic_id]
     return events[-1].id if events else after, posts
@@ -200,7 +200,7 @@ async def edit_post(call: Call, args: a.EditPost) -> r.WrittenPost:
 
 
 def _card(given: dict[str, Any]) -> StatusCard:
-    """A card of which each word is of its kind."""
+    """A status card; `ToolError` for unknown fields or wrong types."""
     words: dict[str, type] = dict.fromkeys(("robot", "state", "doing", "trace_id", "until"), str)
     words |= dict.fromkeys(("step", "steps", "place"), int)
     wrong = [k for k, v in given.items() if k not in words or not (isinstance(v, words[k]) and not isinstance(v, bool))]
@@ -228,7 +228,7 @@ async def register_account(call: Call, args: a.RegisterAccount) -> r.SignedIn:
     assert call.accounts is not None
     forum = call.who.forum
     if not isinstance(forum, Registrar):
-        raise ForumUnoffered("accounts of this forum are not made by programs")
+        raise ForumUnoffered("this forum does not let programs create accounts")
     made = await forum.register(args.account.lower(), kind=args.kind, display_name=disarm_tags(args.display_name))
     call.accounts.remember(made.account.name, made.secret)
     return r.SignedIn(account=account_info(made.account), accounts=call.accounts.names)
@@ -237,7 +237,7 @@ async def register_account(call: Call, args: a.RegisterAccount) -> r.SignedIn:
 async def manage_permissions(call: Call, args: a.ManagePermissions) -> r.SignedIn:
     forum = call.who.forum
     if not isinstance(forum, Permissions):
-        raise ForumUnoffered("rights on this forum are not changed by programs")
+        raise ForumUnoffered("this forum does not let programs change rights")
     if args.role is None and args.suspended is None:
         raise ToolError("invalid_arguments", "nothing to change", "give role, suspended or both")
     changed = await forum.set_rights(args.account.lower(), role=args.role, suspended=args.suspended)
@@ -268,12 +268,12 @@ _BY_MEANING = replace(BY_NAME["search_posts"], arguments=a.SearchPostsByMeaning)
 
 
 async def as_available(tool: Tool, who: Identity) -> Tool:
-    """The tool as this account's forum has it."""
+    """The tool with the arguments that this account's forum supports."""
     return _BY_MEANING if tool.name == _BY_MEANING.name and await who.has_semantic_search() else tool
 
 
 def allowed(who: Identity, switching: bool) -> tuple[Tool, ...]:
-    """The tools that this account is shown here."""
+    """The tools that this account may use here."""
     rights = who.rights
     return tuple(
         t

@@ -1,1 +1,1 @@
-"""Robots as tools for MCP clients: a client of the HTTP services of their agents, with credentials of its own."""
+"""Robots as MCP tools, through the HTTP services of their agents."""

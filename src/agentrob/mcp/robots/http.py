@@ -1,4 +1,4 @@
-"""Serves the robots' tools over streamable HTTP to whoever has this server's own token; nobody is anonymous."""
+"""Serves the robots' tools over streamable HTTP; every request needs the server's bearer token."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class StaticTokenVerifier:
 
 
 def make_app(server: RobotServer, token: str, host: str, port: int) -> ASGIApp:
-    """The ASGI app. Requests must be meant for this address, and pages only of its own may send them."""
+    """The ASGI app. It accepts only requests whose Host is this address and whose Origin, if any, is it too."""
     hosts = sorted({f"{name}:{port}" for name in (host_in_url(host), "127.0.0.1", "localhost", "[::1]")})
     app = server.engine.streamable_http_app(
         streamable_http_path=PATH,

@@ -1,6 +1,6 @@
-"""The MCP server of robots: lists and calls their tools on the SDK's low-level engine, over standard input and output.
+"""The MCP server of robots, on the SDK's low-level server, over standard input and output.
 
-Every answer, also to nonsense and to tools that are not there, is the envelope of the forum's server.
+Every answer, also to invalid arguments and unknown tools, is the same envelope as the forum server's.
 """
 
 from __future__ import annotations
@@ -65,13 +65,13 @@ class RobotServer:
         self.engine.middleware.clear()  # the SDK's OpenTelemetry middleware, which we do not export
 
     def options(self) -> Any:
-        """What a client of before 2026 is told at its handshake."""
+        """The answer to `initialize`, for clients before 2026."""
         return self.engine.create_initialization_options(NotificationOptions())
 
     async def list_tools(self, ctx: Context, params: Any) -> types.ListToolsResult:
         return types.ListToolsResult(tools=[_described(tool) for tool in self._tools])
 
-    # Clients ask for these too. There are none: everything here is a tool.
+    # Clients ask for these too; this server has none.
     async def list_prompts(self, ctx: Context, params: Any) -> types.ListPromptsResult:
         return types.ListPromptsResult(prompts=[])
 
@@ -123,7 +123,7 @@ class RobotServer:
 
 
 def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:
-    """The arguments, or a `ToolError` that says which is wrong and never repeats what was given."""
+    """The arguments, or a `ToolError` that names the wrong ones without repeating their values."""
     try:
         return tool.arguments.model_validate(given)
     except (ValidationError, RecursionError) as e:

@@ -1,4 +1,4 @@
-"""Asks the HTTP services of robots' agents, and nothing else."""
+"""A client of the HTTP services of robots' agents."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from agentrob.mcp.envelope import ToolError
 from agentrob.process.tls import tls
 
 CALL_S = 15.0
-#: How often somebody who waits for a command is told how far it is.
+#: Interval at which a waiting call reports the command's progress.
 LOOK_S = 0.5
-#: What the service says to the words of the MCP servers; other codes stay as they are.
+#: HTTP status to error code of the envelope; other statuses keep the service's own code.
 _CODES = {401: "denied", 403: "denied", 404: "not_found", 422: "invalid_arguments", 429: "rate_limited"}
 T = TypeVar("T")
 ReportProgress = Callable[[dict[str, Any]], Awaitable[None]]
@@ -38,7 +38,7 @@ class Service:
         self._http = http or httpx2.AsyncClient(timeout=CALL_S, trust_env=False, follow_redirects=False, verify=tls())
 
     async def ask(self, method: str, path: str = "", body: Any = None, **headers: str) -> dict[str, Any]:
-        """The JSON of the answer; a `ToolError` for whatever is none."""
+        """The JSON object of the answer; `ToolError` for anything else."""
         found = _json(await self._asked(method, path, body, headers))
         if not isinstance(found, dict):
             raise _stranger()
@@ -65,7 +65,7 @@ class Service:
 
 
 def _json(answer: httpx2.Response) -> Any:
-    """What an answer carries; None when it is no JSON that can be handed on (lone surrogates, no numbers)."""
+    """The JSON of an answer; None if it is invalid or cannot be passed on (lone surrogates, NaN)."""
     try:
         return from_json(answer.content, allow_inf_nan=False)
     except ValueError:
@@ -73,11 +73,11 @@ def _json(answer: httpx2.Response) -> Any:
 
 
 def _stranger() -> ToolError:
-    return ToolError("unreachable", "what answers at the service's address is no service of ours", "", True)
+    return ToolError("unreachable", "the server at this address is not an AgentRob service", "", True)
 
 
 def part(found: Mapping[str, Any], name: str, kind: type[T]) -> T:
-    """A part of an answer, of the kind that it must be."""
+    """A field of an answer; `ToolError` if it has the wrong type."""
     value = found.get(name)
     if not isinstance(value, kind):
         raise _stranger()
@@ -85,7 +85,7 @@ def part(found: Mapping[str, Any], name: str, kind: type[T]) -> T:
 
 
 def _refusal(answer: httpx2.Response) -> ToolError:
-    """A problem of the service in the words of the envelope."""
+    """The service's problem details as a `ToolError`."""
     try:
         problem = _json(answer)
         said, hint, code = str(problem["detail"]), str(problem.get("hint", "")), str(problem["code"])
@@ -101,7 +101,7 @@ def _refusal(answer: httpx2.Response) -> ToolError:
 
 
 class Robots:
-    """All robots that the configuration names."""
+    """The robots of the configuration."""
 
     def __init__(self, services: Mapping[str, Service], pictures_per_minute: int) -> None:
         self._services = dict(services)
@@ -112,16 +112,16 @@ class Robots:
         return iter(self._services.values())
 
     def named(self, robot: str | None) -> Service:
-        """The service of a robot; of the only one when none is named."""
+        """The service of a robot; without a name, of the only robot."""
         if robot is None and len(self._services) == 1:
             return next(iter(self._services.values()))
         if robot in self._services:
             return self._services[robot]
         known = ", ".join(sorted(self._services))
-        raise ToolError("not_found", "which robot? no such one is configured here", f"robot is one of: {known}")
+        raise ToolError("not_found", "no robot of this name is configured here", f"robot is one of: {known}")
 
     def count_picture(self, robot: str) -> None:
-        """Count a picture; `ToolError` when there were enough for now."""
+        """Count a picture; `ToolError` if over the rate limit."""
         if not self._limiter.hit(self._pictures, robot):
             hint = f"at most {self._pictures.amount} pictures a minute"
             raise ToolError("rate_limited", "too many pictures", hint, True, 60.0 / self._pictures.amount)
@@ -134,7 +134,7 @@ class Robots:
 async def wait_for_command(
     service: Service, command: dict[str, Any], wait_s: float, report: ReportProgress
 ) -> dict[str, Any]:
-    """A command as it is after at most `wait_s`, or as it ended; `tell` hears of each change meanwhile."""
+    """A command as it is after at most `wait_s`, or as it ended; `report` is called at each change."""
     loop, command_id = asyncio.get_running_loop(), quote(part(command, "id", str), safe="")
     until_s, shown = loop.time() + wait_s, None
     while True:

@@ -1,4 +1,4 @@
-"""The tools: what a client may ask of robots. None moves anything but by a post on the forum; `stop` needs no leave."""
+"""The robots' tools. A robot moves only by a post on the forum; `stop` needs no permission of the owner."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class Stop(Arguments):
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a tool found; `picture` is a JPEG beside it."""
+    """The result of a tool; `picture` is a JPEG."""
 
     data: dict[str, Any]
     picture: bytes | None = None
@@ -91,7 +91,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """One tool; `leave` names the setting that allows it, empty where none is needed."""
+    """One tool; `leave` names the setting that allows it, empty if none is needed."""
 
     name: str
     arguments: type[Arguments]
@@ -158,7 +158,7 @@ async def cancel_command(robots: Robots, args: CancelCommand, report: ReportProg
 
 
 async def stop(robots: Robots, args: Stop, report: ReportProgress) -> Answer:
-    """A stop that did not reach the robot is an error, so that nobody takes it for one that did."""
+    """A stop that did not reach the robot is an error, so that it is not mistaken for a success."""
     service = robots.named(args.robot)
     found = await service.ask("POST", "/stop")
     if not found.get("reached"):
@@ -183,6 +183,6 @@ BY_NAME = {tool.name: tool for tool in TOOLS}
 
 
 def allowed(config: McpRobotConfig) -> tuple[Tool, ...]:
-    """What the owner allows; what is not allowed is not listed."""
+    """The tools that the owner allows; only these are listed."""
     leaves = {"", *(["preview"] if config.preview else []), *(["submit"] if config.submit else [])}
     return tuple(tool for tool in TOOLS if tool.leave in leaves)
