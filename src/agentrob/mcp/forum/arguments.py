@@ -1,4 +1,4 @@
-"""The arguments of each tool: one model per tool, with the tool's description as docstring. Unknown ones are refused."""
+"""The arguments of each tool: one model per tool, with the tool's description as docstring. Others are refused."""
 
 from __future__ import annotations
 
