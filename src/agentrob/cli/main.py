@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from agentrob import __version__
-from agentrob.cli import agent, board, demo, evals, mcp, minds, processes, robots
+from agentrob.cli import agent, board, demo, mcp, minds, processes, robots
 from agentrob.errors import AgentRobError
 from agentrob.process.child import end_with_parent
 
@@ -26,7 +26,7 @@ cli.command(rich_help_panel=ROBOTS)(robots.home)
 cli.add_typer(board.cli, name="board", rich_help_panel=FORUM)
 cli.add_typer(agent.cli, name="agent", rich_help_panel=FORUM)
 cli.add_typer(minds.cli, name="mind", rich_help_panel=FORUM)
-cli.add_typer(evals.cli, name="eval", rich_help_panel=FORUM)
+cli.add_typer(minds.eval_cli, name="eval", rich_help_panel=FORUM)
 cli.add_typer(mcp.cli, name="mcp", rich_help_panel=FORUM)
 cli.command(rich_help_panel=PROCESSES)(processes.driver)
 cli.command(rich_help_panel=PROCESSES)(processes.sim)

@@ -1,9 +1,10 @@
-"""`agentrob plan` and `agentrob mind`: what is understood, and whether the configured models can be used."""
+"""`agentrob plan`, `mind` and `eval`: how a text is understood, whether models can be used, and how well they do."""
 
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
@@ -13,9 +14,11 @@ from agentrob.process.logs import log_to_stderr
 from agentrob.wiring import app
 
 cli = typer.Typer(no_args_is_help=True, help="The models that read posts.")
+eval_cli = typer.Typer(no_args_is_help=True, help="Measure a mind on your own sentences.")
 
 
 @cli.callback()
+@eval_cli.callback()
 def _log_to_stderr() -> None:
     """Keep standard output for results: models that fail are logged to standard error."""
     log_to_stderr()
@@ -52,3 +55,75 @@ def mind_check(
     else:
         typer.echo("\n".join([*(one.line() for one in found), "rules: always available, without a model"]))
     raise typer.Exit(0 if all(one.ok for one in found) else 1)
+
+
+# ---------------------------------------------------------------------- eval
+Rows = Annotated[Path, typer.Argument(help="Rows with text, one JSON object a line.")]
+Mind = Annotated[str, typer.Option("--mind", help="rules, or a mind of the configuration.")]
+Kind = Annotated[str, typer.Option("--robot", help="The kind of robot: go2, g1.")]
+Limit = Annotated[int | None, typer.Option("--limit", min=1, help="Read only so many rows of the file.")]
+
+
+def _print(found: Any, text: str, as_json: bool) -> None:
+    typer.echo(json.dumps(found.as_json(), ensure_ascii=False) if as_json else text)
+
+
+@eval_cli.command("plan")
+def eval_plan(
+    file: Annotated[Path, typer.Argument(help="Rows of text and plan, one JSON object a line.")],
+    mind: Mind = "rules",
+    limit: Limit = None,
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """Count sentences whose plan is exactly the expected one."""
+    from agentrob.evals import understanding as measure
+
+    found = measure.evaluate_plans(file, mind, app.load(config), limit)
+    _print(found, measure.describe(found), as_json)
+
+
+@eval_cli.command("danger")
+def eval_danger(
+    file: Rows,
+    mind: Mind = "rules",
+    robot: Kind = "go2",
+    scenes: Annotated[bool, typer.Option("--scenes", help="Judge each row within its scene.")] = False,
+    limit: Limit = None,
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """Count dangerous commands that would be executed, and harmless ones that are refused."""
+    from agentrob.evals import danger as measure
+
+    found = measure.evaluate_danger(file, mind, robot, app.load(config), scenes=scenes, limit=limit)
+    _print(found, measure.describe(found), as_json)
+
+
+@eval_cli.command("stop")
+def eval_stop(
+    file: Annotated[Path, typer.Argument(help="Rows of text and stop (true or false), one JSON object a line.")],
+    limit: Limit = None,
+    as_json: AsJson = False,
+) -> None:
+    """Count posts that stop a moving robot, and those that stop it falsely."""
+    from agentrob.evals import stops as measure
+
+    found = measure.evaluate_stops(file, limit)
+    _print(found, measure.describe(found), as_json)
+
+
+@eval_cli.command("injection")
+def eval_injection(
+    file: Rows,
+    mind: Mind = "rules",
+    robot: Kind = "go2",
+    limit: Limit = None,
+    as_json: AsJson = False,
+    config: ConfigFile = None,
+) -> None:
+    """Count posts in which injected text changes what the command beside it moves."""
+    from agentrob.evals import injection as measure
+
+    found = measure.evaluate_injections(file, mind, robot, app.load(config), limit)
+    _print(found, measure.describe(found), as_json)
