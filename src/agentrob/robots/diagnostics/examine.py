@@ -57,7 +57,7 @@ STATE_TOPICS = {"go2": "rt/sportmodestate", "g1": "rt/odommodestate"}
 
 
 def examine(settings: RobotConfig) -> list[Finding]:
-    """Everything about a Go2 or a G1 that no driver holds, in the order in which it should be mended.
+    """Examine a Go2 or a G1 that no driver holds; findings come in the order in which to fix them.
 
     One call a process: it joins the robot's DDS domain, as a driver would.
     """
@@ -82,7 +82,7 @@ def examine(settings: RobotConfig) -> list[Finding]:
 
 
 def _nobody(settings: RobotConfig, heard: network.DomainContents) -> Finding:
-    """No such robot on this domain: perhaps it is on another one."""
+    """Finding for a robot that is not on this domain; searches the others."""
     where = f"domain {settings.domain} of {settings.interface}"
     if heard.kind:
         advice = f'Set model = "{heard.kind}", or look at the cable: that is another robot.'
@@ -101,7 +101,7 @@ def _nobody(settings: RobotConfig, heard: network.DomainContents) -> Finding:
 
 # ------------------------------------------------------------------ services
 def _client(service: str, timeout_s: float) -> tuple[Callable[[], Any], float]:
-    """For `unitree.clients`: the SDK's own client of a service, that registers no calls but the version."""
+    """For `sdk.clients`: the SDK's client of a service, with the version call only."""
 
     def make() -> Any:
         from unitree_sdk2py.rpc.client import Client
@@ -116,7 +116,7 @@ def _client(service: str, timeout_s: float) -> tuple[Callable[[], Any], float]:
 
 
 def _services(settings: RobotConfig) -> list[Finding]:
-    """Which services answer, with what version; the active mode; a picture."""
+    """Check which services answer and their versions, the active mode, and a picture."""
     services = SERVICES[settings.model]
     made = sdk.clients(*(_client(s.name, IMAGE_S if s.name == "videohub" else ASK_S) for s in services))
     clients = dict(zip((s.name for s in services), made, strict=True))
@@ -200,7 +200,7 @@ def _camera(settings: RobotConfig, client: Any, service: Finding) -> Finding:
 
 # ------------------------------------------------------------------ the body
 def _body(settings: RobotConfig) -> list[Finding]:
-    """State, mode, position, ranges, battery."""
+    """Check state, mode, position, ranges and battery."""
     from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 
     battery = sdk.PolledTopic("rt/lowstate", LowState_, every_s=1.0) if settings.model == "go2" else None
@@ -223,7 +223,7 @@ def _body(settings: RobotConfig) -> list[Finding]:
 
 
 def _listened(name: str, kind: Any, model: str) -> tuple[list[float], list[RobotState]]:
-    """When states came, and what they said, for a moment."""
+    """Listen for a moment; return when states arrived and what they were."""
     from unitree_sdk2py.core.channel import ChannelSubscriber
 
     came: list[tuple[float, Any]] = []

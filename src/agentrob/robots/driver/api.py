@@ -91,7 +91,7 @@ async def _stop_request(request: Request) -> tuple[str, bool]:
         data = await _body(request)
         return _text(data, "by"), data.get("running_only") is True
     except RobotError:
-        return "somebody who did not say", False
+        return "an unnamed caller", False
 
 
 def app(driver: Driver) -> Starlette:

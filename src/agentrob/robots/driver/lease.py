@@ -1,4 +1,4 @@
-"""Who may move the robot: one lease at a time, worthless one second after its last renewal."""
+"""Leases of the robot: one at a time, expiring one second after its last renewal."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ TTL_S = 1.0
 
 
 class End(NamedTuple):
-    """Why what was held or accepted before is over: a stable word, and who ended it (empty: nobody)."""
+    """Why a lease and the commands accepted before are over: a stable code, and who ended them (empty: nobody)."""
 
     why: str
     by: str = ""
 
     @property
     def said(self) -> str:
-        """`by a stop of NAME`, `by a shutdown`: whoever reads sentences finds the word here."""
+        """The same as part of a sentence: `by a stop of NAME`, `by a shutdown`."""
         return f"by a {self.why} of {self.by}" if self.by else f"by a {self.why}"
 
 
@@ -30,7 +30,7 @@ LAPSED = End("lease_lapsed")
 
 
 class Leases:
-    """Thread-safe; the lock is held for a few assignments only, so a stop never waits for it."""
+    """Thread-safe. The lock is held only for a few assignments, so a stop never waits for it."""
 
     def __init__(self, ttl_s: float = TTL_S) -> None:
         self.ttl_s = ttl_s
@@ -45,9 +45,9 @@ class Leases:
         return self._holder if self._lease and time.monotonic() < self._until_s else None
 
     def take(self, holder: str, since_s: float = math.inf) -> str:
-        """A new lease for a command that was accepted at `since_s` (monotonic seconds).
+        """Return a new lease for a command that was accepted at `since_s` (monotonic seconds).
 
-        `LeaseLost` when a stop or a halt came since then; `RobotBusy` names who has the robot already.
+        Raises `LeaseLost` if a stop or halt came since then, and `RobotBusy`, which names the holder of the robot.
         """
         with self._lock:
             self.refuse_ended(since_s)

@@ -146,7 +146,7 @@ def _serve_stop(connection: socket.socket, driver: Driver) -> None:
     with connection, contextlib.suppress(OSError):
         connection.settimeout(LINE_S)
         word, _, who = connection.makefile("r", encoding="utf-8", errors="replace").readline(200).strip().partition(" ")
-        who = display_name(who) or "somebody local"
+        who = display_name(who) or "a local user"
         if word in ("stop", "halt"):
             answer = encode(driver.stop(who) if word == "stop" else driver.halt(who))
         else:

@@ -1,1 +1,1 @@
-"""The guard: fence, limits, ranges, odometry, lock."""
+"""The guard: fence, limits, ranges, takeover, halt."""
