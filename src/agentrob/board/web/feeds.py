@@ -7,67 +7,64 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import Annotated
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from agentrob.board.auth import access
-from agentrob.board.auth.access import Viewer
+from agentrob.board.auth.access import ReadingViewer
 from agentrob.board.content import tags
 from agentrob.board.db.records import Post
 from agentrob.board.robots import actions
-from agentrob.board.services import get_services
+from agentrob.board.services import AppServices, get_services
 from agentrob.board.web.templating import render_feed
 
 router = APIRouter(include_in_schema=False)
 
-Reading = Annotated[Viewer, Depends(access.reader)]
 #: Posts in a feed.
 ENTRIES = 30
 
 
 @router.get("/feed.atom")
-async def site(request: Request, viewer: Reading) -> Response:
-    known = get_services(request)
-    return _feed(request, known.settings.title, "/", known.store.reader.latest_posts(None, ENTRIES).items)
+async def site(request: Request, services: AppServices, viewer: ReadingViewer) -> Response:
+    return _feed(request, services.settings.title, "/", services.store.reader.latest_posts(None, ENTRIES).items)
 
 
 @router.get("/b/{board_id}/feed.atom")
-async def board(request: Request, viewer: Reading, board_id: str) -> Response:
-    store = get_services(request).store
+async def board(request: Request, services: AppServices, viewer: ReadingViewer, board_id: str) -> Response:
+    store = services.store
     found = store.board(board_id)
     posts = store.reader.latest_posts(None, ENTRIES, found.id).items
     return _feed(request, found.name, f"/b/{found.id}", posts)
 
 
 @router.get("/t/{topic_id}/feed.atom")
-async def topic(request: Request, viewer: Reading, topic_id: str) -> Response:
-    store = get_services(request).store
+async def topic(request: Request, services: AppServices, viewer: ReadingViewer, topic_id: str) -> Response:
+    store = services.store
     found = store.topic(topic_id)
     return _feed(request, found.title, found.path, store.reader.latest_posts(None, ENTRIES, topic_id=found.id).items)
 
 
 @router.get("/tags/{tag}/feed.atom")
-async def tag(request: Request, viewer: Reading, tag: str) -> Response:
+async def tag(request: Request, services: AppServices, viewer: ReadingViewer, tag: str) -> Response:
     named = tags.plain(tag)
-    posts = await get_services(request).store.beside(tags.posts, named, ENTRIES)
+    posts = await services.store.beside(tags.posts, named, ENTRIES)
     return _feed(request, f"#{named}", f"/tags/{named}", posts)
 
 
 @router.get("/robots/{name}/feed.atom")
-async def robot(request: Request, viewer: Reading, name: str) -> Response:
-    known = get_services(request)
-    account = actions.known_robot(known, name)
-    posts = known.store.posts_by(account, ENTRIES)
+async def robot(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
+    account = actions.known_robot(services, name)
+    posts = services.store.posts_by(account, ENTRIES)
     return _feed(request, f"@{account.name}", f"/robots/{account.name}", posts)
 
 
 def _feed(request: Request, title: str, path: str, posts: Sequence[Post]) -> Response:
-    known = get_services(request)
-    topics = {topic_id: known.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
+    services = get_services(request)
+    topics = {topic_id: services.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
     updated = max((post.edited_at or post.created_at for post in posts), default=datetime.fromtimestamp(0, UTC))
     data = {"title": title, "path": path, "posts": posts, "topics": topics, "updated": updated}
-    xml = render_feed(data | {"base": known.settings.base_url, "here": request.url.path, "site": known.settings.title})
+    xml = render_feed(
+        data | {"base": services.settings.base_url, "here": request.url.path, "site": services.settings.title}
+    )
     headers = {"Cache-Control": "private, no-cache"}
     return Response(xml, media_type="application/atom+xml", headers=headers)

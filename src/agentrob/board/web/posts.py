@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Annotated
 from urllib.parse import quote
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from agentrob.board.auth import access
-from agentrob.board.auth.access import Viewer
+from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.content import uploads
 from agentrob.board.content.store import Store
 from agentrob.board.db.records import Post
 from agentrob.board.robots import approvals
 from agentrob.board.robots import view as robot_view
-from agentrob.board.services import get_services
+from agentrob.board.services import AppServices
 from agentrob.board.web import forms
 from agentrob.board.web.find import previewed
 from agentrob.board.web.forms import Composed
@@ -26,73 +25,72 @@ from agentrob.errors import BoardError
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
-Reading = Annotated[Viewer, Depends(access.reader)]
-Anybody = Annotated[Viewer, Depends(access.viewer)]
 
 #: Posts on one page of a topic.
 POSTS = 50
 
 
 @router.get("/p/{post_id}")
-async def post(request: Request, viewer: Reading, post_id: str) -> Response:
-    store = get_services(request).store
+async def post(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
+    store = services.store
     return go(path_of(store, store.post(post_id), request.query_params.get("done", "")))
 
 
 @router.get("/p/{post_id}/fragment")
-async def fragment(request: Request, viewer: Reading, post_id: str, seen: bool = False) -> Response:
+async def fragment(
+    request: Request, services: AppServices, viewer: ReadingViewer, post_id: str, seen: bool = False
+) -> Response:
     """`seen`: it is put at the end of a page that somebody looks at."""
-    known = get_services(request)
-    store, found = known.store, known.store.post(post_id)
+    store, found = services.store, services.store.post(post_id)
     if seen:
-        known.marks.showed(store.reader, viewer.account, store.topic(found.topic_id), found.id)
+        services.marks.showed(store.reader, viewer.account, store.topic(found.topic_id), found.id)
     data: dict[str, object] = {"post": found, "authors": named(store, [found.reply_to])}
-    hidden = robot_view.hidden_cameras(known, viewer.account, [found])
-    data |= {"hidden": hidden, "owners": robot_view.owners(known, [found])}
-    data |= {"asking": approvals.in_thread(known, [found], viewer.account), "key": forms.nonce()}
+    hidden = robot_view.hidden_cameras(services, viewer.account, [found])
+    data |= {"hidden": hidden, "owners": robot_view.owners(services, [found])}
+    data |= {"asking": approvals.in_thread(services, [found], viewer.account), "key": forms.nonce()}
     return show(request, viewer, "post.html", data)
 
 
 @router.get("/p/{post_id}/raw")
-async def raw(request: Request, viewer: Reading, post_id: str) -> Response:
+async def raw(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     headers = {"X-Content-Type-Options": "nosniff", "Content-Security-Policy": "default-src 'none'; sandbox"}
-    return PlainTextResponse(get_services(request).store.post(post_id).raw, headers=headers)
+    return PlainTextResponse(services.store.post(post_id).raw, headers=headers)
 
 
 @router.get("/p/{post_id}/history")
-async def history(request: Request, viewer: Reading, post_id: str) -> Response:
-    store = get_services(request).store
+async def history(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
+    store = services.store
     found = store.post(post_id)
     versions = () if found.removed else store.versions(post_id)
     return show(request, viewer, "history.html", {"post": found, "versions": versions})
 
 
 @router.get("/p/{post_id}/edit")
-async def edit_form(request: Request, viewer: Reading, post_id: str) -> Response:
-    found = get_services(request).store.post(post_id)
+async def edit_form(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
+    found = services.store.post(post_id)
     if found.author.id != access.account_of(viewer).id or found.removed:
         raise BoardError(403, "not_yours", "only its author may edit a post, and only while it is there")
     return _edit(request, viewer, found, Composed(draft=found.raw))
 
 
 @router.post("/p/{post_id}/edit")
-async def edit(request: Request, viewer: Anybody, post_id: str) -> Response:
-    form, known = await forms.read(request), get_services(request)
+async def edit(request: Request, services: AppServices, viewer: AnyViewer, post_id: str) -> Response:
+    form = await forms.read(request)
     typed = Composed(forms.field(form, "body"))
     try:
         access.check_form(viewer, form.get("csrf"))
         author = access.account_of(viewer)
-        typed = replace(typed, pictures=await forms.pictures(known, form, author))
+        typed = replace(typed, pictures=await forms.pictures(services, form, author))
         if form.get("do") == "preview":
-            return _edit(request, viewer, known.store.post(post_id), await previewed(known, typed, author))
+            return _edit(request, viewer, services.store.post(post_id), await previewed(services, typed, author))
         text, pictures = forms.body(typed.draft), [image.id for image in typed.pictures]
         key = forms.key(form, post_id, text)
-        changed = await known.store.edit(author, post_id, text, key=key, images=pictures)
+        changed = await services.store.edit(author, post_id, text, key=key, images=pictures)
     except BoardError as e:
         if may_not_look(viewer) or e.status == 404:
             return await error_page(request, e, draft=typed.draft)
-        return _edit(request, viewer, known.store.post(post_id), typed, e)
-    return go(path_of(known.store, changed))
+        return _edit(request, viewer, services.store.post(post_id), typed, e)
+    return go(path_of(services.store, changed))
 
 
 def _edit(request: Request, viewer: Viewer, found: Post, typed: Composed, error: BoardError | None = None) -> Response:
@@ -102,16 +100,15 @@ def _edit(request: Request, viewer: Viewer, found: Post, typed: Composed, error:
 
 
 @router.get("/p/{post_id}/remove")
-async def remove_form(request: Request, viewer: Reading, post_id: str) -> Response:
+async def remove_form(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     access.account_of(viewer)
-    return show(request, viewer, "remove.html", {"post": get_services(request).store.post(post_id)})
+    return show(request, viewer, "remove.html", {"post": services.store.post(post_id)})
 
 
 @router.post("/p/{post_id}/remove")
-async def remove(request: Request, viewer: Anybody, post_id: str) -> Response:
-    form = await forms.read(request)
-    access.check_form(viewer, form.get("csrf"))
-    store = get_services(request).store
+async def remove(request: Request, services: AppServices, viewer: AnyViewer, post_id: str) -> Response:
+    await forms.read_checked(request, viewer)
+    store = services.store
     return go(path_of(store, await store.remove(access.account_of(viewer), post_id)))
 
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.auth import access
-from agentrob.board.auth.access import Viewer
+from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.content.store import Store
 from agentrob.board.db.records import Image, Post, Topic
 from agentrob.board.robots import actions, approvals, rights
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.view import RobotView
-from agentrob.board.services import Services, get_services
+from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.templating import go, own_path, show, with_receipt
 from agentrob.errors import BoardError
@@ -24,8 +24,6 @@ from agentrob.model import Account, AccountKind
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
-Reading = Annotated[Viewer, Depends(access.reader)]
-Anybody = Annotated[Viewer, Depends(access.viewer)]
 _LATEST = 10
 #: An owner's button waits so often for so long until the robot's agent has told what came of it.
 HEARD_TRIES, HEARD_S = 15, 0.1
@@ -35,94 +33,91 @@ _LOOK_BACK = 50
 
 
 @router.get("/robots")
-async def robots(request: Request, viewer: Reading, part: str = "") -> Response:
-    data = {"robots": robot_view.robots(get_services(request))}
+async def robots(request: Request, services: AppServices, viewer: ReadingViewer, part: str = "") -> Response:
+    data = {"robots": robot_view.robots(services)}
     return show(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
 
 
 @router.get("/robots/{name}")
-async def robot(request: Request, viewer: Reading, name: str) -> Response:
-    known = get_services(request)
-    account, view = robot_view.robot(known, name)
-    latest = _latest(known.store, account, once=True)
-    kept = rights.settings_of(known.store.reader, account.name)
+async def robot(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
+    account, view = robot_view.robot(services, name)
+    latest = _latest(services.store, account, once=True)
+    kept = rights.settings_of(services.store.reader, account.name)
     seen = (
-        _last_picture(known.store.posts_by(account, _LOOK_BACK))
+        _last_picture(services.store.posts_by(account, _LOOK_BACK))
         if rights.sees_camera(kept, viewer.account, account.name)
         else None
     )
-    data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(known, view, viewer)
-    data["releases"] = actions.may_release(known, account.name, viewer.account)
+    data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(services, view, viewer)
+    data["releases"] = actions.may_release(services, account.name, viewer.account)
     data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
     return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
 
 
 @router.get("/robots/{name}/fragment")
-async def robot_fragment(request: Request, viewer: Reading, name: str, part: str = "") -> Response:
-    known = get_services(request)
-    view = robot_view.robot(known, name)[1]
-    data = {"robot": view, "releases": actions.may_release(known, view.name, viewer.account)}
+async def robot_fragment(
+    request: Request, services: AppServices, viewer: ReadingViewer, name: str, part: str = ""
+) -> Response:
+    view = robot_view.robot(services, name)[1]
+    data = {"robot": view, "releases": actions.may_release(services, view.name, viewer.account)}
     template = "robot_lock.html" if part == "lock" else "robot_facts.html"
-    return show(request, viewer, template, data | _about(known, view, viewer))
+    return show(request, viewer, template, data | _about(services, view, viewer))
 
 
 @router.post("/robots/{name}/stop")
-async def stop(request: Request, viewer: Anybody, name: str) -> Response:
+async def stop(request: Request, services: AppServices, viewer: AnyViewer, name: str) -> Response:
     """Anybody signed in, at any rate, whatever the robot's agent last said."""
-    form = await forms.read(request)
-    access.check_form(viewer, form.get("csrf"))
-    await actions.stop(get_services(request), name, access.account_of(viewer))
+    form = await forms.read_checked(request, viewer)
+    await actions.stop(services, name, access.account_of(viewer))
     if request.headers.get("x-live"):
         return Response(status_code=204)
     return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "stop", name))
 
 
 @router.post("/robots/{name}/estop")
-async def emergency_stop(request: Request, viewer: Anybody, name: str) -> Response:
+async def emergency_stop(request: Request, services: AppServices, viewer: AnyViewer, name: str) -> Response:
     """As stop; besides, it locks the robot."""
-    form = await forms.read(request)
-    access.check_form(viewer, form.get("csrf"))
-    await actions.emergency_stop(get_services(request), name, access.account_of(viewer))
+    form = await forms.read_checked(request, viewer)
+    await actions.emergency_stop(services, name, access.account_of(viewer))
     if request.headers.get("x-live"):
         return Response(status_code=204)
     return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "estop", name))
 
 
 @router.get("/robots/{name}/release")
-async def release_form(request: Request, viewer: Reading, name: str) -> Response:
+async def release_form(request: Request, viewer: ReadingViewer, name: str) -> Response:
     return _confirm(request, viewer, name, "release", f"Release @{name}?")
 
 
 @router.post("/robots/{name}/release")
-async def release(request: Request, viewer: Anybody, name: str) -> Response:
+async def release(request: Request, viewer: AnyViewer, name: str) -> Response:
     return await _owners(request, viewer, name, "release", actions.release)
 
 
 @router.get("/robots/{name}/home")
-async def home_form(request: Request, viewer: Reading, name: str) -> Response:
+async def home_form(request: Request, viewer: ReadingViewer, name: str) -> Response:
     return _confirm(request, viewer, name, "home", f"Set the home of @{name} here?")
 
 
 @router.post("/robots/{name}/home")
-async def home(request: Request, viewer: Anybody, name: str) -> Response:
+async def home(request: Request, viewer: AnyViewer, name: str) -> Response:
     return await _owners(request, viewer, name, "home", actions.home)
 
 
 def _confirm(request: Request, viewer: Viewer, name: str, deed: str, heading: str) -> Response:
     """Asks whether the owner means it: nothing that lets a robot move is one slip of the finger away."""
-    known = get_services(request)
-    actions.check_owner(known, name, access.account_of(viewer))
-    data = {"robot": robot_view.robot(known, name)[1], "deed": deed, "heading": heading}
+    services = get_services(request)
+    actions.check_owner(services, name, access.account_of(viewer))
+    data = {"robot": robot_view.robot(services, name)[1], "deed": deed, "heading": heading}
     return show(request, viewer, "robot_owner.html", data, here="robots")
 
 
 async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press: Press) -> Response:
     """Press an owner's button and wait a moment for what came of it, so that the page that follows shows that."""
-    known = get_services(request)
-    form = await forms.read(request)
-    access.check_form(viewer, form.get("csrf"))
-    presence, before = known.presence, known.presence.robot(name).card.get("told")
-    await press(known, name, access.account_of(viewer))
+    services = get_services(request)
+    await forms.read_checked(request, viewer)
+    presence, before = services.presence, services.presence.robot(name).card.get("told")
+    await press(services, name, access.account_of(viewer))
     for _ in range(HEARD_TRIES):
         if presence.robot(name).card.get("told") != before:
             return go(f"/robots/{name}")
@@ -131,16 +126,15 @@ async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press:
 
 
 @router.post("/robots/{name}/reset")
-async def reset(request: Request, viewer: Anybody, name: str) -> Response:
-    form = await forms.read(request)
-    access.check_form(viewer, form.get("csrf"))
-    await actions.reset(get_services(request), name, access.account_of(viewer))
+async def reset(request: Request, services: AppServices, viewer: AnyViewer, name: str) -> Response:
+    await forms.read_checked(request, viewer)
+    await actions.reset(services, name, access.account_of(viewer))
     return go(with_receipt(f"/robots/{name}", viewer, "reset", name))
 
 
 @router.get("/u/{name}")
-async def person(request: Request, viewer: Reading, name: str) -> Response:
-    store = get_services(request).store
+async def person(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
+    store = services.store
     found = store.account(name)
     if found is None:
         raise BoardError(404, "no_such_account", f"there is no account {name[:64]!r}")
@@ -162,14 +156,14 @@ def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[
     return [(store.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
 
 
-def _about(known: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:
+def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:
     """What the forum itself knows of a robot: its owner, and the posts that wait (some for an approval), as far as they
     are to be seen."""
-    posts = {post.id: post for post in known.store.reader.posts_by_id([int(i) for i in view.line])}
+    posts = {post.id: post for post in services.store.reader.posts_by_id([int(i) for i in view.line])}
     line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
-    robots = [actions.known_robot(known, view.name)]
-    asking = [one for post in line for one in approvals.waiting(known, post, robots, viewer.account)]
-    about = {"owner": actions.owner_of(known, view.name), "line": line}
+    robots = [actions.known_robot(services, view.name)]
+    asking = [one for post in line for one in approvals.waiting(services, post, robots, viewer.account)]
+    about = {"owner": actions.owner_of(services, view.name), "line": line}
     return about | {"waiting": asking, "key": forms.nonce()}
 
 

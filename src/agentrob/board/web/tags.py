@@ -3,88 +3,92 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.auth import access
-from agentrob.board.auth.access import Viewer
+from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.content import tags
 from agentrob.board.content.unread import UnreadCount
 from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.db.records import Topic
-from agentrob.board.services import Services, get_services
+from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms
 from agentrob.board.web.templating import go, show
 from agentrob.errors import BoardError
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
-Reading = Annotated[Viewer, Depends(access.reader)]
-Anybody = Annotated[Viewer, Depends(access.viewer)]
 #: Topics on one page.
 TOPICS = 20
 
 
-def news(known: Services, viewer: Viewer, topics: Collection[Topic]) -> dict[str, UnreadCount]:
+def news(services: Services, viewer: Viewer, topics: Collection[Topic]) -> dict[str, UnreadCount]:
     """What is new in topics for whoever looks, by topic."""
-    return known.marks.news(known.store.reader, viewer.account, topics)
+    return services.marks.news(services.store.reader, viewer.account, topics)
 
 
 # ------------------------------------------------------------------ what is new
 @router.get("/unread")
-async def unread(request: Request, viewer: Reading, after: str | None = None) -> Response:
-    known, account = get_services(request), access.account_of(viewer)
-    store = known.store
+async def unread(request: Request, services: AppServices, viewer: ReadingViewer, after: str | None = None) -> Response:
+    account = access.account_of(viewer)
+    store = services.store
     newest = store.reader.newest_post_id()
-    page = known.marks.unread(store.reader, account, after, TOPICS)
+    page = services.marks.unread(store.reader, account, after, TOPICS)
     data: dict[str, Any] = {"topics": [topic for topic, _ in page.items], "next": page.next, "newest": newest}
-    data |= {"news": {topic.id: new for topic, new in page.items}, "names": _boards(known)}
+    data |= {"news": {topic.id: new for topic, new in page.items}, "names": _boards(services)}
     return show(request, viewer, "unread.html", data, here="latest")
 
 
 @router.post("/unread/all-read")
-async def all_read(request: Request, viewer: Anybody) -> Response:
-    form, known = await forms.read(request), get_services(request)
-    access.check_form(viewer, form.get("csrf"))
+async def all_read(request: Request, services: AppServices, viewer: AnyViewer) -> Response:
+    form = await forms.read_checked(request, viewer)
     account, up_to = access.account_of(viewer), forms.field(form, "up_to")
     if up_to.isascii() and up_to.isdigit() and len(up_to) < 19:
-        await known.marks.all_read(known.store, account, int(up_to))
+        await services.marks.all_read(services.store, account, int(up_to))
     return go("/unread")
 
 
 # ------------------------------------------------------------------ tags
 @router.get("/tags")
-async def listed(request: Request, viewer: Reading) -> Response:
-    found = await get_services(request).store.beside(tags.listed)
+async def listed(request: Request, services: AppServices, viewer: ReadingViewer) -> Response:
+    found = await services.store.beside(tags.listed)
     return show(request, viewer, "tags.html", {"found": found}, here="latest")
 
 
 @router.get("/tags/{tag}")
-async def tagged(request: Request, viewer: Reading, tag: str, after: str | None = None) -> Response:
-    known, named = get_services(request), tags.plain(tag)
+async def tagged(
+    request: Request, services: AppServices, viewer: ReadingViewer, tag: str, after: str | None = None
+) -> Response:
+    named = tags.plain(tag)
     if not named:
         raise not_found("tag", tag)
     if named != tag:
         return go(f"/tags/{named}")
-    page = await known.store.beside(Reader.topics, None, after, TOPICS, named)
-    data: dict[str, Any] = {"tag": named, "topics": page, "names": _boards(known), "feed": f"/tags/{named}/feed.atom"}
-    return show(request, viewer, "tag.html", data | {"news": news(known, viewer, page.items)}, here="latest")
+    page = await services.store.beside(Reader.topics, None, after, TOPICS, named)
+    data: dict[str, Any] = {
+        "tag": named,
+        "topics": page,
+        "names": _boards(services),
+        "feed": f"/tags/{named}/feed.atom",
+    }
+    return show(request, viewer, "tag.html", data | {"news": news(services, viewer, page.items)}, here="latest")
 
 
 @router.get("/t/{topic_id}/tags")
-async def choose(request: Request, viewer: Reading, topic_id: str) -> Response:
-    topic = get_services(request).store.topic(topic_id)
+async def choose(request: Request, services: AppServices, viewer: ReadingViewer, topic_id: str) -> Response:
+    topic = services.store.topic(topic_id)
     return _choose(request, viewer, topic, ", ".join(topic.tags))
 
 
 @router.post("/t/{topic_id}/tags")
-async def chosen(request: Request, viewer: Anybody, topic_id: str) -> Response:
+async def chosen(request: Request, services: AppServices, viewer: AnyViewer, topic_id: str) -> Response:
     form, store, most = (
         await forms.read(request),
-        get_services(request).store,
-        get_services(request).settings.limits.posts,
+        services.store,
+        services.settings.limits.posts,
     )
     access.check_form(viewer, form.get("csrf"))
     by, topic = access.account_of(viewer), store.topic(topic_id)
@@ -105,5 +109,5 @@ def _choose(request: Request, viewer: Viewer, topic: Topic, typed: str, error: B
     return show(request, viewer, "topic_tags.html", data, status=error.status if error else 200)
 
 
-def _boards(known: Services) -> dict[str, str]:
-    return {board.id: board.name for board in known.store.boards()}
+def _boards(services: Services) -> dict[str, str]:
+    return {board.id: board.name for board in services.store.boards()}

@@ -100,17 +100,17 @@ def excerpt(raw: str) -> str:
 
 def status_card(card: Mapping[str, Any]) -> StatusCard:
     """A card as a robot's agent sent it, with every field of the type that a page relies on."""
-    known = {f.name: card.get(f.name) for f in fields(StatusCard)}
-    robot = str(known["robot"] or "")
+    values = {f.name: card.get(f.name) for f in fields(StatusCard)}
+    robot = str(values["robot"] or "")
     return StatusCard(
         robot=robot if NAME.match(robot) else "",
-        state=word(known["state"]),
-        step=_count(known["step"]),
-        steps=_count(known["steps"]),
-        doing=str(known["doing"] or "")[:200],
-        place=_count(known["place"]) or None,
-        trace_id=str(known["trace_id"] or "")[:64],
-        until=str(known["until"] or "")[:40],
+        state=word(values["state"]),
+        step=_count(values["step"]),
+        steps=_count(values["steps"]),
+        doing=str(values["doing"] or "")[:200],
+        place=_count(values["place"]) or None,
+        trace_id=str(values["trace_id"] or "")[:64],
+        until=str(values["until"] or "")[:40],
     )
 
 
@@ -142,17 +142,17 @@ def show(
     request: Request, viewer: Viewer, template: str, data: Mapping[str, Any], *, status: int = 200, here: str = ""
 ) -> HTMLResponse:
     """A page for this viewer. `here` marks the part of the navigation it belongs to."""
-    known = get_services(request)
-    settings = known.settings
+    services = get_services(request)
+    settings = services.settings
     frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
     frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
-    frame["unread"] = _unread(known.store.reader, viewer)
+    frame["unread"] = _unread(services.store.reader, viewer)
     html = _TEMPLATES.get_template(template).render(
         {"viewer": viewer, "here": here, "title": settings.title, "problem": "", "feed": ""} | frame | dict(data)
     )
     response = HTMLResponse(html, status, headers=_HEADERS)
     if viewer.account is None:
-        access.keep(response, known, viewer)
+        access.keep(response, services, viewer)
     return response
 
 

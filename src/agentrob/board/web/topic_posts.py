@@ -25,21 +25,21 @@ class Shown:
     last: str = ""
 
 
-def posts_of_topic(known: Services, viewer: Viewer, topic_id: str, after: str | None, limit: int) -> Shown:
+def posts_of_topic(services: Services, viewer: Viewer, topic_id: str, after: str | None, limit: int) -> Shown:
     """For a viewer who may read the topic. 404, and 422 for a bad cursor."""
 
     def make() -> tuple[Shown, int]:
-        page: Page[Post] = known.store.posts(topic_id, after, limit)
-        hidden = robot_view.hidden_cameras(known, viewer.account, page.items)
+        page: Page[Post] = services.store.posts(topic_id, after, limit)
+        hidden = robot_view.hidden_cameras(services, viewer.account, page.items)
         authors = {post.id: post.author.name for post in page.items}
         data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
-        data["owners"] = robot_view.owners(known, page.items)
-        data |= {"asking": approvals.in_thread(known, page.items, viewer.account), "key": forms.nonce()}
+        data["owners"] = robot_view.owners(services, page.items)
+        data |= {"asking": approvals.in_thread(services, page.items, viewer.account), "key": forms.nonce()}
         html = piece("topic_posts.html", data)
         ids = [post.id for post in page.items]
         return Shown(html, page.next, *(ids[:1] + ids[-1:])), len(html)
 
     form = viewer.csrf if viewer.account else ""  # in the buttons
-    return known.topic_cache.of(
-        known.store.reader, topic_id, (after, viewer.account, form, visibility.readable_boards()), make
+    return services.topic_cache.of(
+        services.store.reader, topic_id, (after, viewer.account, form, visibility.readable_boards()), make
     )
