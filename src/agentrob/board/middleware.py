@@ -1,4 +1,4 @@
-"""The forum's front door, around every request: whose address, from which site, how large, and headers for browsers."""
+"""ASGI middleware that checks host, origin and size of every request, and adds security headers to every response."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ log = structlog.get_logger(__name__)
 
 
 class SecurityMiddleware:
-    """ASGI around the app."""
+    """Refuses requests for another host, from another site or that are too large, before the app sees them."""
 
     def __init__(self, app: ASGIApp, settings: BoardSettings) -> None:
         self.app = app
@@ -62,7 +62,7 @@ class SecurityMiddleware:
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                if _TRACE_ID.fullmatch(trace_id):  # whoever traces a request finds it in this log too
+                if _TRACE_ID.fullmatch(trace_id):  # lets a client find its request in this log
                     asked = {"method": scope["method"], "path": scope["path"], "status": message["status"]}
                     log.info("board.traced", **asked, trace_id=trace_id)
                 headers = MutableHeaders(scope=message)

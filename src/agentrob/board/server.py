@@ -1,4 +1,4 @@
-"""Puts the embedded forum together and serves it over HTTP, as a process of its own."""
+"""Assembles the embedded forum as an ASGI app and serves it."""
 
 from __future__ import annotations
 
@@ -72,13 +72,13 @@ def create_app(settings: BoardSettings) -> FastAPI:
         try:
             hub.start(store.everything)
             app.state.services = parts = Services(settings, store, hub, presence)
-            beside = asyncio.create_task(await _beside(parts, me, told))
+            background = asyncio.create_task(await _background(parts, me, told))
             try:
                 yield
             finally:
                 end_streams(app)
-                beside.cancel()
-                await asyncio.gather(beside, return_exceptions=True)
+                background.cancel()
+                await asyncio.gather(background, return_exceptions=True)
                 await parts.marks.write(store)
         finally:
             await asyncio.to_thread(store.close)
@@ -104,8 +104,8 @@ def create_app(settings: BoardSettings) -> FastAPI:
     return app
 
 
-async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Coroutine[Any, Any, None]:
-    """What runs beside the answers, until cancelled. Of several processes one has the duties."""
+async def _background(parts: Services, me: str, told: Sequence[Receiver]) -> Coroutine[Any, Any, None]:
+    """The background tasks, which run until cancelled. Of several processes only one has the duties."""
 
     async def duties(taken_over: bool) -> None:
         pruning = retention.keep_expiring_pictures(parts), retention.keep_pruning(parts)
@@ -118,9 +118,9 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
         uploads.check_folder(parts)
         following = peers.run()
     else:
-        following = _alone(parts.hub, duties)
+        following = _follow_alone(parts.hub, duties)
 
-    async def work() -> None:  # each process keeps by itself what the posts mean, and what its readers have read
+    async def work() -> None:  # every process keeps its own embeddings and read positions
         marking = unread.run_flush_loop(parts.marks, parts.store, parts.settings.shared)
         proving = parts.hub.prove_writing(parts.store.writer.prove)
         await asyncio.gather(following, parts.store.run_embedding_worker(), marking, proving)
@@ -128,12 +128,12 @@ async def _beside(parts: Services, me: str, told: Sequence[Receiver]) -> Corouti
     return work()
 
 
-async def _alone(hub: Hub, duties: Callable[[bool], Coroutine[Any, Any, None]]) -> None:
+async def _follow_alone(hub: Hub, duties: Callable[[bool], Coroutine[Any, Any, None]]) -> None:
     await asyncio.gather(hub.follow(), duties(False))
 
 
 def end_streams(app: FastAPI) -> None:
-    """End event and camera streams, which would otherwise keep the server from ending."""
+    """End event and camera streams, which would otherwise keep the server from shutting down."""
     services: Services = app.state.services
     services.hub.close()
     services.presence.close()
@@ -183,14 +183,14 @@ def _add_errors(app: FastAPI) -> None:
 
 
 def _logged(request: Request) -> str:
-    """The path without the secret of a one-time link."""
+    """The path for the log, without the secret of a one-time link."""
     path = request.url.path
     secret = path.split("/")[1] if path.count("/") > 1 else ""
     return f"/{secret}/…" if secret in ("enter", "invite", "password") else path
 
 
 def _describe(app: FastAPI, settings: BoardSettings) -> None:
-    """OpenAPI with problem details and both ways to sign in, which the framework does not know of."""
+    """Add problem details and both ways to sign in to the OpenAPI document; the framework does not know them."""
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -199,7 +199,7 @@ def _describe(app: FastAPI, settings: BoardSettings) -> None:
             components = document.setdefault("components", {})
             components.setdefault("schemas", {})["Problem"] = Problem.model_json_schema()
             cookie = {"type": "apiKey", "in": "cookie", "name": settings.cookie}
-            cookie["description"] = "a browser's session; writes besides need the header X-CSRF-Token"
+            cookie["description"] = "a browser's session; writes also need the header X-CSRF-Token"
             components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}, "cookie": cookie}
             document["security"] = [{"bearer": []}, {"cookie": []}]
             app.openapi_schema = document

@@ -1,4 +1,4 @@
-"""Everything that the embedded forum must know before it starts."""
+"""The settings of the embedded forum, made from `[board]` of the configuration."""
 
 from __future__ import annotations
 

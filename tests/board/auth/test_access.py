@@ -175,7 +175,7 @@ def tried(board: RunningBoard, name: str, address: str, times: int = 1) -> None:
     """Attempts to sign in that went wrong, whichever process took them."""
     with local_admin.writing(board.settings) as connection:
         for _ in range(times):
-            attempts.count(connection, name, address)
+            attempts.record(connection, name, address)
 
 
 def test_guessing_is_stopped_with_the_time_to_wait(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -248,7 +248,7 @@ def test_attempts_are_kept_for_an_hour_only_and_without_names_and_addresses(
         assert not [row for row in rows if "somebody" in row.key or "6.6.6.6" in row.key]
         later = accounts.now_us() + int(HOUR_S * 1_000_000)
         monkeypatch.setattr(attempts, "now_us", lambda: later)
-        attempts.count(connection, "", "7.7.7.7")
+        attempts.record(connection, "", "7.7.7.7")
         left = set(connection.execute(select(db.attempts.c.key)).scalars())
     assert left.isdisjoint(row.key for row in rows)
 

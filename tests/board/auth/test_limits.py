@@ -127,13 +127,13 @@ def test_sign_ups_have_room_again_after_an_hour(strict: RunningBoard, monkeypatc
     now = [accounts.now_us()]
     monkeypatch.setattr(attempts, "now_us", lambda: now[0])
     with local_admin.writing(strict.settings) as connection:
-        attempts.count_sign_up(connection, "a", 1)
+        attempts.record_sign_up(connection, "a", 1)
         now[0] += 3599_000_000
         with pytest.raises(BoardError):
-            attempts.count_sign_up(connection, "a", 1)
+            attempts.record_sign_up(connection, "a", 1)
         now[0] += 1_000_000
-        attempts.count_sign_up(connection, "a", 1)
-        attempts.count_sign_up(connection, "b", 0)
+        attempts.record_sign_up(connection, "a", 1)
+        attempts.record_sign_up(connection, "b", 0)
 
 
 def test_the_page_says_the_limit_and_keeps_the_text(strict: RunningBoard) -> None:
@@ -280,7 +280,7 @@ def test_a_stranger_s_forwarded_header_does_not_slip_past_the_throttle(
     assert csrf
     with local_admin.writing(board.settings) as connection:
         for n in range(29):
-            attempts.count(connection, f"name{n}", "127.0.0.1")
+            attempts.record(connection, f"name{n}", "127.0.0.1")
     statuses = []
     for n in range(2):
         form = {"csrf": csrf[1], "name": f"who{n}", "password": "wrong words"}

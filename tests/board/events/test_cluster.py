@@ -253,7 +253,7 @@ def test_guesses_are_counted_over_both(forum: Forum) -> None:
         assert statuses == [401] * PER_NAME
         assert [sign_in(browser, url, "eve", "correct horse") for url in urls] == [429, 429]
     with local_admin.writing(forum.settings) as connection:
-        attempts.forget(connection, "eve", "127.0.0.1")
+        attempts.clear(connection, "eve", "127.0.0.1")
         connection.execute(db.attempts.delete())
 
 

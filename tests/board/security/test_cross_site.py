@@ -112,7 +112,7 @@ def test_guessing_a_password_at_the_page_is_stopped_also_for_who_is_signed_in(wo
     browser = world.browser("guessed")
     with local_admin.writing(world.settings) as connection:
         for _ in range(PER_NAME - 1):
-            attempts.count(connection, "guessed", "127.0.0.1")
+            attempts.record(connection, "guessed", "127.0.0.1")
     tries = [browser.send("/password", old="wrong words", password="another password") for _ in range(2)]
     assert [t.status_code for t in tries] == [401, 429]
     with pytest.raises(BoardError) as caught:

@@ -1,4 +1,4 @@
-"""The audit log: who changed what that is not their own. Rows are added in the same transaction as the change."""
+"""The audit log: who changed what. A row is added in the same transaction as its change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_us
 
-#: Whoever types on the machine that the forum runs on.
+#: The actor of changes made at the command line.
 SHELL = "shell"
 
 

@@ -1,4 +1,4 @@
-"""What the command line and the demo do to the forum's database, before the server starts or while it runs."""
+"""Administers the forum's database directly, for the command line and the demo; a server may be running."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def issue_link(settings: BoardSettings, account: Account) -> str:
 
 @contextmanager
 def writing(settings: BoardSettings) -> Iterator[Connection]:
-    """One transaction beside a server that may be running."""
+    """A transaction of one's own; a server may be running."""
     engine = open_engine(settings, writes=True)
     try:
         with engine.begin() as connection:

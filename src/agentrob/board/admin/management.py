@@ -1,7 +1,8 @@
-"""What admins do, by page, API and command line alike: accounts, tokens, links, invites, boards, robots.
+"""Manages accounts, tokens, links, invites, boards and robots, for pages, API and command line alike.
 
-Each takes a connection within a transaction and the handle of who does it (`audit.SHELL` at the command line), and adds
-its row to the audit log. `BoardError` 404 for what is not there, 409 for what cannot be now, 422 for what is not valid.
+Each change takes a connection within a transaction and the handle of its actor (`audit.SHELL` for the command line).
+It adds a row to the audit log. Raises `BoardError` 404 for what does not exist, 409 for conflicts, 422 for invalid
+values.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def account_named(connection: Connection, name: str) -> Account:
 
 
 def all_accounts(reader: Reader, after: str, limit: int) -> Sequence[Account]:
-    """By name, those after a name."""
+    """Accounts by name, after a name."""
     a = db.accounts.c
     return tuple(map(account_from, reader.rows(ACCOUNT.where(a.name > after).order_by(a.name).limit(limit))))
 
@@ -75,7 +76,7 @@ def add_account(
     display_name: str = "",
     password_hash: str | None = None,
 ) -> Account:
-    """A new account; names that could be taken for a robot's are refused."""
+    """Create an account. Names that look like a robot's are refused."""
     name = accounts.checked_name(name)
     robots = [r.name for r in Reader(connection).robots()]
     check_name(name, robots)
@@ -96,7 +97,7 @@ def change_account(
     suspended: bool | None = None,
     display_name: str | None = None,
 ) -> Account:
-    """Change what is given. The last admin stays one: nobody could give the role back but at the machine itself."""
+    """Change what is given. The last admin keeps the role, since only the command line could give it back."""
     account = account_named(connection, name)
     values: dict[str, Any] = {}
     if role is not None and role is not account.role:
@@ -132,7 +133,7 @@ def _is_last_admin(connection: Connection, account: Account) -> bool:
 
 
 def sign_out_everywhere(connection: Connection, actor: str, name: str) -> int:
-    """End the account's sessions; how many there were. Its tokens stay."""
+    """End the account's sessions and return how many there were. Its tokens stay valid."""
     account = account_named(connection, name)
     ended = accounts.end_sessions(connection, account)
     audit.note(connection, actor, "account.sign_out", f"account:{account.name}", sessions=ended)
@@ -140,7 +141,7 @@ def sign_out_everywhere(connection: Connection, actor: str, name: str) -> int:
 
 
 def link(connection: Connection, actor: str, name: str, purpose: str) -> str:
-    """The path of a one-time link that signs in (`enter`), or that sets a new password (`password`)."""
+    """Create a one-time link that signs in (`enter`) or sets a new password (`password`); return its path."""
     account = account_named(connection, name)
     if purpose == "password" and account.kind is not AccountKind.HUMAN:
         raise BoardError(409, "no_password", "programs have tokens, not passwords", "make a token")
@@ -165,7 +166,7 @@ def tokens(reader: Reader, name: str) -> Sequence[Token]:
 
 
 def add_token(connection: Connection, actor: str, name: str, label: str, scopes: Collection[str]) -> str:
-    """A new token; shown once."""
+    """Create a token and return its secret, which is not stored."""
     account = account_named(connection, name)
     secret = accounts.new_token(connection, account, label, scopes)
     named = " ".join(sorted(scopes))
@@ -186,7 +187,7 @@ def revoke_token(connection: Connection, actor: str, token_id: str) -> None:
 
 # -------------------------------------------------------------------- invites
 def invite(connection: Connection, actor: str, role: Role, uses: int, days: int, by: Account | None = None) -> str:
-    """The path of a link by which people make their own accounts. Not for admins: those are made by name."""
+    """Create an invite, a link with which people create their own accounts; return its path. Never for admins."""
     if role is Role.ADMIN or not 1 <= uses <= MAX_INVITE_USES or not 1 <= days <= MAX_INVITE_DAYS:
         hint = f"any role but admin, 1 to {MAX_INVITE_USES} uses, 1 to {MAX_INVITE_DAYS} days"
         raise BoardError(422, "bad_invite", "that cannot be an invite", hint)
@@ -199,7 +200,7 @@ def invite(connection: Connection, actor: str, role: Role, uses: int, days: int,
 
 
 def invites(reader: Reader) -> Sequence[Invite]:
-    """Those that can still be used."""
+    """Invites that can still be used."""
     i = db.invites.c
     rows = reader.rows(select(db.invites).where(i.left > 0, i.expires_us > audit.now_us()).order_by(i.expires_us))
     return [Invite(r.hash[:16], Role(r.role), r.left, from_us(r.expires_us)) for r in rows]
@@ -214,7 +215,7 @@ def revoke_invite(connection: Connection, actor: str, invite_id: str) -> None:
 
 
 def spend_invite(connection: Connection, secret: str) -> Role:
-    """One use of an invite: the role that it gives. 404 when it is unknown, used up or expired."""
+    """Use an invite once and return the role that it gives. 404 when it is unknown, used up or expired."""
     i, digest = db.invites.c, accounts.hash_of(secret)
     mine = and_(i.hash == digest, i.left > 0, i.expires_us > audit.now_us())
     if connection.execute(update(db.invites).where(mine).values(left=i.left - 1)).rowcount != 1:
@@ -291,7 +292,7 @@ def change_robot(connection: Connection, actor: str, name: str, **changes: Any) 
             raise BoardError(409, "bad_owner", "a robot's owner is a person", "the handle of a person's account")
         owner_id, after = int(owner.id), replace(after, owner=owner.name)
     if not 0 <= after.camera_days <= 3650:
-        raise BoardError(422, "bad_days", f"{after.camera_days} is no number of days", "0 (for ever) to 3650")
+        raise BoardError(422, "bad_days", f"{after.camera_days} days cannot be kept", "0 (for ever) to 3650")
     if after == before:
         return after
     row, r = after.stored() | {"owner_id": owner_id}, db.robots.c

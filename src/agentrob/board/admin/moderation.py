@@ -1,4 +1,4 @@
-"""What moderators do, and what deletes for good: hide and show posts, lock and move topics, erase what a person wrote.
+"""Moderation and erasure: show hidden posts, lock and move topics, erase what an account wrote, expire pictures.
 
 Moderation loses nothing: a hidden post keeps its text and its earlier texts, for moderators to read and to show again.
 Erasing loses everything on purpose, and only admins do it. Each adds its row to the audit log.

@@ -1,6 +1,6 @@
-"""Lets go of what only served to carry on: events that everybody has heard long ago, and keys of writes long done.
+"""Deletes old events, old idempotency keys and expired pictures of robots' cameras.
 
-What was written stays: posts, earlier texts, records of commands, the audit log.
+Posts, earlier texts, records of commands and the audit log are never deleted here.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from agentrob.board.services import Services
 from agentrob.config.board import BoardRetentionConfig
 from agentrob.errors import BoardError
 
-#: How often it is looked.
+#: How often old rows are looked for.
 EVERY_S = 3600.0
-#: Rows that one job lets go of: a stop that comes meanwhile waits for one job.
+#: Rows that one job deletes. A stop that arrives meanwhile waits for one job at most.
 AT_ONCE = 500
-#: A write is tried again with its key within minutes; its key is known so long.
+#: How long idempotency keys are kept. Clients repeat a write within minutes.
 KEYS = timedelta(days=7)
 
 log = structlog.get_logger(__name__)

@@ -1,4 +1,4 @@
-"""Errors as the JSON API tells them: RFC 9457 problem details with a stable code and a hint of what would be valid."""
+"""Errors of the JSON API: RFC 9457 problem details with a stable code and a hint that says what would be valid."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _WHEN = {
 
 
 def documented(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """The `responses` of an endpoint: these, and those that every endpoint can give."""
+    """The `responses` of an endpoint: these statuses, and those that every endpoint can return."""
     content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     every = {400, 401, 403, 413, 421, 422, 503}
     return {s: {"description": _WHEN[s], "content": content} for s in sorted(every | set(statuses))}
@@ -50,14 +50,14 @@ def problem(error: BoardError) -> Response:
 
 
 def of_validation(error: RequestValidationError) -> BoardError:
-    """What was wrong with the values sent; never what they were, since they may be a password."""
+    """Say what was wrong with the values of a request, but not the values: one may be a password."""
     found = [f"{'.'.join(str(p) for p in e['loc'])}: {e['msg']}" for e in error.errors()]
     detail = "; ".join(found)[:1000].encode("utf-8", "replace").decode()
     return BoardError(422, "not_valid", detail, "see /api/v1/openapi.json")
 
 
 def of_http(error: HTTPException) -> BoardError:
-    """What the framework itself refuses: unknown paths, methods, bodies that cannot be read."""
+    """Errors of the framework: unknown paths, methods, bodies that cannot be read."""
     code = HTTPStatus(error.status_code).name.lower()
     hint = "see /api/v1/openapi.json" if error.status_code in (400, 404, 405) else ""
     return BoardError(error.status_code, code, str(error.detail), hint)

@@ -1,1 +1,1 @@
-"""Who asks, what they may see, and how much they may do."""
+"""Authentication, rights and limits of the board's accounts."""

@@ -1,9 +1,8 @@
-"""Who is asking, and may they: sessions, bearer tokens, CSRF and rights, as dependencies of endpoints.
+"""Authenticates requests and checks rights: sessions, bearer tokens, CSRF tokens and roles, as endpoint dependencies.
 
-What pages use: `viewer` for every page; `reader` where reading is required; after reading a form
-`check_form(viewer, form.get("csrf"))`; `keep(response, services, viewer)` on each page that shows a form to somebody
-who is not signed in (it keeps the cookie that the token belongs to); `sign_in`, `sign_up`, `enter`, which give a
-session to `set_session(response, services, session)`, and `sign_out`.
+Endpoints declare `AnyViewer`, `ReadingViewer` or one of the accounts below. Pages also call `check_form` after reading
+a form, and `keep` when they show a form to a viewer who is not signed in, so that the cookie of its token is kept.
+`sign_in`, `sign_up` and `enter` return a session for `set_session`.
 """
 
 from __future__ import annotations
@@ -30,8 +29,8 @@ _SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 
 @dataclass(frozen=True, slots=True)
 class Viewer:
-    """Who asks: `account` is None when nobody is signed in. `csrf` goes into forms as the field `csrf` (a meta tag
-    `csrf` for scripts, which send it as `X-CSRF-Token`). `secret` is the cookie's value or the token, never shown."""
+    """Who sent a request; `account` is None when nobody is signed in. `csrf` goes into forms as the field `csrf`, and
+    into a meta tag for scripts, which send it as `X-CSRF-Token`. `secret` is the cookie's value or the bearer token."""
 
     account: Account | None
     csrf: str
@@ -41,7 +40,7 @@ class Viewer:
 
 
 async def viewer(request: Request) -> Viewer:
-    """Whoever asks, signed in or not; from here on the store shows what they may see. 401 for a bad bearer token."""
+    """The viewer, signed in or not. Limits the store to the boards they may read. 401 for a bad bearer token."""
     who = _viewer(request)
     parts = get_services(request)
     boards = parts.store.everything.all_boards()
@@ -65,7 +64,7 @@ def _viewer(request: Request) -> Viewer:
 
 
 async def reader(request: Request) -> Viewer:
-    """Who may read: anybody signed in and not suspended, or everybody when `public_read` is set. Else 401, 403."""
+    """A viewer who may read: signed in and not suspended, or anybody when `public_read` is set. Else 401, 403."""
     who = await viewer(request)
     if who.account is None and get_services(request).settings.public_read:
         return who
@@ -74,7 +73,7 @@ async def reader(request: Request) -> Viewer:
 
 
 async def stopper(request: Request) -> Account:
-    """Who may stop by API: whoever is signed in and not suspended, whatever the role and the token. Else 401, 403."""
+    """An account that may stop robots: any that is not suspended, with any role and token scope. Else 401, 403."""
     who = await viewer(request)
     account = account_of(who)
     if not who.by_token:
@@ -83,23 +82,23 @@ async def stopper(request: Request) -> Account:
 
 
 async def member(request: Request) -> Account:
-    """Who may write by API: as `stopper`, with a token for writing when it is one. Roles are asked by what is done."""
+    """An account that may write: as `stopper`, and a token needs the scope `write`. Each action checks roles itself."""
     return await _scoped(request, "write")
 
 
 async def moderator(request: Request) -> Account:
-    """Who may moderate: moderators and admins, with a token for it when it is one."""
+    """An account that may moderate: a moderator or admin; a token needs the scope `admin`."""
     account = await _scoped(request, "admin")
     return has_role(account, Role.MODERATOR)
 
 
 async def administrator(request: Request) -> Account:
-    """Who may administer: admins who are people, with a token for it when it is one."""
+    """An account that may administer: an admin who is a person; a token needs the scope `admin`."""
     return has_role(await _scoped(request, "admin"), Role.ADMIN)
 
 
 def has_role(account: Account, role: Role) -> Account:
-    """The account when it has this role or one above it and is nobody's robot; admins besides are people. Else 403."""
+    """The account if it has at least this role and is not a robot or monitoring agent (admins: a person). Else 403."""
     if account.role.rank < role.rank or account.kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):
         raise BoardError(403, f"not_{role}", f"this needs the role {role}", "ask an admin")
     if role is Role.ADMIN and account.kind is not AccountKind.HUMAN:
@@ -118,16 +117,18 @@ async def _scoped(request: Request, scope: str) -> Account:
     who = await viewer(request)
     account = account_of(who)
     if scope not in who.scopes:
-        raise BoardError(403, "token_scope", f"this token is not good for {scope}", f"one with the scope {scope}")
+        raise BoardError(
+            403, "token_scope", f"this token lacks the scope {scope}", f"use a token with the scope {scope}"
+        )
     if not who.by_token:
         check_form(who, request.headers.get("x-csrf-token"))
     return account
 
 
 def check_form(viewer: Viewer, token: object) -> None:
-    """403 unless the form's token is the viewer's. Call it before anything else is done with a form.
+    """403 unless the form's CSRF token is the viewer's. Call it before using any other field.
 
-    Bearer tokens send no forms: what each is good for is asked by the API only.
+    Requests with a bearer token are refused: only the API checks the scopes of tokens.
     """
     if viewer.by_token:
         raise BoardError(403, "no_forms", "forms are for browsers", "use the API")
@@ -136,7 +137,7 @@ def check_form(viewer: Viewer, token: object) -> None:
 
 
 def account_of(viewer: Viewer) -> Account:
-    """The viewer's account when it may write: 401 when nobody is signed in, 403 when suspended."""
+    """The viewer's account. 401 when nobody is signed in, 403 when the account is suspended."""
     if viewer.account is None:
         raise BoardError(401, "not_signed_in", "sign in first", "a session cookie or Authorization: Bearer <token>")
     if viewer.account.suspended:
@@ -158,7 +159,7 @@ Administrator = Annotated[Account, Depends(administrator)]
 
 # -------------------------------------------------------------------- sessions
 async def sign_in(services: Services, name: str, password: str, address: str) -> str:
-    """A new session. 401 for a wrong name or password (the same words for both), 429 after too many attempts."""
+    """Create a session. 401 with one message for a wrong name and a wrong password, 429 after too many attempts."""
     await _check_password(services, name, password, address)
     account = services.store.account(name.strip())
     if account is None or account.suspended:
@@ -167,34 +168,34 @@ async def sign_in(services: Services, name: str, password: str, address: str) ->
 
 
 async def _check_password(services: Services, name: str, password: str, address: str) -> None:
-    await _count(services, name, address)
+    await _record_attempt(services, name, address)
     await asyncio.sleep(attempts.delay_s(services.store.reader, name))
     row = services.store.reader.first(accounts.password_of(name))
     async with services.hashing:
         right = await asyncio.to_thread(accounts.verify_password, row.password_hash if row else None, password)
     if row is None or not right:
         raise BoardError(401, "wrong_password", "that name or password is wrong", "try again, or ask an admin")
-    await services.store.do(lambda t: attempts.forget(t.connection, name, address))
+    await services.store.do(lambda t: attempts.clear(t.connection, name, address))
 
 
-async def _count(services: Services, name: str, address: str) -> None:
-    attempts.refuse(services.store.reader, name, address)  # a flood is refused without a write
-    await services.store.do(lambda t: attempts.count(t.connection, name, address))
+async def _record_attempt(services: Services, name: str, address: str) -> None:
+    attempts.check(services.store.reader, name, address)  # refuses a flood without writing
+    await services.store.do(lambda t: attempts.record(t.connection, name, address))
 
 
 async def sign_up(services: Services, name: str, password: str, address: str, invite: str = "") -> str:
-    """A new account and its session: a member, or what the invite gives. 403 when sign-up is off and there is no
-    invite, 404 when the invite is void, 409 when the name is taken, 422, 429."""
+    """Create an account, a member or with the role of the invite, and a session. 403 when sign-up is off and there is
+    no invite, 404 when the invite is void, 409 when the name is taken, 422, 429."""
     if not services.settings.sign_up and not invite:
         raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself", "ask an admin")
-    await _count(services, "", address)
+    await _record_attempt(services, "", address)
     name = accounts.checked_name(name)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
 
     def make(t: Transaction) -> str:
-        if not invite:  # one that fails is undone with the rest
-            attempts.count_sign_up(t.connection, address, services.settings.limits.sign_ups)
+        if not invite:  # undone with the transaction when it fails
+            attempts.record_sign_up(t.connection, address, services.settings.limits.sign_ups)
         role = management.spend_invite(t.connection, invite) if invite else Role.MEMBER
         made = management.add_account(t.connection, name, name, role=role, password_hash=password_hash)
         return accounts.new_session(t.connection, int(made.id))
@@ -203,15 +204,15 @@ async def sign_up(services: Services, name: str, password: str, address: str, in
 
 
 async def new_password(services: Services, secret: str, password: str, address: str) -> str:
-    """Spend a one-time link for a new password: a session; all others end. 404 for a void link, 422, 429."""
-    await _count(services, "", address)
+    """Set a new password by a one-time link; return a session and end all others. 404 for a void link, 422, 429."""
+    await _record_attempt(services, "", address)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
     return await services.store.do(lambda t: accounts.spend_password_link(t.connection, secret, password_hash))
 
 
 async def change_password(services: Services, account: Account, old: str, new: str, address: str) -> str:
-    """Another password for who knows the old one: a session; all others end. 401, 422, 429."""
+    """Change a password, given the old one; return a session and end all others. 401, 422, 429."""
     await _check_password(services, account.name, old, address)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, new)
@@ -219,7 +220,7 @@ async def change_password(services: Services, account: Account, old: str, new: s
 
 
 async def enter(services: Services, secret: str) -> str:
-    """Spend a one-time link: a new session. 404 when it is unknown, used or expired."""
+    """Use a one-time link; return a session. 404 when the link is unknown, used or expired."""
     return await services.store.do(lambda t: accounts.spend_link(t.connection, secret))
 
 
@@ -243,15 +244,15 @@ def set_session(response: Response, services: Services, session: str) -> None:
 
 
 def keep(response: Response, services: Services, viewer: Viewer) -> None:
-    """Keep the cookie that an anonymous viewer's form token belongs to.
+    """Set the cookie that an anonymous viewer's form token belongs to.
 
-    A viewer without a secret is one of whom nothing could be found out (the database cannot be read), perhaps signed
-    in: the cookie stays what it is.
+    A viewer without a secret could not be identified because the database cannot be read; they may be signed in, so
+    the cookie is left alone.
     """
     if viewer.account is None and not viewer.by_token and viewer.secret:
         set_session(response, services, viewer.secret)
 
 
 def csrf_token(secret: str) -> str:
-    """Follows from the cookie's secret and does not reveal it."""
+    """The CSRF token of a session: derived from its secret, which it does not reveal."""
     return hmac.new(secret.encode(), b"csrf", hashlib.sha256).hexdigest()

@@ -1,8 +1,8 @@
-"""Counts attempts to sign in, so that passwords cannot be guessed and argon2 cannot be used to exhaust the machine.
+"""Limits attempts to sign in, so that nobody guesses passwords or exhausts the machine with argon2.
 
-Also counts what else has a limit in an hour and leaves no row with its time: accounts made, and changes. The count is
-in the database: one for all processes that serve it, and the same after a restart. Names and addresses are kept as
-hashes, for an hour, and in no backup.
+Also counts other uses that have a limit per hour and leave no row with a time: new accounts, and changes. The counts
+are in the database, so that all processes share them and they survive a restart. Names and addresses are stored as
+hashes, for one hour, and are left out of backups.
 """
 
 from __future__ import annotations
@@ -20,49 +20,49 @@ from agentrob.errors import BoardError
 
 WINDOW_S = 300.0
 HOUR_S = 3600.0
-#: Of one name from one address, and of all names from one address.
+#: Attempts within `WINDOW_S`: for one name from one address, and for all names from one address.
 PER_NAME = 10
 PER_ADDRESS = 30
-#: So many attempts for a name from anywhere make each further one a second slower, up to `SLOWEST_S`.
+#: After this many attempts for a name, from any address, each further one takes a second longer, up to `SLOWEST_S`.
 SLOWER_EVERY = 30
 SLOWEST_S = 5.0
 
 
-def refuse(reader: Reader, name: str, address: str) -> None:
+def check(reader: Reader, name: str, address: str) -> None:
     """429 when there were `PER_NAME` attempts for the name from the address, or `PER_ADDRESS` for any, in `WINDOW_S`.
 
-    A name is never refused to all addresses: else anybody could lock its owner out. Without a name (signing up) only
-    the address counts: else a few newcomers would shut out all others.
+    A name is never blocked for all addresses, since anybody could then lock its owner out. Without a name (sign-up)
+    only the address counts, since a few newcomers would otherwise block all others.
     """
     for key, limit in _limits(name, address):
         if (wait_s := _wait_s(reader, key, limit, WINDOW_S)) is not None:
             raise BoardError(429, "too_many_attempts", "too many attempts to sign in", "wait", wait_s)
 
 
-def count(connection: Connection, name: str, address: str) -> None:
-    """Count one attempt. 429 when there were too many; that one then does not count."""
-    refuse(Reader(connection), name, address)
+def record(connection: Connection, name: str, address: str) -> None:
+    """Record one attempt. 429 when there were too many; that attempt is not recorded."""
+    check(Reader(connection), name, address)
     _add(connection, *(key for key, _ in _limits(name, address)), *([_name(name)] if name else []))
 
 
 def delay_s(reader: Reader, name: str) -> float:
-    """How long an attempt for this name has to wait, since there were many, from however many addresses."""
+    """Seconds to delay an attempt for this name, by the number of recent attempts from all addresses."""
     a, most = db.attempts.c, math.ceil(SLOWEST_S) * SLOWER_EVERY
     since = now_us() - int(WINDOW_S * 1_000_000)
     recent = select(a.at_us).where(a.key == _name(name), a.at_us > since).limit(most)
     return min(SLOWEST_S, float(len(reader.rows(recent)) // SLOWER_EVERY))
 
 
-def count_sign_up(connection: Connection, address: str, most: int) -> None:
-    """Count one account made from an address. 429 beyond `most` in an hour; 0 is no such limit."""
-    if (wait_s := count_in_hour(connection, "sign-up", _network(address), most)) is not None:
+def record_sign_up(connection: Connection, address: str, most: int) -> None:
+    """Record one account made from an address. 429 after `most` within an hour; 0 means no limit."""
+    if (wait_s := record_use(connection, "sign-up", _network(address), most)) is not None:
         said = f"{most} accounts were made from your address within the last hour, which is the limit"
         minutes = math.ceil(wait_s / 60)
         raise BoardError(429, "too_many_sign_ups", said, f"come again in {minutes} minutes", wait_s)
 
 
-def count_in_hour(connection: Connection, kind: str, value: str, most: int) -> float | None:
-    """Count one. Beyond `most` in an hour it does not count: in how many seconds there is room. 0 is no such limit."""
+def record_use(connection: Connection, kind: str, value: str, most: int) -> float | None:
+    """Record one use; return the seconds to wait if over the limit of `most` per hour, else None. 0 means no limit."""
     if not most:
         return None
     key = _key(kind, value)
@@ -72,8 +72,8 @@ def count_in_hour(connection: Connection, kind: str, value: str, most: int) -> f
     return wait_s
 
 
-def forget(connection: Connection, name: str, address: str) -> None:
-    """A right password: the name starts anew from this address."""
+def clear(connection: Connection, name: str, address: str) -> None:
+    """Clear the attempts for a name from an address, after a right password."""
     connection.execute(delete(db.attempts).where(db.attempts.c.key == _name_at(name, address)))
 
 
@@ -83,7 +83,7 @@ def _limits(name: str, address: str) -> list[tuple[str, int]]:
 
 
 def _wait_s(reader: Reader, key: str, limit: int, window_s: float) -> float | None:
-    """How long until there is room again; None when there is."""
+    """Seconds until the next attempt is allowed; None when it is allowed now."""
     a, now, window_us = db.attempts.c, now_us(), int(window_s * 1_000_000)
     recent = select(a.at_us).where(a.key == key, a.at_us > now - window_us).order_by(a.at_us.desc()).limit(limit)
     times = reader.rows(recent)
@@ -105,7 +105,7 @@ def _name_at(name: str, address: str) -> str:
 
 
 def _network(address: str) -> str:
-    """The part of an address that its owner cannot choose: all of IPv4, the first 64 bits of IPv6."""
+    """The part of an address that a client cannot choose: the whole IPv4 address, the first 64 bits of IPv6."""
     try:
         ip = ipaddress.ip_address(address)
     except ValueError:

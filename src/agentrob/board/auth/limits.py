@@ -1,7 +1,7 @@
-"""How much an account may do in an hour, counted from what is in the database: exact, and the same after a restart.
+"""Limits what an account may do in an hour, counted from the rows in the database: exact, also after a restart.
 
-Asked within the transaction that writes, so that many requests at once do not slip past. A refusal is a 429 that says
-which limit it is and when there is room again. Stops never come here (law 15).
+The check is part of the transaction that writes, so that concurrent requests cannot pass it together. A refusal is a
+429 that names the limit and says when the next use is allowed. A stop is never limited (law 15).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 from sqlalchemy import Connection, Integer, Select, Table, bindparam, select
 
 from agentrob.board.admin.audit import now_us
-from agentrob.board.auth.attempts import count_in_hour
+from agentrob.board.auth.attempts import record_use
 from agentrob.board.db import schema as db
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
@@ -21,7 +21,7 @@ HOUR_US = 3_600_000_000
 
 
 def _nth(table: Table, owner: Any) -> Select[Any]:
-    """When an account made the one before so many newer ones."""
+    """Select when an account made its n-th newest row."""
     mine = select(table.c.created_us).where(owner == bindparam("by")).order_by(table.c.id.desc())
     return mine.offset(bindparam("before", type_=Integer)).limit(1)
 
@@ -31,20 +31,20 @@ _NTH_IMAGE = _nth(db.images, db.images.c.account_id)
 
 
 def check_posts(connection: Connection, author: Account, most: int) -> None:
-    """429 when `most` posts of the account are younger than an hour. 0 is no limit."""
+    """429 when the account wrote `most` posts within the last hour. 0 means no limit."""
     _check(connection, _NTH_POST, author, most, "posts", "written {count} posts")
 
 
 def check_uploads(connection: Connection, by: Account, most: int) -> None:
-    """429 when `most` pictures of the account are younger than an hour."""
+    """429 when the account uploaded `most` pictures within the last hour."""
     _check(connection, _NTH_IMAGE, by, most, "uploads", "uploaded {count} pictures")
 
 
 def check_commands(connection: Connection, author: Account, most: int, robots: frozenset[str]) -> None:
-    """429 when `most` posts of the account that mention a robot are younger than an hour."""
+    """429 when `most` posts of the account within the last hour mention a robot."""
     p, now = db.posts.c, now_us()
     recent = select(p.created_us, p.mentions).where(p.author_id == int(author.id), p.created_us > now - HOUR_US)
-    # Newest first; by the index of posts by author, and ended at the limit.
+    # Newest first, by the index of posts by author; ends at the limit.
     times = []
     for row in connection.execute(recent.order_by(p.id.desc())):
         if not robots.isdisjoint(row.mentions):
@@ -53,11 +53,11 @@ def check_commands(connection: Connection, author: Account, most: int, robots: f
             raise _too_many("commands", f"commanded robots {most} times", times[-1] + HOUR_US - now)
 
 
-def count_change(connection: Connection, by: Account, most: int) -> None:
-    """429 when the account edited posts or chose tags `most` times in the last hour. Robots are exempt."""
+def record_change(connection: Connection, by: Account, most: int) -> None:
+    """Record an edit or a choice of tags. 429 after `most` within the last hour. Robots are exempt."""
     if by.kind is AccountKind.ROBOT_AGENT:
         return
-    if (wait_s := count_in_hour(connection, "change", by.id, most)) is not None:
+    if (wait_s := record_use(connection, "change", by.id, most)) is not None:
         raise _too_many("changes", f"edited posts and chosen tags {most} times", int(wait_s * 1_000_000))
 
 

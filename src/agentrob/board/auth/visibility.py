@@ -1,6 +1,6 @@
-"""Which boards whoever asks may see: set once per request, asked by every read of the store.
+"""The boards that the viewer of the current request may read: set once per request, used by every read of the store.
 
-Reads of a request that said nothing see nothing, so an endpoint that forgets to ask who is there shows no post.
+Until a request sets them they are empty, so an endpoint that forgets to identify its viewer shows no post.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _readable: ContextVar[frozenset[str]] = ContextVar("readable", default=frozenset
 
 
 def boards_readable_by(boards: Iterable[Board], account: Account | None, public_read: bool) -> frozenset[str]:
-    """The ids of the boards that an account may read; without one, those for guests where the forum is public."""
+    """The ids of the boards that an account may read; without an account, those for guests if the forum is public."""
     if (account is None and not public_read) or (account is not None and account.suspended):
         return frozenset()
     rank = account.role.rank if account else Role.GUEST.rank
@@ -23,10 +23,10 @@ def boards_readable_by(boards: Iterable[Board], account: Account | None, public_
 
 
 def set_readable_boards(boards: frozenset[str]) -> None:
-    """From here on this request sees these boards."""
+    """Let the current request read these boards."""
     _readable.set(boards)
 
 
 def readable_boards() -> frozenset[str]:
-    """What the request that runs now may see."""
+    """The boards that the current request may read."""
     return _readable.get()

@@ -60,7 +60,7 @@ def change(t: Transaction, by: Account, topic_id: str, found: Sequence[str], per
         what = "only who began a topic and moderators choose its tags"
         raise BoardError(403, "not_yours", what, "ask one of them")
     if set(found) != set(topic.tags):
-        limits.count_change(t.connection, by, per_hour)
+        limits.record_change(t.connection, by, per_hour)
         t.connection.execute(delete(db.topic_tags).where(db.topic_tags.c.topic_id == int(topic.id)))
         if rows := [{"topic_id": int(topic.id), "tag": tag} for tag in found]:
             t.connection.execute(insert(db.topic_tags), rows)

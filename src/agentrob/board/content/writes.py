@@ -155,7 +155,7 @@ def edit(
     board, topic = reader.board(post.board_id), reader.topic(post.topic_id)
     with _a_stop_is_taken(text):
         may_post(editor, board, topic)
-        limits.count_change(t.connection, editor, per_hour)
+        limits.record_change(t.connection, editor, per_hour)
     at = now_us()
     if not _only_progress(post):
         version = {"post_id": int(post.id), "version": post.version, "raw": post.raw}
