@@ -43,6 +43,9 @@ def test_the_house_keeps_its_floors(copy: Path) -> None:
         ("forums/planted.py", "import agentrob.agent"),
         ("new_room.py", ""),
         ("screening/planted.py", "import httpx2"),
+        ("robots/control/planted.py", "import agentrob.robots.safety.guard"),
+        ("robots/driver/api.py", "import agentrob.robots.driver.process"),
+        ("sim/world/planted.py", "import agentrob.sim.bodies.go2"),
         ("agent/reporting/report.py", "import agentrob.agent.store.journal"),
     ],
 )
