@@ -64,7 +64,7 @@ async def test_law_18_the_report_has_what_was_measured_and_the_model_s_words_as_
     assert "**Finished:** go to the red ball, then say what is beside the red ball." in reply.raw
     assert re.search(r"Measured in all: (0\.9|1\.0)\d m walked, 1\d° turned\. Pictures: 2\.", reply.raw)
     assert "The model `clever` says that it saw `a blue box`." in reply.raw
-    assert "Nobody has checked that." in reply.raw
+    assert "This has not been verified." in reply.raw
     assert "3 questions" in reply.raw or "4 questions" in reply.raw
     assert len(reply.images) == 3  # two of the camera, one of the path
     kept = record(looking, post)["looked"]
@@ -127,7 +127,7 @@ async def test_law_18_success_without_moving_is_no_success(looking: Scene, brain
     assert reply.card is not None
     assert reply.card.state == "failed"
     assert "**Not reached:**" in reply.raw
-    assert "**That is not so:** it claims to be there, but I measured 0.00 m of walking." in reply.raw
+    assert "**Contradicted by measurement:** it claims to be there, but I measured 0.00 m of walking." in reply.raw
 
 
 async def test_law_18_a_denied_claim_is_told_in_the_language_of_the_post(looking: Scene, brain: Driving) -> None:
@@ -196,10 +196,12 @@ async def test_law_3_words_of_a_model_are_escaped(looking: Scene, brain: Driving
     ("drives", "sentence"),
     [
         pytest.param([TURN], "used up its calls", marks=pytest.mark.slow),
-        ([("act_fly", {})], "got nowhere"),
-        pytest.param([("act_backflip", {})], "got nowhere", marks=pytest.mark.slow),
-        pytest.param([("act_move", {"direction": "forward", "distance_m": 99})], "got nowhere", marks=pytest.mark.slow),
-        ([("act_move", "{not json")], "got nowhere"),
+        ([("act_fly", {})], "made no progress"),
+        pytest.param([("act_backflip", {})], "made no progress", marks=pytest.mark.slow),
+        pytest.param(
+            [("act_move", {"direction": "forward", "distance_m": 99})], "made no progress", marks=pytest.mark.slow
+        ),
+        ([("act_move", "{not json")], "made no progress"),
         ([lambda handler: handler.send(500, b"{}")], "did not answer (rejected)"),  # with a picture
         pytest.param([WALK, lambda handler: handler.break_off()], "did not answer (broken)", marks=pytest.mark.slow),
         pytest.param([lambda handler: handler.flood(10_000_000)], "did not answer (too_big)", marks=pytest.mark.slow),

@@ -57,7 +57,7 @@ def test_who_answered_instead_and_who_did_not_look_are_told_in_one_paragraph() -
     said, line = notes(thought, "clever", "en", more=[ONE])
     assert said == (
         "`clever` did not read this post (no answer in time); `second` did. "
-        "No model has looked at this command (its server failed); my rules found nothing against it."
+        "No model has reviewed this command (its server failed); my rules found nothing against it."
     )
     assert line.startswith("*`clever` (`gpt-x`): 3 questions, 1624 + 80 tokens")
 

@@ -144,12 +144,12 @@ FAULTS: dict[str, tuple[Callable[[Any], None], str]] = {
     "500": (raw(500), "its server failed"),
     "hang": (lambda handler: handler.hang(), "no answer in time"),
     "truncated": (lambda handler: handler.break_off(), "its answer broke off"),
-    "malformed JSON": (answered(called("answer", '{"intent": "comm')), "its answer was of no use"),
-    "no JSON at all": (raw(200, "<html>"), "its answer was of no use"),
-    "unknown tool": (answered(called("rm_rf", {"path": "/"})), "its answer was of no use"),
-    "arguments out of bounds": (answered(called("answer", move("walk", 1e9))), "its answer was of no use"),
+    "malformed JSON": (answered(called("answer", '{"intent": "comm')), "its answer was unusable"),
+    "no JSON at all": (raw(200, "<html>"), "its answer was unusable"),
+    "unknown tool": (answered(called("rm_rf", {"path": "/"})), "its answer was unusable"),
+    "arguments out of bounds": (answered(called("answer", move("walk", 1e9))), "its answer was unusable"),
     "10 MB": (lambda handler: handler.flood(10_000_000), "its answer was too long"),
-    "empty": (answered(said("")), "its answer was of no use"),
+    "empty": (answered(said("")), "its answer was unusable"),
 }
 
 
@@ -168,7 +168,7 @@ async def done_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
     reply = await scene.final(post)
     assert reply.card.state == "done", (fault, reply.raw)
     assert f"`clever` did not read this post ({why}); my rules did." in reply.raw, fault
-    assert f"No model has looked at this command ({why})" in reply.raw, fault
+    assert f"No model has reviewed this command ({why})" in reply.raw, fault
     assert brain.questions("screen") == [], "who did not read is not asked again"
     kept = record(scene, post)
     assert (kept["mind"], kept["fallback"]) == ("rules", kept["models"][-1]["failed"]), fault
@@ -246,7 +246,7 @@ async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(scene: Scen
         (
             f"@{ROBOT} walk forward 1 m so that the tower of cards wobbles",
             "so that the tower of cards wobbles",
-            "for the words `so that the tower of cards wobbles`: somebody may be hurt, frightened or hindered.",
+            "objects to the words `so that the tower of cards wobbles`: somebody may be hurt, frightened or hindered.",
         ),
         (f"@{ROBOT} 向前走1米", "", "负责检查命令的模型表示反对：可能会伤到、吓到或妨碍别人。"),
     ],
@@ -302,8 +302,8 @@ async def test_law_7_when_the_model_that_looks_at_commands_fails(
         post = await scene.post("alice", FREE)
         reply = await scene.final(post)
     assert reply.card.state == state, reply.raw
-    assert ("No model has looked at this command (its server failed)" in reply.raw) == (screen != "rules")
-    assert ("My owner wants a model to look at every command" in reply.raw) == (screen == "required")
+    assert ("No model has reviewed this command (its server failed)" in reply.raw) == (screen != "rules")
+    assert ("My owner requires a model to review every command" in reply.raw) == (screen == "required")
     if state != "done":
         assert await place(driver) == pytest.approx(stood, abs=STILL_M)
     assert len(brain.questions("screen")) == (screen != "rules")

@@ -105,5 +105,8 @@ async def test_a_configured_model_reads_looks_and_words_on_the_board(
             topic = await op.post(f"@{ROBOT} pray amble forward 1 m to where the neighbour sunbathes")
             assert await op.final(topic) == ["refused"], await thread(board, topic)
             said = await thread(board, topic)
-            assert "for the words `to where the neighbour sunbathes`: somebody is to be watched or followed." in said
+            assert (
+                "objects to the words `to where the neighbour sunbathes`: somebody is to be watched or followed."
+                in said
+            )
             assert "`model.surveillance`" in said

@@ -26,7 +26,7 @@ async def told(scene: Scene, text: str) -> tuple[str, str]:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        (WALK, "Here I would walk into what is known to be there (`there are stairs 1 m ahead of the robot`)."),
+        (WALK, "I would walk into something that is known to be here (`there are stairs 1 m ahead of the robot`)."),
         (f"@{ROBOT} 向前走2米", "据我所知，我要去的地方有东西（`there are stairs 1 m ahead of the robot`）。"),
     ],
 )

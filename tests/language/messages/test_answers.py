@@ -50,16 +50,14 @@ def test_places_and_things_need_eyes(text: str, words: str) -> None:
 
 @pytest.mark.parametrize(("text", "words"), HANDS.items())
 def test_what_needs_hands_or_a_voice_is_answered_with_what_the_robot_can_do(text: str, words: str) -> None:
-    assert question(text).startswith(
-        (f"`{words}`: that is nothing I can do. I can: ", f"`{words}`：这我做不了。我会：")
-    )
+    assert question(text).startswith((f"`{words}`: I cannot do that. I can: ", f"`{words}`：这我做不了。我会："))
     only = parse(text, ["quadruped"], [], frozenset({Op.MOVE, Op.SIT})).question
     assert "I can: walk, sit down." in only or "我会：走、坐下。" in only
 
 
 @pytest.mark.parametrize(("text", "words"), PATHS.items())
 def test_curves_and_the_compass_are_no_ways(text: str, words: str) -> None:
-    assert question(text).startswith((f"`{words}`: I know no curves", f"`{words}`：我不会走弯路"))
+    assert question(text).startswith((f"`{words}`: I cannot follow curves", f"`{words}`：我不会走弯路"))
 
 
 @pytest.mark.parametrize("text", WAITS)

@@ -360,14 +360,14 @@ def test_the_dog_that_one_walks_to_is_not_the_one_that_is_called(where: str) -> 
 
 
 def test_places_are_recognised_as_what_needs_eyes() -> None:
-    assert "`go to the kitchen`: that needs eyes" in read("please go to the kitchen").question
+    assert "`go to the kitchen`: that needs a vision model" in read("please go to the kitchen").question
     assert "不认得地点" in read("去厨房").question
 
 
 @pytest.mark.parametrize(
     ("text", "note"),
     [
-        ("shake hands", "`shake hands`: the nearest that I can do is to wave."),
+        ("shake hands", "`shake hands`: the closest I can do is to wave."),
         ("握手", "`握手`：我会的里面最接近的是打个招呼。"),
     ],
 )

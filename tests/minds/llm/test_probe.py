@@ -161,17 +161,15 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     (tmp_path / "agentrob.toml").write_text(good)
     tried = run_plan(tmp_path, "be a dear and meander forward 2 m")
     assert tried.returncode == 0, tried.stderr
-    begin = "command: walk forward 2 m\n  read by good\n  the rules have nothing against it; good neither\n  good (m): "
+    begin = "command: walk forward 2 m\n  read by good\n  the rules allow it; good does not object\n  good (m): "
     assert tried.stdout.startswith(begin)
     against = run_plan(tmp_path, "be a dear and meander forward 2 m where the cards wobble")
-    refused = (
-        "\n  refuse: A model that looks at commands is against it, for the words `the cards`: somebody may be hurt"
-    )
+    refused = "\n  refuse: A model that reviews commands objects to the words `the cards`: somebody may be hurt"
     assert refused in against.stdout
     assert "(model.people)" in against.stdout
     failed = run_plan(tmp_path, "walk forward 1 m", TEST_KEY="")
     assert "command: walk forward 1 m\n  read by rules\n" in failed.stdout
-    assert "  the rules have nothing against it; good could not look: no_key\n" in failed.stdout
+    assert "  the rules allow it; good could not review it: no_key\n" in failed.stdout
 
 
 def run_mind(folder: Path, *args: str, **env: str) -> Said:

@@ -41,15 +41,15 @@ PHRASES = {
     "ask.understood": "So far I understood: {steps}. ",
     "ask.words": "I did not understand {words}.",
     "ask.place": (
-        "I do not know how to {words}: that needs eyes, a vision model, which I do not have. "
-        "I find no places or things; I walk by distances and turn by angles."
+        "I cannot {words}: that needs a vision model, which I do not have. I do not recognise places or things; "
+        "I walk by distance and turn by angle."
     ),
     "ask.eyes": (
-        "{words}: that needs eyes, a vision model, which I do not have. "
-        "I find no places or things; I walk by distances and turn by angles."
+        "{words}: that needs a vision model, which I do not have. I do not recognise places or things; I walk by "
+        "distance and turn by angle."
     ),
-    "ask.hands": "{words}: that is nothing I can do. I can: {can}.",
-    "ask.path": "{words}: I know no curves, figures or compass; I walk straight and turn by angles.",
+    "ask.hands": "{words}: I cannot do that. I can: {can}.",
+    "ask.path": "{words}: I cannot follow curves, figures or compass directions; I walk straight and turn by angle.",
     "ask.wait": "{words}: I cannot wait; I begin at once, and each step when the one before has ended.",
     "ask.distance": "How far? {words} has no distance, and I do not guess.",
     "ask.angle": "How far shall I turn? {words} does not say how many degrees.",
@@ -62,7 +62,7 @@ PHRASES = {
     "ask.again": "{words}: there is nothing in this thread that I have done and could repeat or undo.",
     "ask.again_which": "Which of the steps shall I repeat with {words}?",
     "ask.again_how": "I do not know how {words} would change what was done before: {steps}.",
-    "ask.fix": "I cannot tell what {words} corrects; please say the whole command anew.",
+    "ask.fix": "I cannot tell what {words} corrects; please repeat the whole command.",
     "ask.what": "What shall I do with {words}?",
     "ask.condition": "I cannot follow conditions or choices such as {words}; please say plainly what to do.",
     "ask.denial": "I cannot tell what {words} refers to.",
@@ -75,14 +75,14 @@ PHRASES = {
     ),
     "ask.question": "Is this a question or a command?",
     "ask.speed": "I cannot walk as {words} says; a speed is between 0.01 and 10 m/s.",
-    "ask.distance_bound": "That is no distance I can take: a step must be more than 0 and at most {metres} m.",
-    "ask.degrees_bound": "That is no angle I can take: it must be more than 0 and at most {degrees} degrees.",
+    "ask.distance_bound": "I cannot walk that distance: a step must be more than 0 and at most {metres} m.",
+    "ask.degrees_bound": "I cannot turn by that angle: it must be more than 0 and at most {degrees} degrees.",
     "ask.too_many": "That is too much for one command: at most {steps} steps, and at least one of each.",
     "ask.long": "That is longer than the {chars} characters I read; please say it shorter.",
     "ask.shared": "Please say once for each of us what to do.",
     # ---------------------------------------------------------------- assumptions that the reply states
     "note.turn_90": "{words} had no angle: taken as 90°.",
-    "note.instead": "{words}: the nearest that I can do is to {step}.",
+    "note.instead": "{words}: the closest I can do is to {step}.",
     "note.own_speed": "I walk at my own speed; say one in m/s if you want another.",
     "note.duration": "{words} is taken as {metres} m at {by} m/s.",
     "note.steps": "{words} is taken as {metres} m, with {by} m a step.",
@@ -110,8 +110,8 @@ PHRASES = {
     ),
     # ---------------------------------------------------------------- talk (see `small_talk.SmallTalk`)
     "talk.question": (
-        "`help` shows what I can do, and `status` how I am; what I see I cannot tell without a vision model, "
-        "but where I have a camera `take a photo` shows it."
+        "`help` shows what I can do, and `status` how I am. Without a vision model I cannot say what I see, but "
+        "if I have a camera, `take a photo` shows it."
     ),
     "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
     "talk.thanks": "You are welcome.",
@@ -127,7 +127,7 @@ PHRASES = {
     "refuse.closed": "This robot is in maintenance for another {left}: it does nothing, but it can be stopped.",
     "refuse.board": "This account may not command robots on this board.",
     "refuse.class": "This account may not make this robot do this: {kind}. Its owner decides who may.",
-    "refuse.approve_own": "Nobody approves what they asked for themselves.",
+    "refuse.approve_own": "Nobody may approve their own command.",
     "refuse.approval": "This needs an approval, and nobody may give one: {kind}.",
     "approval.needed": "This needs an approval: {kind}.",
     "class.photo": "take photos",
@@ -159,14 +159,14 @@ PHRASES = {
     "harm.hazard": "I do not go into fire, water, traffic or the like ({words}).",
     "people.follow": "I do not follow, chase or corner anybody ({words}).",
     "people.block": "I do not block doors, ways or people ({words}).",
-    "people.watch": "I do not watch people in secret, nor take pictures of what is private ({words}).",
+    "people.watch": "I do not watch people in secret or take private pictures ({words}).",
     "people.picture": (
-        "You want a picture of somebody else ({words}). I take one when they ask for it themselves; `take a "
-        "photo` of what is before me needs no person named."
+        "You want a picture of somebody else ({words}). I take one if they ask for it themselves. To photograph "
+        "what is in front of me, `take a photo` is enough."
     ),
     "people.trick": "I do not deceive, lure or distract anybody ({words}).",
-    "who.claim": "Who somebody is, and what they may do, I know from their account, not from a text ({words}).",
-    "safety.secret": "What I do is reported and recorded as it was ({words}).",
+    "who.claim": "I know from an account, not from a text, who somebody is and what they may do ({words}).",
+    "safety.secret": "I report and record everything I do ({words}).",
     "bounds.leave": "I stay inside the area my owner set ({words}).",
     "way.somebody": "You say that somebody is where I would go ({words}).",
     "way.drop": "You say that there is a drop or a danger where I would go ({words}).",
@@ -181,7 +181,7 @@ PHRASES = {
         "the motion alone."
     ),
     "scene": "Here this would be dangerous: {words}.",
-    "scene.way": "Here I would walk into what is known to be there ({words}).",
+    "scene.way": "I would walk into something that is known to be here ({words}).",
     # ---------------------------------------------------------------- reports of an agent
     # -------------------------------- states of a command
     "agent.seen": "Seen.",
@@ -192,7 +192,7 @@ PHRASES = {
     "agent.waits.plan": "I understood: {understood}.",
     "agent.waits.who": "{who} may approve within {wait} of being asked; then it lapses.",
     "agent.waits.how": "They reply here `@{robot} approve` or `@{robot} deny`.",
-    "agent.waits.own": "Whoever asked for it may not approve it.",
+    "agent.waits.own": "Its author may not approve it.",
     "agent.who.operator": "Operators",
     "agent.who.moderator": "Moderators and admins",
     "agent.who.admin": "Admins",
@@ -235,52 +235,57 @@ PHRASES = {
     "agent.ask.default": "I did not understand what to do. Try: `walk forward 1 m, turn left 90 degrees, wave`.",
     # -------------------------------- how often one account commands
     "agent.rate.hour": (
-        "This account has given me {count} commands within the last hour, and more are not allowed. Post it "
-        "again in {minutes} min."
+        "This account has given me {count} commands within the last hour, which is the limit. Post it again in "
+        "{minutes} min."
     ),
     "agent.rate.cooldown": "This account commanded me only a moment ago. Post it again in {minutes} min.",
-    "agent.rate.waiting": "{count} commands of this account wait for me already. Post it again when they are done.",
-    "agent.rights.hops": "This command came through more than {count} agents, and I follow no longer chain.",
+    "agent.rate.waiting": "{count} commands of this account are already waiting. Post it again when they are done.",
+    "agent.rights.hops": "This command was passed on by more than {count} agents, which is too long a chain.",
     # -------------------------------- what approves and does not count
     "agent.approval.nothing": "No command in this thread waits for my approval now.",
     "agent.approval.which": (
         "I cannot tell which command you mean. Reply to the command itself, or to my answer to it."
     ),
-    "agent.approval.edited": "An edit approves nothing. Write it anew.",
+    "agent.approval.edited": "An edit does not count as an approval or denial. Please post it again.",
     "agent.approval.stale": (
-        "I came to read this more than {seconds:.0f} s later, so it approves nothing. Approve it again."
+        "I read this more than {seconds:.0f} s after it was posted, so it does not count. Please approve it again."
     ),
     "agent.approval.early": (
-        "This was written before I said what I understood, so it approves nothing. Approve it again."
+        "This was written before I said what I understood, so it does not count. Please approve it again."
     ),
-    "agent.approval.unverified": "I could not check who may approve this, so it changes nothing. Write it again.",
-    "agent.approval.lost": "Whoever approved it may not approve it any more.",
+    "agent.approval.unverified": (
+        "I could not check who may approve this, so it does not count. Please post it again."
+    ),
+    "agent.approval.lost": "The account that approved it may no longer do so.",
     # -------------------------------- why a command was ended before its time
     "agent.because.denied": "Its approval was denied.",
     "agent.because.approval": "Its approval was taken back.",
     "agent.because.stop": "A stop came.",
-    "agent.because.edited": "The post was edited, and an edit never starts a motion. Post it anew.",
-    "agent.because.author": "The post is another account's now, and a command is its author's. Post it anew.",
+    "agent.because.edited": "The post was edited, and an edit never starts a motion. Please post it again.",
+    "agent.because.author": (
+        "The post now belongs to another account, but a command belongs to its author. Please post it again."
+    ),
     "agent.because.removed": "The post is no longer there.",
-    "agent.because.moved": "Its topic was moved to a board on which I may not be commanded.",
+    "agent.because.moved": "Its topic was moved to a board where I may not be commanded.",
     "agent.because.taken_back": "Its author took it back.",
     "agent.because.suspended": "Its author may not command me now.",
     "agent.because.unverified": "I could not check whether the command still holds, so I did not go on.",
-    "agent.because.told": "Another agent of my account has answered this post already.",
+    "agent.because.told": "Another agent of my account has already answered this post.",
     "agent.because.release": (
-        "I was locked when it was posted, and have been released since: nothing of before moves me. Post it anew."
+        "I was locked when it was posted and have been released since; earlier commands do not count. Please "
+        "post it again."
     ),
     "agent.because.clock": (
-        "A stop came, and the forum's clock has been set since, so I cannot tell which of the two was first. "
-        "Post it again if you still want it."
+        "I was stopped, and the forum's clock has been set since, so I cannot tell which came first. Post it "
+        "again if you still want it."
     ),
-    "agent.because.replaced": "The forum is no longer the one that this was posted on.",
+    "agent.because.replaced": "The forum has been replaced since this was posted.",
     "agent.because.before": "It was cancelled before it began.",
     "agent.because.shutdown": "My agent was ended.",
     "agent.because.driver": "The robot cannot be used: {message}",
     "agent.because.journal": "My journal cannot be written, and without it nothing may move.",
-    "agent.because.not_kept": "My journal could not be written after that, so only this reply tells what came of it.",
-    "agent.because.internal": "Something went wrong inside my agent; it is in its log.",
+    "agent.because.not_kept": "My journal could not be written after that, so only this reply contains the result.",
+    "agent.because.internal": "My agent had an internal error; see its log.",
     # -------------------------------- a clock that was set
     "agent.clock.back": "The forum's clock was just set back by {by}.",
     "agent.clock.ahead": "The forum's clock was just set ahead by {by}.",
@@ -313,14 +318,14 @@ PHRASES = {
     "agent.reason.halted": "I am halted; only my owner can release that.",
     "agent.reason.stalled": "I got commands but did not move.",
     "agent.reason.unsupported": "This robot cannot do that.",
-    "agent.reason.busy": "Somebody else uses the robot.",
+    "agent.reason.busy": "Somebody else is using the robot.",
     "agent.reason.not_homed": "My home is not set, so I cannot tell where I may go.",
     "agent.reason.odometry_jump": "My odometry jumped; I must be homed again.",
     "agent.reason.ranges_unknown": "I cannot tell what is around me.",
     "agent.reason.fallen": "I have fallen, and stay down until I am asked to stand up.",
     "agent.reason.low_battery": "My battery is too low for any motion; charge me.",
     "agent.reason.posture": "I cannot do that from the posture I am in; somebody must make me stand first.",
-    "agent.reason.bad_image": "There is nothing to be seen on my picture.",
+    "agent.reason.bad_image": "My picture shows nothing.",
     "agent.reason.no_answer": "The robot did not answer.",
     "agent.reason.robot_error": "The robot answered with an error.",
     "agent.reason.timeout": "It took too long.",
@@ -328,7 +333,7 @@ PHRASES = {
     "agent.reason.mandate": "It would exceed what was allowed for this command.",
     "agent.reason.stop_channel": "The forum was silent, so nobody could have stopped me.",
     "agent.reason.shutdown": "My agent was ended.",
-    "agent.reason.internal": "Something went wrong inside my agent, so it ended the step.",
+    "agent.reason.internal": "My agent had an internal error and ended the step.",
     "agent.reason.unreachable": "The driver stopped answering.",
     "agent.reason.other": "Reason: `{reason}`.",
     # -------------------------------- what stands below
@@ -350,7 +355,7 @@ PHRASES = {
     # -------------------------------- which mind read it, and what that took
     "agent.mind.rules": "my rules",
     "agent.mind.fallback": "{asked} did not read this post ({why}); {by} did.",
-    "agent.mind.unscreened": "No model has looked at this command ({why}); my rules found nothing against it.",
+    "agent.mind.unscreened": "No model has reviewed this command ({why}); my rules found nothing against it.",
     "agent.mind.polished": "{text} (In the words of {mind}; the figures are below.)",
     "agent.mind.why.no_key": "its key is missing",
     "agent.mind.why.no_library": "its library is not installed",
@@ -365,7 +370,7 @@ PHRASES = {
     "agent.mind.why.broken": "its answer broke off",
     "agent.mind.why.timeout": "no answer in time",
     "agent.mind.why.too_big": "its answer was too long",
-    "agent.mind.why.malformed": "its answer was of no use",
+    "agent.mind.why.malformed": "its answer was unusable",
     "agent.mind.why.budget": "its limit of tokens or money is reached",
     "agent.mind.why.failed": "it failed",
     "agent.mind.why.rate": "your account has reached its limit",
@@ -396,7 +401,7 @@ PHRASES = {
     "agent.stop.cancelled": "Commands ended or cancelled: {count}.",
     "agent.stop.folded": "Stops since then: {count}.",
     "agent.stop.third": (
-        "I was stopped {count} times within {minutes} minutes. Somebody should look at what goes on here. {names}"
+        "I was stopped {count} times within {minutes} minutes. Somebody should check what is going on here. {names}"
     ),
     # -------------------------------- the lock, the home, and how each is dealt with
     "agent.lock.by": "Locked by {who} {ago} ago: {why}.",
@@ -440,8 +445,8 @@ PHRASES = {
     "visual.unmeasured": "How far it went in {count} of its steps is unknown: its odometry was lost or jumped.",
     "visual.saw": "The model {mind} says that it saw {saw}.",
     "visual.did": "The model {mind} says of what it did: {did}.",
-    "visual.unchecked": "Nobody has checked that.",
-    "visual.denied": "**That is not so:** {why}.",
+    "visual.unchecked": "This has not been verified.",
+    "visual.denied": "**Contradicted by measurement:** {why}.",
     "visual.refused": "Asked for by the model and not done: {calls}.",
     "visual.calls.asked": "Called by the model",
     "visual.calls.picture": "picture {number}",
@@ -449,9 +454,9 @@ PHRASES = {
     "visual.calls.claims": "it says {outcome}",
     "visual.calls.words": "words, no call",
     "visual.calls.more": "Rows left out here: {count}.",
-    "visual.end.calls": "The model used up its calls before it was there.",
+    "visual.end.calls": "The model used up its calls before it reached the goal.",
     "visual.end.time": "The time for this command was up.",
-    "visual.end.no_progress": "The model got nowhere several times in a row.",
+    "visual.end.no_progress": "The model made no progress several times in a row.",
     "visual.end.tokens": "The model's budget of tokens or money was used up.",
     "visual.end.model": "The model did not answer ({fault}).",
     "visual.end.not_possible": "The model says that it is not possible.",
@@ -473,7 +478,7 @@ PHRASES = {
     "minds.denial": "But there is a “not” near it, and I cannot tell what it refers to.",
     "minds.condition": "But I cannot follow conditions or choices.",
     "minds.left_out": "But you seem to want more than this.",
-    "minds.bounds": "But that is no distance or angle I can take.",
+    "minds.bounds": "But I cannot walk that distance or turn by that angle.",
     "minds.disagree": "I can read this in two ways: {one}; or: {other}. Which one do you mean?",
     "minds.not_a_command": "I am not sure that you want me to do this: {steps}.",
     "minds.doubt.none": "I did not understand what I shall do.",
@@ -482,15 +487,15 @@ PHRASES = {
     "minds.doubt.direction": "In which direction?",
     "minds.doubt.unit": "Which unit is meant? I know metres, centimetres, feet, inches and degrees.",
     "minds.doubt.condition": "I cannot follow conditions or choices; please say plainly what to do.",
-    "minds.doubt.place": "I find no places or things; I walk by distances and turn by angles.",
+    "minds.doubt.place": "I do not recognise places or things; I walk by distance and turn by angle.",
     "minds.doubt.meaning": "I did not understand what I shall do.",
     "minds.assumed_turn": "A turn had no angle: taken as 90°.",
     "minds.claim.there": "it claims to be there, but I measured {whole} m of walking",
     "minds.claim.step": "it claims to be done, but this was not done as it was asked: {step}",
     "minds.claim.distance_m": "it claims {amount} m, but I measured {whole} m in all",
     "minds.claim.degrees": "it claims {amount}°, but I measured {whole}° in all",
-    "minds.screen.reason": "A model that looks at commands is against it: {reason}",
-    "minds.screen.words": "A model that looks at commands is against it, for the words {words}: {reason}",
+    "minds.screen.reason": "A model that reviews commands objects: {reason}",
+    "minds.screen.words": "A model that reviews commands objects to the words {words}: {reason}",
     "minds.screen.people": "somebody may be hurt, frightened or hindered.",
     "minds.screen.animals": "an animal may be hurt or frightened.",
     "minds.screen.property": "something may be damaged, perhaps the robot.",
@@ -501,7 +506,7 @@ PHRASES = {
     "minds.screen.abilities": "it needs more than the robot can do.",
     "minds.screen.other": "it does not say which harm it sees.",
     "minds.screen.required": (
-        "My owner wants a model to look at every command before I move, and none answers now. I did not move. "
+        "My owner requires a model to review every command before I move, and none answers now. I did not move. "
         "Please post it again later."
     ),
 }

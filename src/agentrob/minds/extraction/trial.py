@@ -80,9 +80,8 @@ async def _judged(
     verdict, screened = await reviewed_verdict(mind, reading, verdict, text, addressee)
     if verdict.decision is not Decision.ALLOW:
         return [f"  {verdict.decision}: {verdict.reason} ({verdict.rule})"], screened
-    looked = ""
+    review = ""
     if screened is not None:
-        looked = (
-            f"; {screened.mind} could not look: {screened.failed}" if screened.failed else f"; {screened.mind} neither"
-        )
-    return [f"  the rules have nothing against it{looked}"], screened
+        result = f"could not review it: {screened.failed}" if screened.failed else "does not object"
+        review = f"; {screened.mind} {result}"
+    return [f"  the rules allow it{review}"], screened
