@@ -108,7 +108,7 @@ def test_settings_that_are_none_are_refused_with_what_is_valid() -> None:
     for setting in ("operators", "admins", "commanding_agents"):
         with pytest.raises(ConfigError, match="whoever signs up is in registered-users"):
             NodeBBForum(ForumConfig(options={setting: ["Registered Users"]}), "token")
-    with pytest.raises(ConfigError, match="login:name:password"):
+    with pytest.raises(ConfigError, match="login:NAME:PASSWORD"):
         Credentials.of("login:only-a-name")
     with pytest.raises(ConfigError, match="uid"):
         Credentials.of("token@alice")
