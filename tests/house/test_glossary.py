@@ -1,0 +1,37 @@
+"""docs/glossary.md lists the product's own words, and each of them is a name in the code."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+ROWS = re.findall(r"^\| ([a-z]+) \| .+ \| `(\w+)` \|$", (ROOT / "docs/glossary.md").read_text(), re.MULTILINE)
+
+
+def names() -> set[str]:
+    """Every class, function, attribute and field that the package defines."""
+    found = set()
+    for path in (ROOT / "src/agentrob").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+                found.add(node.name)
+            elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+                found.add(node.target.id)
+    return found
+
+
+NAMES = names()
+
+
+@pytest.mark.parametrize(("word", "name"), ROWS)
+def test_each_word_is_a_name_in_the_code(word: str, name: str) -> None:
+    assert name in NAMES, f"docs/glossary.md: {word}"
+
+
+def test_the_glossary_is_read() -> None:
+    assert len(ROWS) == (ROOT / "docs/glossary.md").read_text().count("\n| ") - 1
+    assert len({word for word, _ in ROWS}) == len(ROWS)
