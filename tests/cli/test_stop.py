@@ -34,6 +34,8 @@ LIMIT_S = 60.0
 #: A robot that stands keeps so close to its mean place for so long, and the mean places of both halves differ by less:
 #: it may sway, but goes nowhere.
 REST_M, REST_S = 0.02, 0.8
+#: Longer than `agentrob stop` takes to start on a busy machine.
+LONG = "walk forward 2 metres, walk backward 2 metres, walk forward 2 metres"
 STOPPED = r"zero velocity commanded after \d+ ms; stands still"
 CONFIG = """
 data = "{data}"
@@ -266,7 +268,7 @@ def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(tmp_path: P
         child = {child.name: child for child in demo.children}
         kill(child[f"agent-{ROBOT}"], child["board"])
         config, driver = str(demo.data / "agentrob.toml"), child[f"driver-{ROBOT}"]
-        drive = shell(tmp_path, demo.runtime, "drive", ROBOT, "walk forward 2 metres", "--config", config)
+        drive = shell(tmp_path, demo.runtime, "drive", ROBOT, LONG, "--config", config)
         until_it_walks(client_of(ROBOT, driver))
         aim = [ROBOT] if how == "name" else ["--all"]
         out, errors, code = said(shell(tmp_path, demo.runtime, "stop", *aim, "--config", config))
