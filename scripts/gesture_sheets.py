@@ -17,9 +17,6 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from agentrob.sim.world.world.room import ROOM_GROUP
-from agentrob.sim.world.world.scene import OPEN_FLOOR, Start, load
-from agentrob.sim.world.world.world import PERIOD_S, ROBOT_GROUP, World
 from PIL import Image, ImageDraw
 
 from agentrob.sim.bodies.g1 import G1
@@ -28,8 +25,11 @@ from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.event_log import EventLog
 from agentrob.sim.rendering.cameras import choose_backend, open_renderer
 from agentrob.sim.rendering.view import View
-from agentrob.sim.services.dds import g1_sport, go2_sport
+from agentrob.sim.services import g1_sport, go2_sport
 from agentrob.sim.world.legged import Array
+from agentrob.sim.world.room import ROOM_GROUP
+from agentrob.sim.world.scene import OPEN_FLOOR, Start, load
+from agentrob.sim.world.world import PERIOD_S, ROBOT_GROUP, World
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
 PICTURES, SIDE_PX, COLOURS = 8, 240, 96

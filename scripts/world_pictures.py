@@ -11,14 +11,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from agentrob.sim.world.world.scene import load, shipped
-from agentrob.sim.world.world.world import World
 from PIL import Image
 
 from agentrob.sim.bodies.g1 import G1
 from agentrob.sim.bodies.go2 import Go2
 from agentrob.sim.rendering.cameras import choose_backend, open_renderer
 from agentrob.sim.rendering.view import overview
+from agentrob.sim.world.scene import load, shipped
+from agentrob.sim.world.world import World
 
 FOLDER = Path(__file__).parents[1] / "docs/images"
 SIZE_PX, QUALITY = (720, 405), 82

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,8 +18,10 @@ WALK = f"@{ROBOT} walk forward 2 m"
 
 async def told(scene: Scene, text: str) -> tuple[str, str]:
     """How a post ends and what is said of it."""
-    async with scene.agent():
+    async with scene.agent() as agent, asyncio.timeout(60):
         reply = await scene.final(await scene.post("alice", text))
+        while await agent.journal.open_claims():  # noqa: ASYNC110  the next agent would take it for a waiting command
+            await asyncio.sleep(0.01)
     assert reply.card is not None
     return reply.card.state, reply.raw
 
