@@ -43,7 +43,7 @@ def split(files: list[str], count: int, seconds: dict[str, float]) -> list[list[
 
 
 def parse(text: str) -> tuple[int, int]:
-    """`3/12` as (3, 8). Raises `UsageError`."""
+    """`3/12` as (3, 12). Raises `UsageError`."""
     number, _, count = text.partition("/")
     if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
         raise pytest.UsageError(f"{text!r} is not a slice; valid: NUMBER/COUNT, as 3/12")
