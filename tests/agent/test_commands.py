@@ -69,7 +69,7 @@ async def test_never_mind_with_a_new_command_replaces_the_old_one(scene: Scene) 
     ("text", "said"),
     [
         ("@quadruped never mind", "nothing of yours waiting"),
-        ("@quadruped what do you see?", "without a vision model"),
+        ("@quadruped what do you see?", "Without a vision model"),
         ("@quadruped 你看到了什么？", "没有视觉模型"),
     ],
 )

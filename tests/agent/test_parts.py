@@ -260,7 +260,7 @@ async def test_an_agent_s_error_is_told_and_the_next_command_is_done(scene: Scen
         first = await scene.final(await scene.post("alice", "@quadruped wave"))
         second = await scene.final(await scene.post("alice", "@quadruped turn left 90 degrees"))
     assert [p.card.state for p in (first, second)] == ["failed", "done"]
-    assert "inside my agent" in first.raw
+    assert "My agent had an internal error" in first.raw
 
 
 async def test_a_post_that_wants_nothing_gets_no_answer(scene: Scene) -> None:

@@ -16,6 +16,7 @@ import httpx2
 import pytest
 
 from agentrob.process.child import Child, terminate_all
+from agentrob.process.host_lock import namespaced
 from agentrob.wiring import app
 from tests import in_process
 
@@ -114,10 +115,10 @@ def test_an_agent_without_its_token_says_which_variable_it_needs(lab: Lab) -> No
     assert "AGENTROB_TOKEN must hold the agent's forum token" in done.stderr
 
 
-@pytest.mark.alone
 def test_stop_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: Path) -> None:
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken/agentrob.toml").write_text("[robots.rex\n")
+    lock = namespaced(f"driver/fake/{DOMAIN}/rex")
     for folder, args in (
         (tmp_path, ["stop"]),
         (tmp_path, ["stop", "--all"]),
@@ -125,7 +126,7 @@ def test_stop_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: P
         (tmp_path / "broken", ["stop", "rex"]),
     ):
         done = agentrob(folder, *args)
-        assert f"driver/fake/{DOMAIN}/rex: zero velocity commanded after" in done.stdout, args
+        assert f"{lock}: zero velocity commanded after" in done.stdout, args
 
 
 def test_stop_of_one_robot_of_the_configuration(lab: Lab) -> None:

@@ -58,5 +58,5 @@ def test_a_refusal_names_its_rule_and_speaks_the_language() -> None:
 
 
 def test_an_unknown_action_is_an_error() -> None:
-    with pytest.raises(ValueError, match="look, stop, command, approve, release and home"):
+    with pytest.raises(ValueError, match="valid: look, stop, command, approve, release, home"):
         may(account(role=Role.ADMIN), "fly")  # type: ignore[arg-type]

@@ -315,7 +315,7 @@ run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket),
 @pytest.fixture
 def sign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Driver]:
     """A robot before whose camera stands a sign that gives orders."""
-    monkeypatch.setattr("agent_scene._DRIVER", _SIGN)
+    monkeypatch.setattr("tests.agent.agent_scene._DRIVER", _SIGN)
     made = Driver(tmp_path, robot_settings(), name="signed")
     yield made
     made.end()

@@ -87,7 +87,7 @@ async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_n
         assert re.search(r"walk forward 2 m \| (1\.9\d|2\.0\d) m \| done", told), told
         assert re.search(r"turn left 20° \| (1[89]|2[0-3])\.\d° \| done", told), told
         assert "before anything moved" not in told
-        assert "only this reply tells what came of it" in told
+        assert "only this reply contains the result" in told
         late = await alice.post(f"@{ROBOT} walk backward 2 m")
         assert await alice.final(late) == ["failed"]
         resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (hard, hard))
@@ -236,7 +236,7 @@ async def test_law_4_what_changed_since_it_was_posted_moves_nothing(driver: Driv
     assert await position(driver) == pytest.approx(before, abs=STILL_M)
     wanted = {"demote": "refused", "expire": "expired"}
     assert reply.card.state == wanted.get(what, "cancelled")
-    assert ("another account's" in reply.raw) == (what in ("give", "hand over"))
+    assert ("now belongs to another account" in reply.raw) == (what in ("give", "hand over"))
     assert ("moved to a board" in reply.raw) == (what == "move")
 
 

@@ -284,7 +284,7 @@ async def test_law_5_an_old_approval_approves_nothing_and_a_new_one_does(asked: 
     old = await say(asked, "carol", YES, post)
     asked.world.clock_offset_s += 130.0
     async with asked.agent():
-        assert "Approve it again" in await answered(asked, old)
+        assert "Please approve it again" in await answered(asked, old)
         await asked.state(post, "waiting")
         await say(asked, "carol", YES, post)
         assert (await asked.final(post)).card.state == "done"

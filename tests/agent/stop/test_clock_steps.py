@@ -71,7 +71,7 @@ async def test_law_14_what_a_stop_ended_while_the_clock_was_set_is_told_so(drive
     async with scene.agent():
         said = await scene.final(wave)
         assert said.card.state == "cancelled"
-        assert "the forum's clock has been set since, so I cannot tell which of the two was first" in said.raw
+        assert "the forum's clock has been set since, so I cannot tell which came first" in said.raw
         assert "论坛的时钟此后被调整过" in (await scene.final(greeting)).raw
         assert (await scene.final(await scene.post("alice", "@quadruped wave"))).card.state == "done"
 

@@ -93,7 +93,7 @@ def test_healthz_needs_no_sign_in_and_is_answered_under_any_host_name(board: Run
 def test_healthz_is_503_when_a_stop_could_not_be_delivered(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Hub, "hears", False)
+    monkeypatch.setattr(Hub, "delivers_stops", False)
     answer = board.browser().get("/healthz")
     assert (answer.status_code, answer.headers["retry-after"]) == (503, "1")
 
