@@ -22,12 +22,13 @@ from sqlalchemy import create_engine, make_url, text
 from agentrob.board.admin import local_admin
 from agentrob.board.auth import accounts
 from agentrob.board.db.database import open_engine
-from agentrob.board.server import Server, create_app
+from agentrob.board.server import create_app, make_server
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
+from agentrob.process.http_server import HttpServer
 
 T = TypeVar("T")
 #: Nothing in these tests may take longer.
@@ -97,7 +98,7 @@ class RunningBoard:
     """A served board. `op`, `member`, `admin` and the robot agent `quadruped` have accounts from the beginning."""
 
     def __init__(
-        self, settings: BoardSettings, server: Server, loop: asyncio.AbstractEventLoop, tokens: dict[str, str]
+        self, settings: BoardSettings, server: HttpServer, loop: asyncio.AbstractEventLoop, tokens: dict[str, str]
     ) -> None:
         self.settings = settings
         self.server = server
@@ -110,9 +111,14 @@ class RunningBoard:
         return self.settings.base_url
 
     @property
+    def app(self) -> Any:
+        """The server's ASGI app."""
+        return self.server.config.app
+
+    @property
     def services(self) -> Services:
         """The server's own parts; they belong to its thread."""
-        parts: Services = self.server.app.state.services
+        parts: Services = self.app.state.services
         return parts
 
     def add(self, name: str, **options: Any) -> Account:
@@ -169,7 +175,7 @@ def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
         loops.append(asyncio.get_running_loop())
         ready.set()
 
-    server = Server(create_app(settings), settings, on_ready)
+    server = make_server(create_app(settings), settings, on_ready)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
     try:

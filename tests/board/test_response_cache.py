@@ -269,7 +269,7 @@ def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBo
 
 def kept_answers(board: RunningBoard) -> response_cache.ResponseCache:
     """What the running server keeps before its app, empty."""
-    layer: Any = board.server.app.middleware_stack
+    layer: Any = board.app.middleware_stack
     while not isinstance(layer, response_cache.ResponseCache):
         layer = layer.app
     layer._answers, layer._size = {}, 0

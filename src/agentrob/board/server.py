@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-import signal
-import socket
-from collections.abc import AsyncIterator, Callable, Coroutine, Iterator, Sequence
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import Any
 
 import structlog
-import uvicorn
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
 from fastapi.openapi.utils import get_openapi
@@ -36,8 +33,10 @@ from agentrob.board.middleware import SecurityMiddleware
 from agentrob.board.response_cache import ResponseCache
 from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.services import Services
-from agentrob.board.settings import BoardSettings, address_of
+from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
+from agentrob.process.http_server import HttpServer
+from agentrob.process.listen import base_url, open_listener
 from agentrob.process.webhooks import Receiver
 from agentrob.semantic.encoder import Encoder, require_model
 
@@ -209,72 +208,43 @@ def _describe(app: FastAPI, settings: BoardSettings) -> None:
 
 
 # -------------------------------------------------------------------- the process
-class Server(uvicorn.Server):
-    """uvicorn that ends its streams first, and returns after a signal instead of dying of it."""
+def make_server(
+    app: FastAPI, settings: BoardSettings, ready: Callable[[BoardSettings], None] | None = None
+) -> HttpServer:
+    """The HTTP server of the app, which ends its streams first when it is shut down."""
 
-    def __init__(
-        self, app: FastAPI, settings: BoardSettings, ready: Callable[[BoardSettings], None] | None = None
-    ) -> None:
-        self.app, self.settings, self.ready = app, settings, ready
-        config = uvicorn.Config(
-            app,
-            lifespan="on",
-            log_config=None,
-            access_log=False,
-            server_header=False,
-            proxy_headers=bool(settings.trusted_proxies),
-            forwarded_allow_ips=list(settings.trusted_proxies),
-            timeout_keep_alive=30,
-            timeout_graceful_shutdown=1,
-        )
-        super().__init__(config)
+    def on_ready() -> None:
+        log.info("board.serving", url=settings.base_url, database=settings.database_shown)
+        if ready is not None:
+            ready(settings)
 
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
-        log.info("board.serving", url=self.settings.base_url, database=self.settings.database_shown)
-        if self.ready is not None:
-            self.ready(self.settings)
+    async def on_shutdown() -> None:
+        end_streams(app)
 
-    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        end_streams(self.app)
-        await super().shutdown(sockets)
-
-    @contextmanager
-    def capture_signals(self) -> Iterator[None]:
-        try:
-            before = {s: signal.signal(s, self.handle_exit) for s in (signal.SIGINT, signal.SIGTERM)}
-        except ValueError:  # not in the main thread: whoever started the thread ends it
-            before = {}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
+    return HttpServer(
+        app,
+        on_ready=on_ready,
+        on_shutdown=on_shutdown,
+        proxy_headers=bool(settings.trusted_proxies),
+        forwarded_allow_ips=list(settings.trusted_proxies),
+    )
 
 
 def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None = None) -> None:
-    """Serve until SIGINT or SIGTERM. `ready` is told the settings with the real port once connections are taken.
+    """Serve until SIGINT or SIGTERM. Calls `ready` with the settings, real port included, when requests are accepted.
 
-    Raises `BoardError` when the address is taken, when this process must not serve the database (`alone`), or when the
-    database cannot be used.
+    Raises `BoardError` if the address is taken, another process serves the database, or the database cannot be used.
     """
-    listener = _listen(settings)
     try:
-        if settings.port == 0:
-            host, port = listener.getsockname()[:2]
-            settings = replace(settings, port=port, base_url=address_of(host, port))
-        with serve_database(settings):
-            Server(create_app(settings), settings, ready).run(sockets=[listener])
-            log.info("board.ended")
-    finally:
-        listener.close()
-
-
-def _listen(settings: BoardSettings) -> socket.socket:
-    try:
-        family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-        return socket.create_server((settings.host, settings.port), family=family, backlog=512)
+        listener = open_listener(settings.host, settings.port)
     except OSError as e:
         where = f"{settings.host}:{settings.port}"
         hint = "set board.listen to another port, or end what listens there"
         raise BoardError(503, "address_taken", f"the forum cannot listen on {where}: {e.strerror}", hint) from None
+    with listener:
+        if settings.port == 0:
+            host, port = listener.getsockname()[:2]
+            settings = replace(settings, port=port, base_url=base_url(host, port))
+        with serve_database(settings):
+            make_server(create_app(settings), settings, ready).run(sockets=[listener])
+            log.info("board.ended")

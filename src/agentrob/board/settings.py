@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,9 +10,10 @@ from urllib.parse import urlsplit
 from agentrob.config.board import BoardConfig, BoardLimitsConfig, BoardRetentionConfig
 from agentrob.config.service import HookOutConfig
 from agentrob.errors import ConfigError
+from agentrob.process.listen import base_url as url_of
+from agentrob.process.listen import is_loopback
 from agentrob.semantic.encoder import Encoder, TextEncoder
 
-PROPOSED_PORT = 8088
 NO_LIMITS = BoardLimitsConfig(posts=0, commands=0, uploads=0, sign_ups=0)
 
 
@@ -43,8 +43,8 @@ class BoardSettings:
     @classmethod
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
         """Settings from `[board]`; what is not given lives in `data_dir`. Raises `ConfigError`."""
-        host, port = parse_listen(board.listen)
-        base_url = (board.base_url or address_of(host, port)).rstrip("/")
+        host, port = board.address
+        base_url = (board.base_url or url_of(host, port)).rstrip("/")
         parts = urlsplit(base_url)
         if parts.scheme not in ("http", "https") or not parts.netloc or parts.path or parts.query:
             raise ConfigError(f"board.base_url: {base_url!r} is not an address; valid: https://forum.example.org")
@@ -92,27 +92,3 @@ class BoardSettings:
         parts = urlsplit(self.base_url)
         name = f"agentrob_{parts.port or (443 if self.secure else 80)}"
         return f"__Host-{name}" if self.secure else name
-
-
-def parse_listen(listen: str) -> tuple[str, int]:
-    """`127.0.0.1:8088` or `[::1]:8088` as host and port; port 0 lets the system choose. Raises `ConfigError`."""
-    host, _, port = listen.rpartition(":")
-    host = host.strip("[]")
-    if not host or not port.isdigit() or int(port) > 65535:
-        raise ConfigError(f"board.listen: {listen!r} is not an address; valid: 127.0.0.1:{PROPOSED_PORT}")
-    return host, int(port)
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach `host`."""
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
-
-
-def address_of(host: str, port: int) -> str:
-    """The base URL of a host (name, IPv4 or IPv6) and port."""
-    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"

@@ -9,6 +9,7 @@ from pydantic import Field, field_validator
 
 from agentrob.config.section import DEFAULT_LISTEN, Name, Section
 from agentrob.config.service import HookOutConfig
+from agentrob.process.listen import parse_listen
 
 
 class BoardLimitsConfig(Section):
@@ -57,6 +58,17 @@ class BoardConfig(Section):
     trusted_proxies: tuple[str, ...] | None = None
     limits: BoardLimitsConfig | None = None
     retention: BoardRetentionConfig = Field(default_factory=BoardRetentionConfig)
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port."""
+        return parse_listen(self.listen)
+
+    @field_validator("listen")
+    @classmethod
+    def _is_host_and_port(cls, listen: str) -> str:
+        parse_listen(listen)
+        return listen
 
     @field_validator("trusted_proxies")
     @classmethod

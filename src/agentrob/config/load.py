@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
@@ -37,6 +38,7 @@ from agentrob.config.section import DEFAULT_LISTEN, Name, Section
 from agentrob.config.service import McpRobotConfig, ServiceConfig
 from agentrob.errors import ConfigError
 from agentrob.model import ActionClass
+from agentrob.process.listen import base_url, parse_listen
 
 
 class ForumConfig(Section):
@@ -315,7 +317,8 @@ class Config(Section):
         forum, board = data.get("forum", {}), data.get("board", {})
         listen = board.get("listen") if isinstance(board, dict) else board.listen
         if isinstance(forum, dict) and isinstance(listen, str) and forum.get("kind", "board") == "board":
-            data = {**data, "forum": {"url": local_address(listen), **forum}}
+            with suppress(ValueError):  # a wrong address is reported where `board` is validated
+                data = {**data, "forum": {"url": _local_url(listen), **forum}}
         return data
 
     @model_validator(mode="after")
@@ -353,10 +356,10 @@ class Config(Section):
         return Path(self.data).expanduser() if self.data else default_data_dir()
 
 
-def local_address(listen: str) -> str:
-    """How this machine reaches what listens there: on loopback where it listens on every interface."""
-    host, _, port = listen.rpartition(":")
-    return f"http://{'127.0.0.1' if host in ('', '0.0.0.0', '[::]', '::') else host}:{port}"
+def _local_url(listen: str) -> str:
+    """The URL by which this machine reaches a listen address: loopback if it listens on every interface."""
+    host, port = parse_listen(listen)
+    return base_url("127.0.0.1" if host in ("0.0.0.0", "::") else host, port)
 
 
 def default_data_dir() -> Path:

@@ -293,7 +293,7 @@ def test_errors_of_the_server_are_pages_too(world: World) -> None:
             raise RuntimeError("a mistake of ours with a secret in it")
         raise BoardError(429, "too_fast", "too many posts", retry_after_s=7.2)
 
-    world.board.server.app.add_api_route("/broken/{kind}", broken)
+    world.board.app.add_api_route("/broken/{kind}", broken)
     surfer = world.browser("bob")
     busy, fast = surfer.get("/broken/busy"), surfer.get("/broken/fast")
     assert (busy.status_code, fast.status_code) == (503, 429)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import ipaddress
 from collections.abc import AsyncIterator, Mapping
 from urllib.parse import urlsplit
 
 import httpx2
+
+from agentrob.process.listen import is_loopback
 
 #: Answers have some kilobytes; a larger one is broken or hostile.
 MAX_ANSWER_BYTES = 2_000_000
@@ -62,14 +63,5 @@ def client(base_url: str, credentials: Mapping[str, str], timeout_s: float) -> h
         timeout=httpx2.Timeout(timeout_s, connect=min(timeout_s, 10.0)),
         event_hooks={"request": [hooks.request], "response": [hooks.response]},
         follow_redirects=False,
-        trust_env=not is_loopback(base_url),
+        trust_env=not is_loopback(urlsplit(base_url).hostname or ""),
     )
-
-
-def is_loopback(url: str) -> bool:
-    """Return whether a URL points to this machine."""
-    host = urlsplit(url).hostname or ""
-    try:
-        return host == "localhost" or ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
