@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Pose, Primitive, RobotState
 from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap
 from agentrob.robots.control.step_runner import TOLERANCE_DEG, TOLERANCE_M, run_step, unit_vector

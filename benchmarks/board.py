@@ -30,7 +30,7 @@ from pathlib import Path
 from agentrob.board.admin import local_admin
 from agentrob.board.auth import accounts
 from agentrob.board.settings import BoardSettings
-from agentrob.config.load import BoardConfig
+from agentrob.config.board import BoardConfig
 from agentrob.model import Role
 
 SERVE = """

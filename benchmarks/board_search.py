@@ -36,7 +36,7 @@ from agentrob.board.db.reader import Reader
 from agentrob.board.search import fulltext, search, semantic
 from agentrob.board.search.embeddings import EmbeddingIndex
 from agentrob.board.settings import BoardSettings
-from agentrob.config.load import BoardConfig
+from agentrob.config.board import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import Role
 from agentrob.semantic.encoder import SIZE, Encoder

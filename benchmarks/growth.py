@@ -38,7 +38,8 @@ from agentrob.board.admin import local_admin
 from agentrob.board.admin import retention as board_retention
 from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig, BoardRetentionConfig
-from agentrob.config.load import ForumConfig, RobotConfig
+from agentrob.config.forum import ForumConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumUnreachable
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind

@@ -33,7 +33,8 @@ from agentrob.agent.execution.execute import ExecutionHooks
 from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import CommandTerms, permission
 from agentrob.agent.understanding.visual_goal import visual_task_of
-from agentrob.config.load import LookConfig, MindConfig
+from agentrob.config.minds import MindConfig
+from agentrob.config.robots import LookConfig
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.minds.llm.chat import Answer, Message, ModelReply, Tool
@@ -52,7 +53,7 @@ DRIVER = """
 import io, json, sys
 from pathlib import Path
 from PIL import Image
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.robots.driver.process import run_driver
 from agentrob.robots.fake import FakeRobot
 out = io.BytesIO()

@@ -22,7 +22,7 @@ from pathlib import Path
 from instruments.loopback_model import HEAD, loopback_model, row, served_s
 from pydantic import BaseModel
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm.chat import Image, Tool, UserMessage
 from agentrob.minds.llm.fallback import FallbackModel

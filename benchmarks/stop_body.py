@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Primitive
 from agentrob.robots.unitree.robot import MOVING_MPS, MOVING_RPS
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 from uuid import uuid4
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumNotFound, ForumUnreachable
 from agentrob.forums.cards import card_by
 from agentrob.forums.protocol import Board, Event, Topic, Written

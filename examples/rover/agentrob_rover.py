@@ -10,7 +10,7 @@ import random
 import threading
 import time
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.model import ActionResult, Capabilities, Direction, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap

@@ -1,4 +1,4 @@
-"""Members of a family (`forums`, `robots`, `minds`) by their entry points, built-in or a stranger's."""
+"""Load plugins (`forums`, `robots`, `minds`) by entry point, both built-in and third-party ones."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from agentrob.errors import ConfigError
 
 
 def find(family: str, name: str) -> Any:
-    """What the member's entry point names. Raises `ConfigError` where there is none or it cannot be loaded."""
-    members, kind = {e.name: e for e in entry_points(group=f"agentrob.{family}")}, family.removesuffix("s")
-    if name not in members:
-        raise ConfigError(f"no {kind} named {name!r} is installed; there are: {', '.join(sorted(members))}")
-    member = members[name]
+    """Load the object that an entry point names. Raises `ConfigError` if it is not installed or cannot be loaded."""
+    plugins, kind = {e.name: e for e in entry_points(group=f"agentrob.{family}")}, family.removesuffix("s")
+    if name not in plugins:
+        raise ConfigError(f"{kind} {name!r} is not installed; installed {family}: {', '.join(sorted(plugins))}")
+    plugin = plugins[name]
     try:
-        return member.load()
-    except Exception as e:  # it is a stranger's code that runs here
-        whose = f" of the package {member.dist.name}" if member.dist else ""
-        what = f"{type(e).__name__}: {e}"
-        raise ConfigError(f"the {kind} {name!r}{whose} cannot be loaded from {member.value}: {what}") from e
+        return plugin.load()
+    except Exception as e:  # third-party code runs here
+        package = f" of the package {plugin.dist.name}" if plugin.dist else ""
+        error = f"{type(e).__name__}: {e}"
+        raise ConfigError(f"the {kind} {name!r}{package} cannot be loaded from {plugin.value}: {error}") from e

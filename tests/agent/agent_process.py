@@ -17,7 +17,8 @@ import asyncio, sys
 from pathlib import Path
 from agentrob.agent.agent import RobotAgent
 from agentrob.process.logs import log_to_stderr
-from agentrob.config.load import ForumConfig, RobotConfig
+from agentrob.config.forum import ForumConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from agentrob.robots.driver.client import DriverClient

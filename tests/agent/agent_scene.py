@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Forum
 from agentrob.minds.protocol import Mind
@@ -45,7 +45,7 @@ def robot_settings(**more: Any) -> RobotConfig:
 _DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.robots.driver.process import run_driver
 name, settings, socket, data = sys.argv[1:]
 run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))

@@ -11,7 +11,7 @@ from typing import Any
 from PIL import Image
 
 from agentrob.agent.media.recorder import Recorder
-from agentrob.config.load import RecordingConfig
+from agentrob.config.robots import RecordingConfig
 from agentrob.errors import ForumNotFound
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.protocol import Addressee

@@ -177,8 +177,8 @@ def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) ->
 @pytest.mark.parametrize(
     ("args", "says"),
     [
-        (["driver", "max"], "no robot named 'max'"),
-        (["drive", "dragon", "fly"], "there are: fake, g1, go2"),
+        (["driver", "max"], "robot 'max' is not configured"),
+        (["drive", "dragon", "fly"], "installed robots: fake, g1, go2"),
         (["sim", "--domain", "go2"], "is not ROBOT=DOMAIN"),
         (["drive", "go2", "walk forward"], ""),
         (["demo", "--port", "70000"], "less than or equal to 65535"),

@@ -84,5 +84,5 @@ def test_a_file_that_is_none_is_refused_with_what_would_be_valid(
 
 
 def test_an_unknown_mind_names_those_there_are(file: Path) -> None:
-    with pytest.raises(ConfigError, match=r"there are: .*rules"):
+    with pytest.raises(ConfigError, match=r"installed minds: .*rules"):
         understanding.evaluate_plans(file, "oracle")

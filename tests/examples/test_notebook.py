@@ -131,5 +131,5 @@ def test_a_forum_that_is_not_installed_is_answered_with_those_that_are(folder: P
     command = ".venv/bin/agentrob agent once --config other.toml"
     done = run(command, {"AGENTROB_TOKEN": "x", "AGENTROB_DATA": str(tmp_path)}, folder)
     assert done.returncode == 1
-    assert "no forum named 'nosuch' is installed; there are: board, " in done.stderr
+    assert "forum 'nosuch' is not installed; installed forums: board, " in done.stderr
     assert "Traceback" not in done.stderr

@@ -143,4 +143,4 @@ def test_a_robot_that_is_not_installed_is_answered_with_those_that_are(tmp_path:
     for command in (["drive", "nosuch", "wave"], ["demo", "--robot", "nosuch"], ["plan", "--model", "nosuch", "wave"]):
         done = in_process.agentrob(tmp_path, *command, AGENTROB_DATA=str(tmp_path / "data"))
         assert done.returncode == 1
-        assert "no robot named 'nosuch' is installed; there are: fake, g1, go2" in done.stderr
+        assert "robot 'nosuch' is not installed; installed robots: fake, g1, go2" in done.stderr

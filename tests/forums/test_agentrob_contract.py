@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from agentrob.board.admin import local_admin
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.contract import ForumContract, World

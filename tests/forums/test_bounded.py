@@ -9,7 +9,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.discourse import forum as discourse
 from agentrob.forums.discourse import mapping, writer

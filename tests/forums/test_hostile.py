@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.intake.triage import Addressing, Route, triage
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.discourse import markers as discourse_markers
 from agentrob.forums.discourse.forum import DiscourseForum

@@ -18,7 +18,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumLimited, ForumUnreachable
 from agentrob.forums import http as wire
 from agentrob.forums.agentrob.forum import BoardForum

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.board.search import embeddings
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumNotFound, ForumUnoffered
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.memory.forum import MemoryForum

@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.robots import codec
 from agentrob.robots.control.controller import Velocity
 from agentrob.robots.fake import FakeRobot

@@ -18,7 +18,10 @@ from typing import Any
 
 import httpx2
 
-from agentrob.config.load import BoardConfig, Config, FenceConfig, ForumConfig, RatesConfig, RobotConfig
+from agentrob.config.board import BoardConfig
+from agentrob.config.forum import ForumConfig
+from agentrob.config.load import Config
+from agentrob.config.robots import FenceConfig, RatesConfig, RobotConfig
 from agentrob.demo import run as demo
 from agentrob.demo import visitor
 from agentrob.model import AccountKind, Role

@@ -14,7 +14,7 @@ from typing import Any
 
 from PIL import Image
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Primitive, RobotState, StopResult
 from agentrob.robots import codec
 from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity

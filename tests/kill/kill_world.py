@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.process.dds_domain import PrivateDomain
 from tests.kill.kill_house import House
 from tests.kill.kill_process import AGENTROB, Mortal

@@ -12,7 +12,7 @@ import pytest
 from mcp.client.client import Client
 
 from agentrob.board.admin import local_admin
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumUnreachable
 from agentrob.forums.contract import ForumContract, World
 from agentrob.forums.memory.forum import MemoryForum

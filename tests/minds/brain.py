@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel

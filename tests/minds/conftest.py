@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.llm.model import ConfiguredModel
 from tests.minds.faulty_server import KEY, FaultyServer, faulty_server
 from tests.minds.model_double import Double, model_double

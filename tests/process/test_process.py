@@ -28,8 +28,8 @@ def test_a_wrong_value_names_its_place_and_what_was_found() -> None:
         load.parse({"robots": {"rex": {"domain": 999}}})
 
 
-def test_an_unknown_robot_is_answered_with_those_there_are() -> None:
-    with pytest.raises(ConfigError, match="there are: rex"):
+def test_an_unknown_robot_lists_the_configured_ones() -> None:
+    with pytest.raises(ConfigError, match="'max' is not configured; configured robots: rex"):
         load.parse({"robots": {"rex": {}}}).robot("max")
 
 
@@ -92,7 +92,7 @@ def test_a_host_lock_dies_with_its_process() -> None:
 
 def test_a_child_that_fails_is_reported_with_its_last_words(tmp_path: Path) -> None:
     child = Child("driver", ["driver", "nobody"], tmp_path / "driver.log")
-    with pytest.raises(ChildError, match="no robot named 'nobody'"):
+    with pytest.raises(ChildError, match="robot 'nobody' is not configured"):
         child.wait_ready(LIMIT_S)
     terminate_all([child])
 

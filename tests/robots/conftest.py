@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.guard import Guard

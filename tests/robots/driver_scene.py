@@ -22,7 +22,7 @@ NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.robots.driver.process import run_driver
 name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])

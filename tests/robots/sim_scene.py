@@ -31,7 +31,7 @@ FENCE = {"x_min_m": -1.0, "x_max_m": 2.5, "y_min_m": -1.0, "y_max_m": 0.2}
 DRIVER = """
 import json, sys
 from pathlib import Path
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.robots.driver.process import run_driver
 import agentrob.robots.unitree.go2, agentrob.robots.driver.api, agentrob.process.dds

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.robots.contract import RobotContract
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.protocol import Robot

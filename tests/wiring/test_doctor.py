@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import httpx2
 import pytest
 
-from agentrob.config.load import Config, FenceConfig, LimitsConfig, RobotConfig
+from agentrob.config.load import Config
+from agentrob.config.robots import FenceConfig, LimitsConfig, RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.model import Pose, RobotState
 from agentrob.robots.diagnostics import findings, network

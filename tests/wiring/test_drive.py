@@ -14,7 +14,8 @@ from uuid import uuid4
 
 import pytest
 
-from agentrob.config.load import Config, RobotConfig, parse, runtime_dir
+from agentrob.config.load import Config, parse, runtime_dir
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError, RobotError
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import ActionResult, Capabilities, Op, Outcome

@@ -45,7 +45,7 @@ from agentrob.agent.store.retention import keep_pruning, prune
 from agentrob.agent.understanding import extract
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
 from agentrob.forums.protocol import BEFORE_ALL, Event, Forum, RobotPages
 from agentrob.minds.extraction.mind import ModelMind

@@ -46,7 +46,7 @@ from agentrob.agent.understanding.extract import Assessment
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.agent.understanding.visual_goal import in_words, visual_task_of
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, JournalError, RobotError
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import addresses

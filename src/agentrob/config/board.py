@@ -1,4 +1,8 @@
-"""The `[board]` table: the embedded forum, when this machine runs it."""
+"""The `[board]` table: the embedded forum, if this machine runs it.
+
+[board]
+listen = "127.0.0.1:8088"
+"""
 
 from __future__ import annotations
 
@@ -13,10 +17,10 @@ from agentrob.process.listen import parse_listen
 
 
 class BoardLimitsConfig(Section):
-    """How much one account may do in an hour; 0 means no such limit. Stops and robots' own posts are exempt.
+    """Rate limits per account and hour; 0 disables a limit. Stops and posts by robots are exempt.
 
-    As often as it may write `posts` it may edit them or choose tags. `commands` are posts that mention a robot,
-    `sign_ups` new accounts from one address.
+    `posts` also limits edits and changes of tags, counted separately. `commands` are posts that mention a robot;
+    `sign_ups` are new accounts from one address.
     """
 
     posts: Annotated[int, Field(ge=0)] = 120
@@ -26,10 +30,11 @@ class BoardLimitsConfig(Section):
 
 
 class BoardRetentionConfig(Section):
-    """How long the forum keeps what only tells who listens that something happened.
+    """How long the forum keeps the events of its event stream.
 
-    An event is let go of when it is older than `event_days` and not among the newest `events`. Whoever was away for
-    longer than that begins anew. Posts, earlier texts, records of commands and the audit log are kept for ever.
+    An event is deleted when it is older than `event_days` and not among the newest `events`. A client that was
+    disconnected for longer must reload everything. Posts and their earlier versions, command records and the audit
+    log are never deleted.
     """
 
     event_days: Annotated[float, Field(ge=8, le=3650)] = 30.0
@@ -37,14 +42,14 @@ class BoardRetentionConfig(Section):
 
 
 class BoardConfig(Section):
-    """The embedded forum. `base_url` is what browsers see; https there makes cookies Secure.
+    """The embedded forum. `base_url` is the address that browsers see; with https, cookies are Secure.
 
-    Behind a reverse proxy it must be set: whoever comes through the proxy seems to come from this machine. Whose
-    `X-Forwarded-For` is believed stands in `trusted_proxies`, as addresses or networks; without a list, that of this
-    machine when `base_url` is https. `limits` hold unless the forum is for this machine only and none are given.
-    `public_read`: guests read the boards that are open to them.
-    `semantic`: posts are found by what they mean too; needs the extra `agentrob[semantic]`.
-    `hooks` are told by webhook when something happens, so that nobody need poll.
+    `base_url` is required behind a reverse proxy, because proxied requests seem to come from this machine.
+    `trusted_proxies` are the addresses or networks whose `X-Forwarded-For` is trusted; the default is this machine if
+    `base_url` is https, else none. `limits` apply by default unless the forum is reachable from this machine only.
+    `public_read` lets guests read the boards that are open to them.
+    `semantic` adds search by meaning; it needs the extra `agentrob[semantic]`.
+    `hooks` receive a webhook for each event, so that their services need not poll.
     """
 
     listen: str = DEFAULT_LISTEN

@@ -1,6 +1,6 @@
-"""The `[images]` table: where pictures of replies are kept.
+"""The `[images]` table: where the pictures of replies are stored.
 
-[images]                      # default: in the post
+[images]                      # by default the forum stores them
 store = "s3"
 bucket = "robot-pictures"
 region = "eu-central-1"
@@ -18,12 +18,12 @@ from agentrob.config.section import Section
 
 
 class ImagesConfig(Section):
-    """Where the pictures of replies are kept. `inline`: on the forum, in the post. `s3`, `tos`: in a bucket, and the
-    post has links that expire after `link_s` seconds (whoever has such a link can look until then).
+    """Where the pictures of replies are stored. `inline`: on the forum, in the post. `s3`, `tos`: in a bucket; the
+    post has links that expire after `link_s` seconds and work for anyone who has them until then.
 
-    `s3` is any S3-compatible store; without an `endpoint` it is Amazon's. `tos` is Volcengine TOS through its
-    S3-compatible endpoint, which is known from the `region`. The keys are in the environment, in the variables that
-    `key_env` and `secret_env` name, else in the usual ones (`AWS_ACCESS_KEY_ID` …, `TOS_ACCESS_KEY` …).
+    `s3` is any S3-compatible store, Amazon S3 if there is no `endpoint`. `tos` is Volcengine TOS; its S3-compatible
+    endpoint is derived from `region`. The environment variables that `key_env` and `secret_env` name hold the keys;
+    the defaults are the vendors' names (`AWS_ACCESS_KEY_ID` …, `TOS_ACCESS_KEY` …).
     """
 
     store: Literal["inline", "s3", "tos"] = "inline"
@@ -46,7 +46,7 @@ class ImagesConfig(Section):
 
     @property
     def session_variable(self) -> str:
-        """A token beside keys that are themselves short-lived."""
+        """The variable of the session token that accompanies temporary keys."""
         return "TOS_SECURITY_TOKEN" if self.store == "tos" else "AWS_SESSION_TOKEN"
 
     @property
@@ -58,14 +58,14 @@ class ImagesConfig(Section):
 
     @property
     def virtual_hosted(self) -> bool:
-        """Whether the bucket is part of the host name: TOS and Amazon want that, most others take a path."""
+        """Whether the bucket is part of the host name, as TOS and Amazon require; most others expect it in the path."""
         if self.path_style is not None:
             return not self.path_style
         return self.store == "tos" or not self.endpoint
 
     @property
     def bucket_address(self) -> str:
-        """The address, with the bucket in it where that is wanted."""
+        """The store's address, with the bucket in the host name if `virtual_hosted`."""
         scheme, _, host = self.address.partition("://")
         return f"{scheme}://{self.bucket}.{host}" if self.virtual_hosted else self.address
 
@@ -77,13 +77,13 @@ class ImagesConfig(Section):
         return url.rstrip("/")
 
     @model_validator(mode="after")
-    def _is_whole(self) -> Self:
+    def _is_complete(self) -> Self:
         if self.store != "inline":
             needs = [name for name in ("bucket", "region") if not getattr(self, name)]
             if needs:
                 raise ValueError(f'store "{self.store}" needs {" and ".join(needs)}')
         if self.store == "tos" and self.path_style:
-            raise ValueError("TOS takes the bucket in the host name only; leave path_style out")
+            raise ValueError("TOS supports the bucket in the host name only; remove path_style")
         return self
 
 
@@ -92,7 +92,7 @@ def _amazon(region: str) -> str:
 
 
 def plain_address(url: str) -> bool:
-    """Whether it is http(s)://host[:port][/path], without anything that may be a secret."""
+    """Whether the URL is http(s)://host[:port][/path], without a user, password or query that may be a secret."""
     try:
         parts = urlsplit(url)
         _ = parts.port

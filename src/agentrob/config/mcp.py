@@ -1,10 +1,10 @@
 """The `[mcp]` table: the forum as tools for MCP clients.
 
-[mcp]                         # read-only unless writes are allowed
+[mcp]                         # read-only by default
 write = true
 toolsets = ["core", "social"]
 
-[mcp.users.planner]           # who may connect by HTTP, and who that is on the forum
+[mcp.users.planner]           # a user over HTTP, and its account on the forum
 token_env = "PLANNER_MCP_TOKEN"
 forum_token_env = "PLANNER_FORUM_TOKEN"
 write = true
@@ -24,11 +24,11 @@ _Variable = Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")]
 
 
 class McpUserConfig(Section):
-    """One account of the forum that the MCP server may act as.
+    """A forum account that the MCP server may act as.
 
-    `forum_token_env` names the variable with its forum token: then `login_account` may choose it over stdio. With
-    `token_env` (a static token of at least 16 characters) or `subject` (who the OAuth server says it is) it may
-    connect by HTTP, with `write` and `toolsets` of its own.
+    `forum_token_env` names the variable of its forum token, with which a stdio client may choose it (`login_account`).
+    To connect over HTTP it needs `token_env` (the variable of a static token of at least 16 characters) or `subject`
+    (its subject at the OAuth server); `write` and `toolsets` then apply to it.
     """
 
     forum_token_env: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
@@ -39,10 +39,10 @@ class McpUserConfig(Section):
 
 
 class McpConfig(Section):
-    """The MCP servers. `write` and `toolsets` are for stdio, where the account is that of `[forum]`.
+    """The forum's MCP server. `write` and `toolsets` apply to stdio, which uses the account of `[forum]`.
 
-    `listen` is where `--http` serves, `public_url` the address that clients use when it is another (behind a proxy).
-    `issuer` is an OAuth authorization server whose JWTs for this server's address are taken; `jwks_url` its keys.
+    `listen` is the address for `--http`; `public_url` is the URL that clients use, if it differs (behind a proxy).
+    `issuer` is an OAuth authorization server; its JWTs for this server's URL are accepted. `jwks_url` has its keys.
     """
 
     write: bool = False

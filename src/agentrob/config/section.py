@@ -1,4 +1,4 @@
-"""What all tables of the configuration share: unknown keys are refused, and nothing changes once it is read."""
+"""The base model of all tables: it rejects unknown keys, and instances are immutable."""
 
 from __future__ import annotations
 
@@ -11,6 +11,6 @@ Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_-]{1,31}$")]
 
 
 class Section(BaseModel):
-    """Built when it is first used: most commands read few tables."""
+    """One table. Its validator is built on first use, because most commands read few tables."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)

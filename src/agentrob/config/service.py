@@ -1,22 +1,22 @@
-"""The `[service]` table: the agent of one robot as an HTTP service; and `[mcp_robot]`: such services as MCP tools.
+"""The `[service]` table (an agent as an HTTP service) and the `[mcp_robot]` table (such services as MCP tools).
 
 [service]
 listen = "127.0.0.1:8089"
 
-[service.tokens.planner]      # who may use it, for what, and who that is on the forum
+[service.tokens.planner]      # a client, its scopes, and its account on the forum
 token_env = "PLANNER_TOKEN"
 scopes = ["look", "preview", "command", "stop"]
 forum_token_env = "PLANNER_FORUM_TOKEN"
 
-[service.hooks_in.forum]      # the forum says that something was written
+[service.hooks_in.forum]      # the forum reports new posts
 kind = "discourse"
 secret_env = "FORUM_HOOK_SECRET"
 
-[service.hooks_out.planner]   # told when a command has ended
+[service.hooks_out.planner]   # receives a webhook when a command has ended
 url = "https://planner.example.org/ended"
 secret_env = "PLANNER_HOOK_SECRET"
 
-[mcp_robot]                   # off until a service is named
+[mcp_robot]                   # off until a service is configured
 submit = true
 
 [mcp_robot.services.quadruped]
@@ -39,10 +39,10 @@ _Variable = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
 
 
 class ServiceTokenConfig(Section):
-    """One caller. Its token, of at least 16 characters, is in the variable that `token_env` names.
+    """One client. The variable that `token_env` names holds its token of at least 16 characters.
 
-    `look` reads; `preview` asks what would be done; `command` posts and takes back; `stop` stops. What it posts is
-    posted by the account whose forum token is in `forum_token_env`, and has the rights of that account.
+    Scope `look` allows reads, `preview` a plan without execution, `command` to submit and cancel commands, `stop` to
+    stop the robot. Commands are posted by the account of the token in `forum_token_env`, with that account's rights.
     """
 
     token_env: _Variable
@@ -50,21 +50,21 @@ class ServiceTokenConfig(Section):
     forum_token_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
 
     @model_validator(mode="after")
-    def _is_somebody(self) -> Self:
+    def _has_account(self) -> Self:
         if {"preview", "command"} & set(self.scopes) and not self.forum_token_env:
-            raise ValueError("the scopes preview and command need forum_token_env: whose rights count, and who posts")
+            raise ValueError("the scopes preview and command need forum_token_env, the account that posts the command")
         return self
 
 
 class HookInConfig(Section):
-    """A webhook that may call us. `discourse` is Discourse's own signature, `standard` that of Standard Webhooks."""
+    """An incoming webhook. `kind` is its signature: `discourse`, or `standard` for Standard Webhooks."""
 
     kind: Literal["discourse", "standard"] = "standard"
     secret_env: _Variable
 
 
 class HookOutConfig(Section):
-    """Who is told when a command has ended, signed as Standard Webhooks are."""
+    """A receiver of webhooks, signed as Standard Webhooks."""
 
     url: str
     secret_env: _Variable
@@ -79,11 +79,11 @@ class HookOutConfig(Section):
 
 
 class ServiceConfig(Section):
-    """Where it listens and who may use it.
+    """The address and the clients of an agent's HTTP service.
 
-    `listen` is on this machine only unless `allow_remote` is set (then put TLS in front of it); `hosts` are the names
-    by which it may be called besides its address. `loop = false`: the forum is read only when `scan` or a webhook says
-    so, and while the robot moves. `requests_per_minute` bounds each token; stops are exempt.
+    `listen` must be on this machine unless `allow_remote` is set (then put TLS in front of it). `hosts` are host names
+    that requests may use in addition to the listen address. With `loop = false` the agent reads the forum only on
+    `scan`, on a webhook, and while the robot moves. `requests_per_minute` limits each token; stops are exempt.
     """
 
     listen: str = "127.0.0.1:8089"
@@ -107,7 +107,7 @@ class ServiceConfig(Section):
 
 
 class RobotServiceConfig(Section):
-    """Where a robot's HTTP service is, and the variable with the token that it gave to the MCP server."""
+    """The URL of a robot's HTTP service, and the variable of the MCP server's token for it."""
 
     url: str
     token_env: _Variable
@@ -122,10 +122,11 @@ class RobotServiceConfig(Section):
 
 
 class McpRobotConfig(Section):
-    """The robots as tools for an MCP client: a client of their HTTP services, with tokens of its own. Off until a
-    service is named. Looking and stopping are always there; `preview` and `submit` (which may also take back) are the
-    owner's to allow. `pictures_per_minute` bounds what the client sees of each robot. Over HTTP it serves on `listen`
-    whoever has the token that is in the variable `token_env`.
+    """The MCP server of robots, a client of their HTTP services with its own tokens. Off until a service is configured.
+
+    The tools to look and to stop are always available; the owner allows `preview` and `submit` (which includes
+    cancelling). `pictures_per_minute` limits the pictures of each robot. Over HTTP it listens on `listen` and accepts
+    the token in the variable that `token_env` names.
     """
 
     preview: bool = False
@@ -150,4 +151,4 @@ class McpRobotConfig(Section):
 def _check_listen(listen: str, allow_remote: bool) -> None:
     host, _ = parse_listen(listen)
     if not allow_remote and not is_loopback(host):
-        raise ValueError("listen is reachable from other machines; set allow_remote = true if that is meant")
+        raise ValueError("listen is reachable from other machines; set allow_remote = true if this is intended")

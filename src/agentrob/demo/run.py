@@ -21,7 +21,10 @@ from typing import IO
 
 from agentrob.config import load as configuration
 from agentrob.config.board import BoardConfig
-from agentrob.config.load import Config, ForumConfig, MindConfig, RatesConfig
+from agentrob.config.forum import ForumConfig
+from agentrob.config.load import Config
+from agentrob.config.minds import MindConfig
+from agentrob.config.robots import RatesConfig
 from agentrob.errors import AgentRobError, ConfigError
 from agentrob.model import AccountKind, Role
 from agentrob.process.child import Child, ChildError, terminate_all

@@ -17,7 +17,7 @@ from collections.abc import AsyncIterator, Awaitable, Sequence
 from datetime import UTC, datetime
 from typing import TypeVar
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import (
     ConfigError,
     ForumDenied,

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from agentrob.config.load import SCENE_CHARS
+from agentrob.config.robots import SCENE_CHARS
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import sentence
 from agentrob.minds.llm.chat import ChatModel

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from agentrob.config.load import PriceConfig
+from agentrob.config.minds import PriceConfig
 
 #: Tokens counted for an image if the server does not report them (large providers: 765 to 1,600 for 1024 px).
 IMAGE_TOKENS = 1_600

@@ -19,7 +19,7 @@ import threading
 import time
 from importlib.metadata import entry_points
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.control.controller import wrap
 from agentrob.robots.protocol import HasCamera, Robot

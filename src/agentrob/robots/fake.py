@@ -18,7 +18,7 @@ import time
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.control.controller import RATE_HZ, REST, Gait, Velocity, rotate, wrap

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.model import ActionResult, Capabilities, Limits, Primitive, RobotState, StopResult
 
 #: Called at every control period (20 times a second) while a step runs. Returns a reason to stop now (a stable code as

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agentrob.config import load as configuration
-from agentrob.config.load import Config, RobotConfig
+from agentrob.config.load import Config
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find

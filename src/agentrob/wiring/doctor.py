@@ -14,7 +14,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict
 
-from agentrob.config.load import Config, RobotConfig
+from agentrob.config.load import Config
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import AgentRobError, ConfigError, RobotError, RobotUnreachable
 from agentrob.model import ActionResult, Direction, Op, Primitive
 from agentrob.plugins import find

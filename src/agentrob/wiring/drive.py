@@ -19,7 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from agentrob.config.load import Config, RobotConfig
+from agentrob.config.load import Config
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError, RobotUnreachable
 from agentrob.language.goal import Goal
 from agentrob.model import (

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from agentrob.agent.execution.execute import Execution
 from agentrob.agent.execution.visual import run_visual_task
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import LeaseLost
 from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.language.messages.catalog import say

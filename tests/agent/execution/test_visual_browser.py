@@ -10,7 +10,7 @@ import pytest
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.board.admin import local_admin
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from tests.agent.agent_process import Poster

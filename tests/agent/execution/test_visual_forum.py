@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.llm.fallback import FallbackModel
@@ -296,7 +296,7 @@ _SIGN = """
 import io, json, sys
 from pathlib import Path
 from PIL import Image, ImageDraw, ImageFont
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.robots.driver.process import run_driver
 from agentrob.robots.fake import FakeRobot
 

@@ -11,7 +11,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import AccountKind, Role

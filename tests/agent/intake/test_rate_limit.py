@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from agentrob.agent.intake import rate_limit
 from agentrob.agent.intake.rate_limit import RateLimiter, RateLimitWait
-from agentrob.config.load import RatesConfig
+from agentrob.config.robots import RatesConfig
 from agentrob.model import Post
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 

@@ -13,7 +13,7 @@ import pytest
 from agentrob.agent.agent import RobotAgent
 from agentrob.board.admin import retention
 from agentrob.config.board import BoardRetentionConfig
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from tests.agent.agent_process import Poster, RunningBoard, until

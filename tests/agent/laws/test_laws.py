@@ -15,7 +15,7 @@ import pytest
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.store.journal import Journal
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import JournalError
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.protocol import Addressee

@@ -15,7 +15,7 @@ from agentrob.board.admin import local_admin, management, moderation
 from agentrob.board.admin.audit import SHELL
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots.rights import MaintenanceWindow
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Account, ActionClass, ActionResult, Primitive, Role

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from tests.agent.agent_process import until

@@ -22,7 +22,8 @@ from PIL import Image
 from agentrob.agent.media import animation, recorder
 from agentrob.agent.media.recorder import MANY, Film, Recorder, prune
 from agentrob.agent.media.track import clips, lines, samples
-from agentrob.config.load import RecordingConfig, RobotConfig, parse
+from agentrob.config.load import parse
+from agentrob.config.robots import RecordingConfig, RobotConfig
 from agentrob.errors import ConfigError, ForumError, RobotBusy, RobotError
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import Forum

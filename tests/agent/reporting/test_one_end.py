@@ -17,7 +17,7 @@ from agentrob.agent.agent import RobotAgent
 from agentrob.agent.reporting import status_post as status
 from agentrob.agent.reporting.status_post import Shown, StatusPost
 from agentrob.board.admin import local_admin
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.memory.forum import MemoryForum

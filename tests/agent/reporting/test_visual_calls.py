@@ -14,7 +14,7 @@ from agentrob.agent.media.pictures import Picture, illustrate
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.reporting.report import final
 from agentrob.agent.reporting.visual_calls import MOST_ROWS, lines, table
-from agentrob.config.load import RecordingConfig
+from agentrob.config.robots import RecordingConfig
 from agentrob.minds.visual_loop.loop import LoopCall, LoopEnd, LoopRecord
 from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Primitive, Report
 

@@ -16,7 +16,7 @@ import pytest
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.stop.replies import FOLD_S
 from agentrob.board.db.writer import MAX_WAITING
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from agentrob.model import ActionResult, Post, Primitive, Role, StopResult

@@ -16,7 +16,7 @@ import pytest
 from agentrob.agent.store import engine_cleanup, retention
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
-from agentrob.config.load import RetentionConfig
+from agentrob.config.robots import RetentionConfig
 from agentrob.model import Account, AccountKind, Command, Role
 from tests.agent.agent_scene import ROBOT, Scene
 

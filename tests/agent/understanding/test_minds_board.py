@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.config.load import Config, ForumConfig
+from agentrob.config.forum import ForumConfig
+from agentrob.config.load import Config
 from agentrob.config.load import parse as parse_config
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)

@@ -18,7 +18,7 @@ from uuid import uuid4
 import jsonschema_rs
 import uvicorn
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumNotFound
 from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.discourse.http import DiscourseClient

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumLimited, ForumUnreachable
 from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.discourse.http import DiscourseClient

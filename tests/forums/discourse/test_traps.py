@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.contract import PIXEL
 from agentrob.forums.discourse.forum import DiscourseForum

@@ -6,7 +6,7 @@ import contextlib
 import os
 from typing import Any
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumError
 from agentrob.forums.nodebb.forum import NodeBBForum
 from agentrob.forums.nodebb.http import NodeBBClient

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ConfigError, ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.nodebb.clock import HeaderClock
 from agentrob.forums.nodebb.forum import NodeBBForum

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.mcp.client import ForumClient
 from agentrob.mcp.forum.identity import Accounts, Identity, Rights

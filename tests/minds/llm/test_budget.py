@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.config.load import MindLimitsConfig, PriceConfig
+from agentrob.config.minds import MindLimitsConfig, PriceConfig
 from agentrob.minds.llm.budget import Budget
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import RETRY_MAX_S, ConfiguredModel, retry_wait_s

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.config.load import Config, MindConfig, MindLimitsConfig, PriceConfig, parse
+from agentrob.config.load import Config, parse
+from agentrob.config.minds import MindConfig, MindLimitsConfig, PriceConfig
 from agentrob.errors import ConfigError
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.rules import RulesMind
@@ -57,9 +58,9 @@ def test_three_lines_are_enough() -> None:
         ({**GOOD, "timeout_s": 0}, "timeout_s"),
         (
             {**GOOD, "fallbacks": ["other"]},
-            r"fallbacks names other; valid are: and rules as the last|rules as the last",
+            r"fallbacks: invalid other; valid: rules \(last\)",
         ),
-        ({**GOOD, "fallbacks": ["clever"]}, "fallbacks names clever"),
+        ({**GOOD, "fallbacks": ["clever"]}, "fallbacks: invalid clever"),
     ],
 )
 def test_what_is_wrong_is_said_with_what_is_valid_and_no_key(table: dict[str, Any], says: str) -> None:
@@ -91,7 +92,7 @@ def test_a_mind_is_made_by_its_name() -> None:
     assert isinstance(make_mind("clever", config), ModelMind)
     assert isinstance(make_mind("rules", config), RulesMind)
     with pytest.raises(
-        ConfigError, match=r"no mind named 'other' is installed; there are: rules; configured as .*: clever"
+        ConfigError, match=r"mind 'other' is not installed; installed minds: rules; configured as .*: clever"
     ):
         make_mind("other", config)
 

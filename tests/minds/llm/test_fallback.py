@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.config.load import MindConfig, parse
+from agentrob.config.load import parse
+from agentrob.config.minds import MindConfig
 from agentrob.errors import ConfigError
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm.errors import ModelError

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from agentrob.config.load import MindConfig, parse
+from agentrob.config.load import parse
+from agentrob.config.minds import MindConfig
 from agentrob.errors import ConfigError
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
@@ -76,7 +77,7 @@ def test_a_local_table_has_times_of_its_own_and_keeps_what_is_said() -> None:
 def test_a_configured_time_is_honoured_and_a_chain_that_is_too_slow_is_refused(brain: Brain, tmp_path: Path) -> None:
     assert brain.mind(tmp_path, total_s=200.0).limit_s == 200.0
     minds = {"one": {**TABLE, "total_s": 200, "fallbacks": ["two"]}, "two": {**TABLE, "total_s": 200}}
-    with pytest.raises(ConfigError, match=r"minds.one and its fallbacks may take 400 s together .* at most 300 s"):
+    with pytest.raises(ConfigError, match=r"total_s of minds.one and its fallbacks .* 400 s; valid: at most 300 s"):
         parse({"minds": minds})
 
 

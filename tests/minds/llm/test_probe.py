@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.llm.probe import ProbeResult, probe
 from tests.in_process import Said, agentrob
 from tests.minds.faulty_server import FaultyServer, called, said

@@ -19,7 +19,7 @@ from uuid import uuid4
 import httpx2
 import pytest
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError, LeaseLost, RobotBusy, RobotError, RobotUnreachable
 from agentrob.model import EMERGENCY_STOP, ActionResult, Direction, Op, Outcome, Plan, Pose, Primitive
 from agentrob.process import host_lock
@@ -501,7 +501,7 @@ def test_an_unknown_model_or_option_says_what_would_be_valid(drivers: Drivers) -
         thread.start()
     for thread in threads:
         thread.join()
-    assert "there are: fake, g1, go2" in results["model"]
+    assert "installed robots: fake, g1, go2" in results["model"]
     assert "valid: faults, obstacles, room, time_scale" in results["option"]
 
 
@@ -514,5 +514,5 @@ def test_a_robot_of_a_stranger_that_cannot_be_loaded_is_named(tmp_path: Path, mo
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(ConfigError, match="robot 'torn' of the package torn-robot cannot be loaded from torn_robot"):
         make_robot(RobotConfig(model="torn"))
-    with pytest.raises(ConfigError, match="no robot named 'nosuch' is installed; there are: fake"):
+    with pytest.raises(ConfigError, match="robot 'nosuch' is not installed; installed robots: fake"):
         make_robot(RobotConfig(model="nosuch"))

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import httpx2
 import pytest
 
-from agentrob.config.load import Config, RobotConfig
+from agentrob.config.load import Config
+from agentrob.config.robots import RobotConfig
 from agentrob.model import ActionResult, Op, Outcome, Primitive
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.unitree.g1_fsm import OLD_S

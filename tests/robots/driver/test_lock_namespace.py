@@ -8,7 +8,7 @@ from uuid import uuid4
 
 import pytest
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError, RobotBusy
 from agentrob.process import host_lock
 from agentrob.process.host_lock import NAMESPACE, HostLock

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.model import Op, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.control.controller import Velocity

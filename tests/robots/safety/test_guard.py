@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.config.load import FenceConfig
+from agentrob.config.robots import FenceConfig
 from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.safety.lock import Halt

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
-from agentrob.config.load import FenceConfig
+from agentrob.config.robots import FenceConfig
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on

@@ -17,7 +17,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.config.load import FenceConfig, RobotConfig
+from agentrob.config.robots import FenceConfig, RobotConfig
 from agentrob.model import ActionResult, Direction, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import RobotContract, apart_m, fresh, go_on
 from agentrob.robots.control.controller import STOPPED_WINDOW_S, RestDetector, Velocity

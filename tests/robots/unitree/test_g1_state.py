@@ -10,7 +10,7 @@ import pytest
 from unitree_sdk2py.idl.default import unitree_go_msg_dds__SportModeState_
 
 import agentrob.process.dds  # noqa: F401  before any type of the SDK
-from agentrob.config.load import LimitsConfig, RobotConfig
+from agentrob.config.robots import LimitsConfig, RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import Op, RobotState
 from agentrob.robots.unitree.g1 import G1, mode_of, read

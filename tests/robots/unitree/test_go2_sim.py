@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotBusy
 from agentrob.model import Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.contract import RobotContract, fresh, go_on
@@ -118,7 +118,7 @@ def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_st
 DRIVER = """
 import sys
 from pathlib import Path
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.robots.driver.process import run_driver
 folder, domain = Path(sys.argv[1]), int(sys.argv[2])
 settings = RobotConfig(model="go2", domain=domain, simulated=True, home_on_start=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 from agentrob.agent.execution.execute import Execution, ExecutionHooks
 from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.understanding.visual_goal import visual_task_of
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.language.goal import Goal
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.model import Account, ActionResult, Capabilities, Command, Language, Plan, Verdict

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass, replace
 
 from agentrob.agent.store.rows import ApprovalDecision
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Forum, RobotRightsSource
 from agentrob.language.messages.catalog import say

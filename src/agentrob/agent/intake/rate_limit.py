@@ -10,7 +10,7 @@ from limits import RateLimitItem, RateLimitItemPerHour, RateLimitItemPerSecond
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
-from agentrob.config.load import RatesConfig
+from agentrob.config.robots import RatesConfig
 
 #: A command waits so long at most; beyond, it is refused.
 SHORT_S = 30.0

@@ -24,7 +24,7 @@ from agentrob.agent.media import animation
 from agentrob.agent.media.camera import snapshot
 from agentrob.agent.media.plot import asked_path, seen_from
 from agentrob.agent.media.track import begins_s, lines, samples, seconds
-from agentrob.config.load import RecordingConfig, RobotConfig
+from agentrob.config.robots import RecordingConfig, RobotConfig
 from agentrob.model import ActionResult, Op, Outcome, Report
 from agentrob.robots.driver.client import DriverClient
 

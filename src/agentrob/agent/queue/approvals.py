@@ -24,7 +24,7 @@ from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting.status_post import SOON_S, Shown, insist, until_allowed
 from agentrob.agent.store.journal import DENIED, Journal
 from agentrob.agent.store.rows import ApprovalDecision
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say

@@ -12,7 +12,7 @@ import httpx2
 import structlog
 
 from agentrob.agent.stop.owner import OwnerActions
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.protocol import RobotPages
 from agentrob.model import Capabilities, Lock, RobotState

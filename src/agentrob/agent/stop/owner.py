@@ -16,7 +16,7 @@ from agentrob.agent.intake.authorization import own_rights
 from agentrob.agent.intake.triage import obeyed
 from agentrob.agent.stop.replies import StopReplies
 from agentrob.agent.stop.stop_handler import StopHandler
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Event, Forum, RobotControls, RobotRightsSource
 from agentrob.language.messages.catalog import quote, say

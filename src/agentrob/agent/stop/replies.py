@@ -15,7 +15,7 @@ import structlog
 
 from agentrob.agent.intake.event_stream import STEP
 from agentrob.agent.reporting.status_post import SOON_S, insist, until_allowed
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.protocol import Forum, Written

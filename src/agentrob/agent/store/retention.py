@@ -8,7 +8,7 @@ import structlog
 
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
-from agentrob.config.load import RetentionConfig
+from agentrob.config.robots import RetentionConfig
 
 #: How often it is looked.
 EVERY_S = 3600.0

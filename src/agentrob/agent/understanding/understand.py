@@ -14,7 +14,7 @@ from agentrob.agent.reporting.status_post import insist
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import OVER, RATE, Assessment, by_rules, extract
 from agentrob.agent.understanding.visual_goal import eyes, goal_for, in_words, judged_plan, replace_no_camera_answer
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
 from agentrob.language.visible_text import mentions

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from agentrob.agent.execution.visual import VisualTask
-from agentrob.config.load import LookConfig, RobotConfig
+from agentrob.config.robots import LookConfig, RobotConfig
 from agentrob.language.goal import Goal
 from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import step_sentence

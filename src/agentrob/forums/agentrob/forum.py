@@ -12,7 +12,7 @@ from urllib.parse import quote
 import httpx2
 import structlog
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by, card_of, facts_of
 from agentrob.forums.http import USER_AGENT, retry_after_s, same_origin, text_of, translate_errors, where

@@ -12,7 +12,7 @@ from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumMalformed, ForumNotFound, ForumUnreachable
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.cards import card_by

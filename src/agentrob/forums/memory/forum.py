@@ -25,7 +25,7 @@ from agentrob.model import Account, AccountKind, EventKind, Page, Post, Role, St
 from agentrob.semantic.encoder import MIN_SIMILARITY, cosine_similarity
 
 if TYPE_CHECKING:
-    from agentrob.config.load import ForumConfig
+    from agentrob.config.forum import ForumConfig
 
 T = TypeVar("T")
 

@@ -12,7 +12,7 @@ from datetime import datetime
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
-from agentrob.config.load import ForumConfig
+from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
 from agentrob.forums.http import translate_errors

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import structlog
 
-from agentrob.config.load import MindLimitsConfig
+from agentrob.config.minds import MindLimitsConfig
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.usage import Usage, spent_by
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import structlog
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.llm.chat import Answer, ChatModel, Image, M, Message, ModelReply, T, Tool
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel

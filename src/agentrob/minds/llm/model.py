@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import structlog
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.llm import prompted_output
 from agentrob.minds.llm.budget import Budget, Reserve
 from agentrob.minds.llm.chat import Answer, Image, M, Message, ModelReply, Tool, UserMessage

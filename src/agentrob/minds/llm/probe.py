@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.extraction.schema import Wants
 from agentrob.minds.llm.chat import Image, Tool, UserMessage
 from agentrob.minds.llm.errors import ModelError

@@ -33,7 +33,7 @@ from pydantic_ai.providers.openai import OpenAIProvider
 from pydantic_ai.settings import ModelSettings
 from pydantic_ai.tools import ToolDefinition
 
-from agentrob.config.load import MindConfig
+from agentrob.config.minds import MindConfig
 from agentrob.minds.llm.chat import Message, ModelReply, Tool, ToolCall, ToolResult, UserMessage
 from agentrob.minds.llm.errors import ErrorKind, ModelError, one_line
 from agentrob.minds.llm.http import TooBig, client

@@ -13,7 +13,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotUnreachable
 from agentrob.model import Op, RobotState
 from agentrob.robots.control.picture_check import picture_problem

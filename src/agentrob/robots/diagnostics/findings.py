@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.model import RobotState
 from agentrob.robots.safety.guard import BLIND_MPS, STATE_AGE_S
 from agentrob.robots.safety.ranges import NAMES

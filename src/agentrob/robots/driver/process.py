@@ -18,7 +18,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from agentrob.config.load import RobotConfig, default_data_dir, runtime_dir
+from agentrob.config.load import default_data_dir, runtime_dir
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotBusy, RobotError
 from agentrob.plugins import find
 from agentrob.process.host_lock import HostLock, namespaced

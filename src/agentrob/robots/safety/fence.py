@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from agentrob.config.load import FenceConfig
+from agentrob.config.robots import FenceConfig
 from agentrob.model import Op, Pose, Primitive
 from agentrob.robots.control.controller import rotate
 from agentrob.robots.control.step_runner import unit_vector

@@ -47,7 +47,7 @@ import threading
 import time
 from dataclasses import replace
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import (
     EMERGENCY_STOP,

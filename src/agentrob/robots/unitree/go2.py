@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from agentrob.config.load import RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.control.controller import Gait, Velocity

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from PIL import ImageColor
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from agentrob.config.load import SCENE_CHARS, FenceConfig
+from agentrob.config.robots import SCENE_CHARS, FenceConfig
 from agentrob.errors import SimError
 
 Rgba = tuple[float, float, float, float]

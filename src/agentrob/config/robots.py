@@ -1,0 +1,164 @@
+"""The `[robots.NAME]` tables: a robot's driver and agent, its limits, rates, approvals, recordings and retention.
+
+[robots.quadruped]            # the name is the robot's account on the forum and the name of its driver
+model = "go2"
+interface = "lo"
+domain = 1
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from agentrob.config.section import Section
+from agentrob.model import ActionClass
+
+
+class FenceConfig(Section):
+    """A rectangle around the robot's home, in metres (x forward at home, y left)."""
+
+    x_min_m: float = -5.0
+    x_max_m: float = 5.0
+    y_min_m: float = -5.0
+    y_max_m: float = 5.0
+
+
+class LimitsConfig(Section):
+    """Bounds that commands may not exceed (law 10)."""
+
+    speed_mps: Annotated[float, Field(gt=0, le=1.5)] = 0.5
+    turn_dps: Annotated[float, Field(gt=0, le=90)] = 45.0
+    step_m: Annotated[float, Field(gt=0)] = 5.0
+    step_deg: Annotated[float, Field(gt=0)] = 360.0
+    command_m: Annotated[float, Field(gt=0)] = 10.0
+    command_s: Annotated[float, Field(gt=0)] = 60.0
+    command_steps: Annotated[int, Field(ge=1)] = 10
+
+
+class RatesConfig(Section):
+    """Rate limits per account and robot; 0 disables a limit. Stops are exempt.
+
+    A command within `cooldown_s` of the account's previous one is delayed. A command beyond `commands_per_hour`, or
+    beyond `waiting` queued commands of the account, is refused, and the reply says when to try again.
+    """
+
+    commands_per_hour: Annotated[int, Field(ge=0)] = 60
+    cooldown_s: Annotated[int, Field(ge=0, le=3600)] = 2
+    waiting: Annotated[int, Field(ge=0)] = 5
+
+
+class LookConfig(Section):
+    """Let a model steer the robot by its camera ("walk to the red ball"), within limits per command.
+
+    Off unless the owner sets `allowed = true`; the robot's mind must then be a model with `images`. Each such command
+    may use `distance_m` of walking, `degrees` of turning, `calls` of the model's tools, `pictures`, and `seconds` in
+    total, including the model's time. `speed_mps` is the top walking speed. The robot's own limits apply as well.
+    """
+
+    allowed: bool = False
+    distance_m: Annotated[float, Field(gt=0, le=50)] = 5.0
+    degrees: Annotated[float, Field(gt=0, le=3600)] = 720.0
+    calls: Annotated[int, Field(ge=1, le=50)] = 12
+    pictures: Annotated[int, Field(ge=1, le=50)] = 10
+    seconds: Annotated[float, Field(gt=0, le=600)] = 120.0
+    speed_mps: Annotated[float, Field(ge=0.05, le=1.0)] = 0.3
+
+
+#: The maximum length of `scene`.
+SCENE_CHARS = 2_000
+
+
+class RecordingConfig(Section):
+    """What is recorded of each command that moves a robot: its path, its speeds, and a short animation for the reply.
+
+    `view` selects the animation. `room`: from `room_camera`; `robot`: from the robot's own camera; `path`: the path on
+    a map; `none`: no animation. `auto` shows the room if every reader of the thread may watch that camera live anyway
+    (on a forum with robot pages), else the path; other cameras are shown only if the owner selects them. Recordings
+    stay on disk for `keep_days` and up to `keep_mb` per robot, the oldest are deleted first; 0 keeps none.
+    """
+
+    view: Literal["auto", "room", "robot", "path", "none"] = "auto"
+    keep_days: Annotated[float, Field(ge=0, le=3650)] = 30.0
+    keep_mb: Annotated[float, Field(ge=0)] = 200.0
+
+
+class RetentionConfig(Section):
+    """How long an agent keeps finished commands: the row in the journal, the record and the pictures of the steps.
+
+    Kept for `days` and up to `commands` commands, with records and pictures up to `mb` each; the oldest are deleted
+    first. Rows younger than a day and commands that are still open always stay in the journal.
+    """
+
+    days: Annotated[float, Field(ge=1, le=3650)] = 30.0
+    commands: Annotated[int, Field(ge=1)] = 5000
+    mb: Annotated[float, Field(gt=0)] = 200.0
+
+
+class ApprovalConfig(Section):
+    """Which action `classes` need approval, in addition to those that the forum's own settings of the robot list.
+
+    `who` (a minimum role, or `owner`) may approve; with `own`, also their own commands. Both apply only where the forum
+    has no such settings. A command waits for approval at most `wait_s` after its post, and at most `queue_expiry_s`.
+    """
+
+    classes: tuple[ActionClass, ...] = ()
+    who: Literal["operator", "moderator", "admin", "owner"] = "moderator"
+    own: bool = False
+    wait_s: Annotated[float, Field(gt=0)] = 600.0
+
+
+class RobotConfig(Section):
+    """One robot: the connection of its driver, who may command it and where, and what its agent does.
+
+    `interface` and `domain` are DDS settings. `step_length_m` is the measured length of one of the robot's steps;
+    without it, the reply to "walk two steps" asks for a distance. With `home_on_start` the driver sets home when it
+    starts; allowed only with `simulated`, because the owner sets the home of a real robot (law 9).
+    `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
+    `least_battery_percent`: no motion begins below this charge; a robot that does not report its charge may move.
+    `moderators` are handles that are alerted, with the owner, of the third stop within 5 minutes.
+    `mind` reads the posts: `rules`, or the name of a table of `minds`. `screen` says whether that model also reviews
+    commands that the rules allow: `rules` never; `model` yes, but the rules decide alone if it does not answer;
+    `required` yes, and nothing moves if it does not answer. `scene` describes the robot's surroundings in English
+    ("stairs 2 m behind home"); rules and model use it to judge danger.
+    `summary` lets the model describe in words what was done, from the measured figures.
+    `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
+    """
+
+    model: str = "go2"
+    interface: str = "lo"
+    domain: Annotated[int, Field(ge=0, le=230)] = 0
+    simulated: bool = False
+    owner: str = ""
+    moderators: tuple[str, ...] = ()
+    mentions: tuple[str, ...] = ()
+    boards: tuple[str, ...] = ("robots",)
+    mind: str = "rules"
+    screen: Literal["rules", "model", "required"] = "model"
+    scene: Annotated[str, Field(max_length=SCENE_CHARS)] = ""
+    summary: bool = False
+    poll_s: Annotated[float, Field(gt=0)] = 30.0
+    step_length_m: Annotated[float, Field(gt=0, le=2)] | None = None
+    max_post_age_s: Annotated[float, Field(gt=0)] = 120.0
+    queue_expiry_s: Annotated[float, Field(gt=0)] = 600.0
+    home_on_start: bool = False
+    allow_unknown_ranges: bool = False
+    least_battery_percent: Annotated[float, Field(ge=0, le=100)] = 15.0
+    allow_flip: bool = False
+    room_camera: str = ""
+    room_reset: str = ""
+    fence: FenceConfig = Field(default_factory=FenceConfig)
+    limits: LimitsConfig = Field(default_factory=LimitsConfig)
+    rates: RatesConfig = Field(default_factory=RatesConfig)
+    approval: ApprovalConfig = Field(default_factory=ApprovalConfig)
+    look: LookConfig = Field(default_factory=LookConfig)
+    recording: RecordingConfig = Field(default_factory=RecordingConfig)
+    retention: RetentionConfig = Field(default_factory=RetentionConfig)
+    options: dict[str, Any] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _can_be_screened(self) -> Self:
+        if self.screen == "required" and self.mind == "rules":
+            raise ValueError('screen = "required" needs a mind that is a model; otherwise nothing would ever move')
+        return self
