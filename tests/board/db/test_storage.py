@@ -69,9 +69,9 @@ def test_a_stop_gets_through_though_the_database_is_locked(fresh_board: Callable
             next(lines)
             pressed = op.post("/robots/quadruped/stop")
             assert (pressed.status_code, pressed.json()["kind"]) == (200, "robot.stop")
-            told = [next(line for line in lines if line.startswith(start)) for start in ("id", "event", "data")]
-            assert told[1] == "event: robot.stop"
-            assert told[0] == f"id: {newest}", "resuming after it misses nothing"
+            told = [next(line for line in lines if line.startswith(start)) for start in ("event: robot", "id")]
+            assert told[0] == "event: robot.stop"
+            assert told[1] == f"id: {newest}", "resuming after it misses nothing"
         other.execute("ROLLBACK")
     assert topic["created"]
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import structlog
+from fastapi.sse import format_sse_event
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
@@ -67,7 +68,7 @@ def encode(event: Event, base_url: str, written: bool = True) -> EncodedEvent:
 
 
 def _frame(event: EventOut) -> bytes:
-    return f"id: {event.id}\nevent: {event.kind}\ndata: {event.model_dump_json()}\n\n".encode()
+    return format_sse_event(id=event.id, event=event.kind, data_str=event.model_dump_json())
 
 
 class Listener:
@@ -299,7 +300,7 @@ class EventStream(Response):
 
     async def _send(self, send: Send) -> None:
         await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
-        await streams.part(send, b"retry: 1000\n\n")
+        await streams.part(send, format_sse_event(retry=1000))
         await self._replay(send)
         await self._live(send)
 
@@ -343,4 +344,4 @@ class EventStream(Response):
 def _heartbeat() -> bytes:
     at = time_out(datetime.now(UTC))
     # No id line: the listener's last id stays what it was.
-    return f'event: {EventKind.HEARTBEAT}\ndata: {{"id":"","kind":"heartbeat","at":"{at}"}}\n\n'.encode()
+    return format_sse_event(event=EventKind.HEARTBEAT, data_str=f'{{"id":"","kind":"heartbeat","at":"{at}"}}')
