@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 import hashlib
 import hmac
 import json
@@ -10,12 +11,13 @@ import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
-from agentrob.errors import ServiceError
-from agentrob.process.webhooks import MOST_WAITING, Outbox, Receiver, signature
+from agentrob.errors import ConfigError, ServiceError
+from agentrob.process.webhooks import MOST_WAITING, Outbox, Receiver, read_secret, signer
 from agentrob.service.metrics import ServiceMetrics
 from agentrob.service.webhooks import verify
 from tests.agent.agent_scene import Driver
@@ -31,16 +33,29 @@ def discourse(body: bytes, secret: str = SECRET) -> dict[str, str]:
 
 
 def standard(body: bytes, secret: str = SECRET, sent_s: float | None = None) -> dict[str, str]:
-    sent = str(int(time.time() if sent_s is None else sent_s))
-    signed = signature("msg_1", sent, body, secret)
-    return {"webhook-id": "msg_1", "webhook-timestamp": sent, "webhook-signature": signed}
+    sent = datetime.fromtimestamp(int(time.time() if sent_s is None else sent_s), UTC)
+    signed = signer(secret).sign("msg_1", sent, body.decode())
+    return {"webhook-id": "msg_1", "webhook-timestamp": f"{sent.timestamp():.0f}", "webhook-signature": signed}
 
 
 def test_the_signature_is_that_of_the_standards_own_example() -> None:
     """From the test vectors of the Standard Webhooks libraries."""
-    secret, body = "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw", b'{"test": 2432232314}'
-    found = signature("msg_p5jXN8AQM9LWM0D4loKWxJek", "1614265330", body, secret)
+    secret, body = "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw", '{"test": 2432232314}'
+    found = signer(secret).sign("msg_p5jXN8AQM9LWM0D4loKWxJek", datetime.fromtimestamp(1614265330, UTC), body)
     assert found == "v1,g0hM9SsE+OTPJTGt/tmIKtSyZlE3uFJELVlNIOLJ1OE="
+
+
+def test_a_secret_without_whsec_is_the_key_as_it_is() -> None:
+    signed = hmac.new(SECRET.encode(), b'msg_1.1614265330.{"a":"\xc3\xa9"}', hashlib.sha256).digest()
+    found = signer(SECRET).sign("msg_1", datetime.fromtimestamp(1614265330, UTC), '{"a":"é"}')
+    assert found == f"v1,{base64.b64encode(signed).decode()}"
+
+
+@pytest.mark.parametrize("secret", ["whsec_", "whsec_a", "whsec_!!!"])
+def test_what_follows_whsec_must_be_base64(secret: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOOK_SECRET", secret)
+    with pytest.raises(ConfigError, match="the rest must be base64"):
+        read_secret("HOOK_SECRET")
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""Delivers webhooks, signed as Standard Webhooks are, with retries.
+"""Deliver webhooks, signed as in Standard Webhooks, with retries.
 
 A failed delivery is retried a few times, then dropped. Each receiver has a bounded queue in memory.
 """
@@ -6,19 +6,19 @@ A failed delivery is retried a few times, then dropped. Each receiver has a boun
 from __future__ import annotations
 
 import asyncio
-import base64
-import hashlib
-import hmac
 import json
 import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any
 from uuid import uuid4
 
 import httpx2
 import structlog
+from standardwebhooks import Webhook
+from standardwebhooks.webhooks import EmptyWebhookSecretError
 
 from agentrob.errors import ConfigError
 from agentrob.process.tls import tls
@@ -30,23 +30,27 @@ TIMEOUT_S = 10.0
 _log = structlog.get_logger()
 
 
-def signature(identity: str, sent: str, body: bytes, secret: str) -> str:
-    """The Standard Webhooks signature. A secret is used as it is; after `whsec_` it is base64."""
-    key = base64.b64decode(secret.removeprefix("whsec_")) if secret.startswith("whsec_") else secret.encode()
-    signed = hmac.new(key, f"{identity}.{sent}.".encode() + body, hashlib.sha256).digest()
-    return "v1," + base64.b64encode(signed).decode()
+def signer(secret: str) -> Webhook:
+    """Return what signs and verifies with a secret: used as it is, or as base64 after `whsec_`.
+
+    Raises `ValueError` if it is empty or cannot be decoded.
+    """
+    try:
+        return Webhook(secret if secret.startswith("whsec_") else secret.encode())
+    except EmptyWebhookSecretError:
+        raise ValueError("the secret is empty") from None
 
 
 def read_secret(variable: str) -> str:
-    """A secret from the environment; it is never in the configuration. Raises `ConfigError`."""
-    found = os.environ.get(variable, "")
-    if not found:
+    """Return a secret from the environment; it is never in the configuration. Raises `ConfigError`."""
+    secret = os.environ.get(variable, "")
+    if not secret:
         raise ConfigError(f"the environment variable {variable} must hold a secret")
     try:
-        signature("", "", b"", found)
+        signer(secret)
     except ValueError:
         raise ConfigError(f"the secret in {variable} begins with whsec_, so the rest must be base64") from None
-    return found
+    return secret
 
 
 @dataclass
@@ -100,16 +104,17 @@ class Outbox:
                 outcome = "told" if await self._deliver(http, receiver, identity, body) else "failed"
             except Exception as e:  # go on with the next webhook
                 outcome = "failed"
-                _log.error("webhook not told", receiver=receiver.name, why=type(e).__name__)
+                _log.error("webhook not delivered", receiver=receiver.name, why=type(e).__name__)
             self._count(outcome)
             receiver.waiting.task_done()
 
     async def _deliver(self, http: httpx2.AsyncClient, receiver: Receiver, identity: str, body: bytes) -> bool:
         for pause_s in (*self._pauses_s, None):
-            sent = str(int(time.time()))
+            now = datetime.now(UTC)
             headers = {
-                "Content-Type": "application/json", "webhook-id": identity, "webhook-timestamp": sent,
-                "webhook-signature": signature(identity, sent, body, receiver.secret),
+                "Content-Type": "application/json", "webhook-id": identity,
+                "webhook-timestamp": str(int(now.timestamp())),
+                "webhook-signature": signer(receiver.secret).sign(identity, now, body.decode()),
             }  # fmt: skip
             try:
                 status = (await http.post(receiver.url, content=body, headers=headers)).status_code
@@ -120,7 +125,7 @@ class Outbox:
             if 200 <= status < 300:
                 return True
             again = status == 0 or status >= 500 or status in (408, 425, 429)
-            _log.warning("webhook not taken", receiver=receiver.name, why=why, again=again and pause_s is not None)
+            _log.warning("webhook refused", receiver=receiver.name, why=why, again=again and pause_s is not None)
             if not again or pause_s is None:
                 return False
             await asyncio.sleep(pause_s)
