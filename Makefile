@@ -28,9 +28,8 @@ test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
 	@scripts/axe
-	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not sim and not browser" $(ARGS)
-	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow and browser and not sim" $(ARGS)
-	$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and sim" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not sim" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist loadfile --files-with sim -m "not slow and sim" $(ARGS)
 
 test-slice: setup-slow
 	@$(BIN)/python -m tests.slices $(SLICE)
@@ -39,8 +38,8 @@ test-slice: setup-slow
 
 test-long: export AGENTROB_TEST_SIZE := full
 test-long: setup-slow
-	$(BIN)/pytest -q -n 2 --dist worksteal -m "slow and not sim" $(ARGS)
-	$(BIN)/pytest -q -m "slow and sim" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist worksteal --files-with slow -m "slow and not sim" $(ARGS)
+	$(BIN)/pytest -q --files-with slow -m "slow and sim" $(ARGS)
 
 setup-slow: setup-dev
 	@scripts/system-packages render browser postgres peers

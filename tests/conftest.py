@@ -10,26 +10,13 @@ import sys
 import pytest
 from hypothesis import settings
 
-from agentrob.errors import RobotBusy
-from agentrob.process.host_lock import HostLock
-from tests.slices import pytest_addoption, pytest_collection_modifyitems
+from tests.host_numbers import take
+from tests.slices import pytest_addoption, pytest_collection_modifyitems, pytest_ignore_collect
 
-__all__ = ["pytest_addoption", "pytest_collection_modifyitems"]
+__all__ = ["pytest_addoption", "pytest_collection_modifyitems", "pytest_ignore_collect"]
 
-#: Of the fake robots. Those above are for the tests that speak real DDS: a file has ten of its own, and takes that of
-#: its process's number.
+#: Of the fake robots. Those above are for the tests that speak real DDS (see host_numbers.py).
 FAKE_DOMAINS = range(1, 150)
-NUMBERS = range(10)
-
-
-def _take(what: str, among: range) -> tuple[int, HostLock]:
-    for number in among:
-        try:
-            return number, HostLock(f"test-{what}/{number}", what)
-        except RobotBusy:
-            continue
-    raise RuntimeError(f"every {what} of {among} is taken by other test processes")
-
 
 # An example has no time limit of its own: how long one takes depends on what else the machine does.
 settings.register_profile("agentrob", deadline=None, print_blob=True)
@@ -44,12 +31,10 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
 # In the environment, since a test's own processes drive the same robot.
-_domain, _held_to_the_end = _take("domain", FAKE_DOMAINS)
+_domain = take("domain", FAKE_DOMAINS)
 os.environ["AGENTROB_TEST_DOMAIN"] = str(_domain)
 # `agentrob stop --all` of a test stops the simulated robots of this test process, not those of tests beside it.
 os.environ["AGENTROB_LOCK_NAMESPACE"] = f"test-{_domain}"
-_number, _held_to_the_end_too = _take("number", NUMBERS)
-os.environ["AGENTROB_TEST_NUMBER"] = str(_number)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -1,4 +1,9 @@
-"""Slices of the slow tests: `pytest --slice 3/12` runs the slow tests in the third of twelve groups of files.
+"""Which files are collected: a slice of the slow ones, or those that use a marker.
+
+Each test process imports every file that it collects, which takes 15 s of CPU for all of them.
+
+    pytest --slice 3/12       the slow tests in the third of twelve groups of files
+    pytest --files-with sim   the files that use the marker `sim`
 
 `.ci/run` runs one slice for each commit, chosen by the commit's hash, so that over commits all are run;
 `make test-long` runs all of them. A file is in one slice. Slices take about the same time, by `durations.toml`.
@@ -10,6 +15,7 @@ from __future__ import annotations
 
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,7 +23,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 #: Seconds of a file that `durations.toml` does not name.
 DEFAULT_S = 30.0
-SLOW_FILES = pytest.StashKey[set[str]]()
+#: The files of the collected tests that have a marker, by marker.
+MARKED_FILES = pytest.StashKey[dict[str, set[str]]]()
 
 
 def durations() -> dict[str, float]:
@@ -25,10 +32,19 @@ def durations() -> dict[str, float]:
     return dict(tomllib.loads((Path(__file__).parent / "durations.toml").read_text(encoding="utf-8")))
 
 
-def slow_files() -> list[str]:
-    """Every test file with the marker `slow`, relative to the repository."""
+def has_marker(path: Path, marker: str) -> bool:
+    """Whether a test file uses this marker."""
+    return f"mark.{marker}" in path.read_text(encoding="utf-8")
+
+
+def files_with(marker: str) -> list[str]:
+    """Every test file that uses this marker, relative to the repository."""
     files = sorted((ROOT / "tests").rglob("test_*.py"))
-    return [str(path.relative_to(ROOT)) for path in files if "mark.slow" in path.read_text(encoding="utf-8")]
+    return [str(path.relative_to(ROOT)) for path in files if has_marker(path, marker)]
+
+
+def slow_files() -> list[str]:
+    return files_with("slow")
 
 
 def split(files: list[str], count: int, seconds: dict[str, float]) -> list[list[str]]:
@@ -50,6 +66,7 @@ def parse(text: str) -> tuple[int, int]:
     return int(number), int(count)
 
 
+@cache
 def files_of(text: str) -> list[str]:
     """The files of a slice such as `3/12`."""
     number, count = parse(text)
@@ -58,12 +75,28 @@ def files_of(text: str) -> list[str]:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slice", metavar="NUMBER/COUNT", help="run only the slow tests of this slice, as 3/12")
+    parser.addoption("--files-with", metavar="MARKER", help="collect only the files that use this marker")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """A file that is named on the command line is collected all the same."""
+    if not collection_path.match("test_*.py"):
+        return None
+    if (marker := config.getoption("--files-with")) and not has_marker(collection_path, marker):
+        return True
+    if (text := config.getoption("--slice")) and str(collection_path.relative_to(ROOT)) not in files_of(text):
+        return True
+    return None
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    slow = {item: str(item.path.relative_to(ROOT)) for item in items if item.get_closest_marker("slow")}
-    config.stash[SLOW_FILES] = set(slow.values())
+    marked: dict[str, dict[pytest.Item, str]] = {
+        marker: {item: str(item.path.relative_to(ROOT)) for item in items if item.get_closest_marker(marker)}
+        for marker in ("slow", "sim")
+    }
+    config.stash[MARKED_FILES] = {marker: set(files.values()) for marker, files in marked.items()}
+    slow = marked["slow"]
     if text := config.getoption("--slice"):
         chosen = set(files_of(text))
         config.hook.pytest_deselected(items=[item for item in items if slow.get(item) not in chosen])

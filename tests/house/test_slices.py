@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tests.slices import DEFAULT_S, ROOT, SLOW_FILES, durations, files_of, parse, slow_files, split
+from tests.slices import DEFAULT_S, MARKED_FILES, ROOT, durations, files_of, files_with, parse, slow_files, split
 
 COUNT = 12
 #: Of one slice in one process; `.ci/run` runs it in two, except for what needs a simulated world.
@@ -21,8 +21,11 @@ def test_every_slow_file_is_in_exactly_one_slice(count: int) -> None:
     assert len(found) > 30
 
 
-def test_every_slow_test_that_was_collected_is_in_a_slow_file(request: pytest.FixtureRequest) -> None:
-    assert request.config.stash[SLOW_FILES] <= set(slow_files())
+@pytest.mark.parametrize("marker", ["slow", "sim"])
+def test_every_marked_test_that_was_collected_is_in_a_file_with_the_marker(
+    marker: str, request: pytest.FixtureRequest
+) -> None:
+    assert request.config.stash[MARKED_FILES][marker] <= set(files_with(marker))
 
 
 def test_no_slice_takes_longer_than_the_limit() -> None:
@@ -69,3 +72,12 @@ def test_a_slice_collects_the_slow_tests_of_its_files_only() -> None:
     assert len(ours) > 60
     assert not [line for line in ours if "agent, walking" in line], "it is fast, so `make test` runs it"
     assert collected(f"{number % COUNT + 1}/{COUNT}") == []
+
+
+def test_only_the_files_with_a_marker_are_collected() -> None:
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider", "tests/demo"]
+    done = subprocess.run(
+        [*command, "--files-with", "browser"], cwd=ROOT, capture_output=True, text=True, timeout=100, check=False
+    )
+    files = {line.partition("::")[0] for line in done.stdout.splitlines() if "::" in line}
+    assert files == {"tests/demo/test_browser.py"}

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
 
 import pytest
 
-DOMAIN = 211 + int(os.environ["AGENTROB_TEST_NUMBER"])
+from tests.host_numbers import dds_number
+
+DOMAIN = 211 + dds_number()
 
 SPEAK = """
 import gc, sys, time

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import signal
 import subprocess
 import sys
@@ -25,9 +24,10 @@ from agentrob.robots.protocol import Robot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.unitree.g1 import G1
+from tests.host_numbers import dds_number
 
 #: The same as of the Go2's tests: the SDK joins one DDS domain per process, and their world has ended before.
-DOMAIN = 171 + int(os.environ["AGENTROB_TEST_NUMBER"])
+DOMAIN = 171 + dds_number()
 SETTINGS = RobotConfig(model="g1", domain=DOMAIN, simulated=True, home_on_start=True)
 #: Longer than a message is on its way, and than a stop looks back.
 THERE_S = 0.6

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-import os
 import signal
 import subprocess
 import sys
@@ -22,9 +21,10 @@ from agentrob.robots.contract import RobotContract, fresh, go_on
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.protocol import Robot
 from agentrob.robots.unitree.go2 import Go2
+from tests.host_numbers import dds_number
 from tests.robots import guard_scene
 
-DOMAIN = 171 + int(os.environ["AGENTROB_TEST_NUMBER"])
+DOMAIN = 171 + dds_number()
 SETTINGS = RobotConfig(model="go2", domain=DOMAIN, simulated=True, home_on_start=True)
 
 pytestmark = pytest.mark.sim

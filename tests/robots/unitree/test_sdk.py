@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -15,8 +14,9 @@ from cyclonedds.domain import DomainParticipant
 import agentrob.process.dds
 from agentrob.model import Pose, RobotState
 from agentrob.robots.unitree.robot import UnitreeRobot
+from tests.host_numbers import dds_number
 
-DOMAIN = 201 + int(os.environ["AGENTROB_TEST_NUMBER"])
+DOMAIN = 201 + dds_number()
 
 
 def test_topics_are_created_one_at_a_time_for_two_at_once_may_hang_the_process() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -17,11 +16,12 @@ from PIL import Image
 
 from agentrob.errors import SimError
 from agentrob.sim.server import parse_domains
+from tests.host_numbers import dds_number
 from tests.sim.served_world import Served, start_world
 
 pytestmark = pytest.mark.sim
 
-G1_DOMAIN = 211 + int(os.environ["AGENTROB_TEST_NUMBER"])
+G1_DOMAIN = 211 + dds_number()
 
 
 @pytest.fixture(scope="module")
