@@ -20,6 +20,7 @@
     ├── BoardError           the embedded forum cannot do this; carries an HTTP status
     ├── ServiceError         the agent's HTTP service cannot do this; carries an HTTP status
     └── JournalError         the journal cannot be opened or trusted
+        └── IllegalTransition    a command would enter a state that cannot follow its own
 
 A refusal, a failed step, a post that is not understood are results (see `model`), not errors.
 """
@@ -139,3 +140,7 @@ class ServiceError(AgentRobError):
 
 class JournalError(AgentRobError):
     """The journal cannot be opened or trusted."""
+
+
+class IllegalTransition(JournalError):
+    """A command would enter a state that cannot follow the one it is in (`model.lifecycle.TRANSITIONS`)."""

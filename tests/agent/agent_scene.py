@@ -19,12 +19,39 @@ from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Forum
 from agentrob.minds.protocol import Mind
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, Post, Role
+from agentrob.model import AccountKind, CommandState, Post, Role, StatusCard
+from agentrob.model.lifecycle import TRANSITIONS
 from agentrob.robots.driver.client import DriverClient
 
 ROBOT = "quadruped"
 WIDE = {"x_min_m": -1000.0, "x_max_m": 1000.0, "y_min_m": -1000.0, "y_max_m": 1000.0}
 FINAL = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
+
+
+def reachable(state: CommandState) -> set[CommandState]:
+    """Every state that can come after this one, directly or not."""
+    found: set[CommandState] = set()
+    ahead = [state]
+    while ahead:
+        new = TRANSITIONS[ahead.pop()] - found
+        found |= new
+        ahead += new
+    return found
+
+
+def check_cards(world: MemoryWorld) -> None:
+    """The cards of each status post follow the table of states. An edit may pass over states; an end that was guessed
+    gives way to what was measured."""
+    shown: dict[str, StatusCard] = {}
+    for event in world.events:
+        if (post := event.post) is None or post.card is None or not (post.key or "").startswith("claim:"):
+            continue
+        before, shown[post.id] = shown.get(post.id), post.card
+        if before is None or before.state == post.card.state:
+            continue
+        guess = before.state == CommandState.INTERRUPTED and before.steps == 0
+        allowed = FINAL if guess else reachable(CommandState(before.state))
+        assert post.card.state in allowed, f"post {post.id} went from {before.state} to {post.card.state}"
 
 
 def robot_settings(**more: Any) -> RobotConfig:
@@ -138,6 +165,7 @@ class Scene:
         agent = self.make(**changed)
         async with serving(agent):
             yield agent
+        check_cards(self.world)
 
     def make(self, **changed: Any) -> RobotAgent:
         forum: Forum = self.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)

@@ -23,8 +23,8 @@ from agentrob.config.forum import ForumConfig
 from agentrob.config.load import Config
 from agentrob.config.robots import FenceConfig, RatesConfig, RobotConfig
 from agentrob.demo import run as demo
-from agentrob.demo import visitor
 from agentrob.model import AccountKind, Role
+from agentrob.model.lifecycle import FINAL_STATES
 from agentrob.wiring import app
 from tests.kill.kill_process import AGENTROB, Mortal, environment, wait_for
 
@@ -230,7 +230,7 @@ class House:
         """The final reply, once it is there, the agent has closed its journal over it, and the robot stands."""
 
         def told() -> list[dict[str, Any]]:
-            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in visitor.FINAL]
+            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in FINAL_STATES]
 
         wait_for(f"a final reply to {asked.text!r}", told, END_S)
         wait_for("the journal is closed over the command", lambda: self.journal(asked), 60.0)

@@ -72,8 +72,8 @@ class Point:
 POINTS = [
     Point("asking not noted yet", JOURNAL + "ask", "before", asks=True),
     Point("asking noted", JOURNAL + "ask", "after", asks=True),
-    Point("to be told that it waits", FORUM + "edit", "before", asks=True, containing="state='waiting'"),
-    Point("told that it waits", FORUM + "edit", "after", asks=True, containing="state='waiting'"),
+    Point("to be told that it waits", FORUM + "edit", "before", asks=True, containing="state=<CommandState.WAITING"),
+    Point("told that it waits", FORUM + "edit", "after", asks=True, containing="state=<CommandState.WAITING"),
     Point("approval heard", APPROVALS + "hear", "before"),
     Point("approval not noted yet", JOURNAL + "decide", "before"),
     Point("approval noted", JOURNAL + "decide", "after"),

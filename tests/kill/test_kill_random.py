@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from agentrob.demo import visitor
+from agentrob.model.lifecycle import FINAL_STATES
 from tests.kill.kill_house import DRIVER_AWAY, DRIVER_DIED, PHOTO, WALK, House, check
 from tests.kill.kill_process import wait_for
 
@@ -68,7 +68,7 @@ def test_law_6_killed_at_random(house: House, kills: int, seed: int) -> None:
         state = check(house, asked)
         house.release()
         may = set[str]().union(*(STATES[death.kind] for death in planned))
-        assert state in may <= visitor.FINAL, f"{where}: {house.answers(asked)[0]['raw']}"
+        assert state in may <= FINAL_STATES, f"{where}: {house.answers(asked)[0]['raw']}"
         killed += len(planned)
         ends[f"{' and '.join(sorted(death.kind for death in planned))}: {state}"] += 1
     print(f"seed {seed}: {killed} kills in {time.monotonic() - began_s:.0f} s: {dict(sorted(ends.items()))}")  # noqa: T201

@@ -18,7 +18,6 @@ from typing import Any
 
 import structlog
 
-from agentrob.agent.execution.execute import SHUTDOWN, STOP
 from agentrob.agent.intake.event_stream import EventStream, elapsed_s
 from agentrob.agent.intake.inbox import Inbox
 from agentrob.agent.intake.rate_limit import RateLimiter
@@ -50,7 +49,7 @@ from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnre
 from agentrob.forums.protocol import BEFORE_ALL, Event, Forum, RobotPages
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.protocol import ManagedMind, Mind
-from agentrob.model import Account, Command, Decision, EventKind, Post, Report, StopResult
+from agentrob.model import Account, Command, Decision, EndReason, EventKind, Post, Report, StopResult
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import prepare as prepare_screen
@@ -271,7 +270,7 @@ class RobotAgent:
         self._ending = True
         self.line.close()
         if (job := self.line.moving) is not None:
-            job.end(SHUTDOWN)
+            job.end(EndReason.SHUTDOWN)
             if job.task is not None:
                 await asyncio.wait({job.task}, timeout=LAST_WORDS_S)
         for task in tuple(self._tasks):
@@ -373,7 +372,7 @@ class RobotAgent:
         self._begun = self.channel.compared_at, elapsed_s()
         self.inbox.clear()
         for job in self.line:
-            job.end("replaced")
+            job.end(EndReason.REPLACED)
         if tasks := {job.task for job in self.line if job.task}:
             _, late = await asyncio.wait(tasks, timeout=DRIVER_WAIT_S)
             for task in late:
@@ -501,11 +500,11 @@ class RobotAgent:
         if not self.settings.room_reset or not allowed or not fresh:
             return
         if len(self.line):
-            ended = self.line.end_all(STOP)
+            ended = self.line.end_all(EndReason.STOP)
             for job in ended:
                 job.stopped_by = account.name
             await self.stops.stop(account.name, at)
-            await self.journal.end([job.command.post_id for job in ended], STOP)
+            await self.journal.end([job.command.post_id for job in ended], EndReason.STOP)
             if (moving := self.line.moving) is not None and moving.task is not None:
                 await asyncio.wait({moving.task}, timeout=DRIVER_WAIT_S)
         try:

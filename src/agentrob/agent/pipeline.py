@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import structlog
 from pydantic import TypeAdapter
 
-from agentrob.agent.execution.execute import SHUTDOWN, STOP, Execution, ExecutionHooks, decisive, execute, holder_of
+from agentrob.agent.execution.execute import Execution, ExecutionHooks, decisive, execute, holder_of
 from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import CommandTerms, own_rights, permission
 from agentrob.agent.intake.event_stream import EventStream
@@ -23,7 +23,7 @@ from agentrob.agent.intake.rate_limit import RateLimiter
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
 from agentrob.agent.media.recorder import Recorder
-from agentrob.agent.queue.approvals import LAPSED, Approvals
+from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting import visual_calls, visual_text
@@ -40,7 +40,7 @@ from agentrob.agent.reporting.status_post import (
 )
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.stop.replies import StopReplies
-from agentrob.agent.store.journal import CANCELLED, DENIED, INTERRUPTED, Journal, NotBegun
+from agentrob.agent.store.journal import Journal, NotBegun
 from agentrob.agent.store.records import Records, approval
 from agentrob.agent.understanding.extract import Assessment
 from agentrob.agent.understanding.surroundings import Surroundings
@@ -57,7 +57,9 @@ from agentrob.model import (
     AccountKind,
     Capabilities,
     Command,
+    CommandState,
     Decision,
+    EndReason,
     Intent,
     Language,
     Plan,
@@ -149,7 +151,9 @@ class Pipeline:
                 text = await self.journal.kept(job.command.post_id)
                 execution = _EXECUTION.validate_json(text) if text is not None else None
         if execution is None:
-            return self._report(job, "interrupted" if job.begun else "failed", plan, message=message)
+            return self._report(
+                job, CommandState.INTERRUPTED if job.begun else CommandState.FAILED, plan, message=message
+            )
         return self._report(job, execution.status, plan, execution, message=message)
 
     @contextlib.contextmanager
@@ -163,8 +167,8 @@ class Pipeline:
     async def decline(self, command: Command) -> None:
         """Tell a command that the journal could not take: its status is its end."""
         job = QueuedCommand(command)
-        report = self._report(job, "failed", message=self._because(job, "journal"))
-        card = StatusCard(self.name, "failed", trace_id=command.trace_id)
+        report = self._report(job, CommandState.FAILED, message=self._because(job, "journal"))
+        card = StatusCard(self.name, CommandState.FAILED, trace_id=command.trace_id)
         shown = Shown(words.final(report), card)
         await self._allowed(partial(StatusPost(self.forum, command).claim, shown))
         self.on_end(report)
@@ -185,11 +189,11 @@ class Pipeline:
         person = job.command.author.kind is AccountKind.HUMAN
         silent = not job.known and not (person and addresses(job.command.text, self.thinking.names))
         if thinking.done() and silent and thinking.result().understanding.intent is Intent.NOTHING:
-            await self.journal.finish(post_id, "nothing")
+            await self.journal.finish(post_id, CommandState.NOTHING)
             return None
         ours, told = await self._claim(job)
         if told:
-            await self.journal.finish(post_id, "answered before")
+            await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
             return None
         if not ours:  # another agent's, or of a journal that is lost: whoever holds it tells the end, if anybody does
             thinking.cancel()
@@ -197,9 +201,11 @@ class Pipeline:
             self.line.leave(job)
             claimed = await insist(partial(self.forum.post, job.status.post_id))
             if not await left_open(self.forum, claimed, self.moves):
-                await self.journal.finish(post_id, "answered before")
+                await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
                 return None
-            return self._report(job, "interrupted", message=say("agent.interrupted.claim", job.command.language))
+            return self._report(
+                job, CommandState.INTERRUPTED, message=say("agent.interrupted.claim", job.command.language)
+            )
         thought: Assessment = await thinking
         if thought.understanding.cancels:
             job.took_back = await self._take_back(job)
@@ -210,7 +216,7 @@ class Pipeline:
     async def _claim(self, job: QueuedCommand) -> tuple[bool, bool]:
         """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
         command = job.command
-        card = StatusCard(self.name, "seen", trace_id=command.trace_id)
+        card = StatusCard(self.name, CommandState.SEEN, trace_id=command.trace_id)
         shown = Shown(words.seen(command.language, command.trace_id), card)
         written = await self._allowed(partial(job.status.claim, shown), partial(self._denied, job))
         job.note("seen", self.channel.now())
@@ -223,7 +229,7 @@ class Pipeline:
                     return False, True
             elif command.trace_id not in (now.raw, now.card.trace_id if now.card else ""):
                 return False, False
-            elif state == "running" and not await self.journal.moved(command.post_id):
+            elif state == CommandState.RUNNING and not await self.journal.moved(command.post_id):
                 return False, False  # a journal that knows of no motion may be an old copy: the forum knows more
             job.status.adopt(now)
         await self.journal.posted(command.post_id, now.id)
@@ -251,9 +257,9 @@ class Pipeline:
         told so."""
         await self.line.aside(job, seconds)
         if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self.settings.queue_expiry_s:
-            job.end("expired")
+            job.end(EndReason.EXPIRED)
             self.line.leave(job)
-            await self.journal.end([job.command.post_id], "expired")
+            await self.journal.end([job.command.post_id], EndReason.EXPIRED)
 
     async def moves(self, trace_id: str) -> bool:
         """Whether the driver works for the command of this trace id now, whichever agent gave it."""
@@ -270,33 +276,37 @@ class Pipeline:
         match understood.intent:
             case Intent.HELP:
                 told = help_text(await self.driver.capabilities(), self.name, language)
-                return self._report(job, "answered", message=told)
+                return self._report(job, CommandState.ANSWERED, message=told)
             case Intent.STATUS:
-                return self._report(job, "answered", message=await self._state_text(language))
+                return self._report(job, CommandState.ANSWERED, message=await self._state_text(language))
             case Intent.CANCEL:
                 key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
-                return self._report(job, "answered", message=say(key, language, count=job.took_back))
+                return self._report(job, CommandState.ANSWERED, message=say(key, language, count=job.took_back))
             case Intent.QUESTION:
                 return self._report(
-                    job, "answered", message=words.disarmed(understood.question) or say("talk.question", language)
+                    job,
+                    CommandState.ANSWERED,
+                    message=words.disarmed(understood.question) or say("talk.question", language),
                 )
             case Intent.ASK_BACK if thought.verdict is not None:
-                return self._report(job, "refused", verdict=thought.verdict)
+                return self._report(job, CommandState.REFUSED, verdict=thought.verdict)
             case Intent.ASK_BACK:
-                return self._report(job, "asks_back", message=understood.question or say("agent.ask.default", language))
+                return self._report(
+                    job, CommandState.ASKS_BACK, message=understood.question or say("agent.ask.default", language)
+                )
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
-                ended = self.line.end_before(job, STOP)
+                ended = self.line.end_before(job, EndReason.STOP)
                 for other in ended:
                     other.stopped_by = job.command.author.name
                 stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
-                await self.journal.end([other.command.post_id for other in ended], STOP)
-                return self._report(job, "stopped", stop=stop)
-        return self._report(job, "answered", message=say("agent.nothing", language))
+                await self.journal.end([other.command.post_id for other in ended], EndReason.STOP)
+                return self._report(job, CommandState.STOPPED, stop=stop)
+        return self._report(job, CommandState.ANSWERED, message=say("agent.nothing", language))
 
     async def _take_back(self, job: QueuedCommand) -> int:
         """End what its author posted before and has not begun to move; how many commands that were."""
-        before = self.line.end_waiting(job, "taken_back")
-        await self.journal.end([other.command.post_id for other in before], "taken_back")
+        before = self.line.end_waiting(job, EndReason.TAKEN_BACK)
+        await self.journal.end([other.command.post_id for other in before], EndReason.TAKEN_BACK)
         return len(before)
 
     async def _state_text(self, language: Language) -> str:
@@ -309,22 +319,26 @@ class Pipeline:
 
     async def _ended(self, job: QueuedCommand, plan: Plan, execution: Execution | None = None) -> Report:
         """A command that was ended from outside, before it moved or while it did."""
-        why, language = job.ended or "before", job.command.language
-        if why in ("stale", "expired", LAPSED) and execution is None:
-            wait = duration(self.approvals.wait_s if why == LAPSED else self.settings.queue_expiry_s, language)
+        why, language = job.ended or EndReason.BEFORE, job.command.language
+        if why.state_before_motion is CommandState.EXPIRED and execution is None:
+            wait = duration(
+                self.approvals.wait_s if why is EndReason.LAPSED else self.settings.queue_expiry_s, language
+            )
             limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
             by = self.clock_set()
             told = [
                 say(f"agent.{why}", language, **limits),
                 *([words.clock_set(by, language)] if by is not None else []),
             ]
-            return self._report(job, "expired", plan, message=" ".join(told))
-        if why == DENIED and execution is None and job.decided is not None:
+            return self._report(job, CommandState.EXPIRED, plan, message=" ".join(told))
+        if why is EndReason.DENIED and execution is None and job.decided is not None:
             said = say("agent.denied.by", language, who=quote(job.decided.by.name))
-            return self._report(job, "refused", plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said))
+            return self._report(
+                job, CommandState.REFUSED, plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said)
+            )
         stop = await job.stop if job.stop is not None and execution is not None else None
-        status = execution.status if execution else "cancelled"
-        message = job.stopped_by if status == "stopped" else self._because(job, why)
+        status = execution.status if execution else CommandState.CANCELLED
+        message = job.stopped_by if status is CommandState.STOPPED else self._because(job, why)
         return self._report(job, status, plan, execution, message=message, stop=stop)
 
     async def _obey(self, job: QueuedCommand, thought: Assessment) -> Report:
@@ -332,11 +346,12 @@ class Pipeline:
         plan, verdict, command = thought.understanding.plan, thought.verdict, job.command
         assert verdict is not None
         if verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
-            status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
-            message = verdict.reason if status == "asks_back" else ""
+            asks = verdict.decision is Decision.ASK_BACK
+            status = CommandState.ASKS_BACK if asks else CommandState.REFUSED
+            message = verdict.reason if asks else ""
             return self._report(job, status, plan, verdict=verdict, message=message)
         if not job.begun and (waiting := await self._pace(job)) is not None:
-            return self._report(job, "refused", plan, verdict=waiting)
+            return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
             await self.approvals.wait(job, words.planned(plan, command.language, _goal(job)), verdict.reason)
         self.show_place(job)
@@ -352,11 +367,11 @@ class Pipeline:
             kept = False  # the robot was given steps: what came of them is told, whatever failed since
             _log.error("motion not kept", post=command.post_id, trace=traceback.format_exc())
             text = ""
-        if text == CANCELLED:
+        if text == CommandState.CANCELLED:
             return await self._ended(job, plan)
-        if text == INTERRUPTED:
+        if text == CommandState.INTERRUPTED:
             await self.stops.stop("interrupted command", self.channel.now())
-            return self._report(job, "interrupted", plan, verdict=verdict)
+            return self._report(job, CommandState.INTERRUPTED, plan, verdict=verdict)
         execution = job.run.execution() if job.run is not None else self._read(text)
         return await self._carried(job, plan, replace(execution, verdict=decisive(execution, verdict)), kept)
 
@@ -371,10 +386,10 @@ class Pipeline:
         language = job.command.language
         job.stopped_by = job.stopped_by or execution.stopped_by
         job.looked = execution.looked
-        if job.ended is not None and execution.status != "done":
+        if job.ended is not None and execution.status is not CommandState.DONE:
             return await self._ended(job, plan, execution)
-        if execution.status == "stopped":  # past us: at the robot's machine, or by another of its clients
-            return self._report(job, "stopped", plan, execution, message=job.stopped_by)
+        if execution.status is CommandState.STOPPED:  # past us: at the robot's machine, or by another of its clients
+            return self._report(job, CommandState.STOPPED, plan, execution, message=job.stopped_by)
         said = [say("agent.because.driver", language, message=execution.message)] if execution.message else []
         said = said or [self._because(job, execution.fault)] if execution.fault else said
         said = said or [why] if (why := visual_text.why(execution.looked, language)) else said
@@ -395,7 +410,7 @@ class Pipeline:
                 return Verdict(
                     Decision.REFUSE, wait.rule, say(f"agent.{wait.rule}", language, minutes=wait.minutes, count=count)
                 )
-            self._show(job, say("agent.held", language, seconds=wait.seconds), "queued")
+            self._show(job, say("agent.held", language, seconds=wait.seconds), CommandState.QUEUED)
             await self.line.hold(job, wait.seconds)
         self.line.pace(job)
         return None
@@ -412,7 +427,7 @@ class Pipeline:
         hooks = ExecutionHooks(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
-            ended=lambda: job.ended or (SHUTDOWN if self.ending() else None),
+            ended=lambda: job.ended or (EndReason.SHUTDOWN if self.ending() else None),
             alive=self.channel.prove,
             silent=lambda: self.channel.silent,
             stop=self.stops.quietly,
@@ -459,7 +474,7 @@ class Pipeline:
         if thought is None or thought.goal is None:
             return await execute(self.driver, job.command, plan, hooks)
         if seeing is None:
-            return Execution("failed", message="no model with eyes is configured any more")
+            return Execution(CommandState.FAILED, message="no model with eyes is configured any more")
         capabilities = await self.driver.capabilities()
         language = job.command.language
         visual_task = visual_task_of(thought.goal, seeing, capabilities, self.settings.look, language, thought.usage)
@@ -475,9 +490,9 @@ class Pipeline:
             and "seen" in job.timings_ms
             and (place := self.line.place(job))
         ):
-            self._show(job, words.queued(job.command.language, place), "queued", place=place)
+            self._show(job, words.queued(job.command.language, place), CommandState.QUEUED, place=place)
 
-    def _show(self, job: QueuedCommand, text: str, state: str, **more: Any) -> None:
+    def _show(self, job: QueuedCommand, text: str, state: CommandState, **more: Any) -> None:
         card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)
         job.status.show(Shown(text, card))
 
@@ -486,15 +501,20 @@ class Pipeline:
         doing = words.doing(step, language)
         if goal := _goal(job):
             text = say("visual.running", language, step=number + 1, doing=doing, goal=goal)
-            return self._show(job, text, "running", step=number + 1, doing=doing)
+            return self._show(job, text, CommandState.RUNNING, step=number + 1, doing=doing)
         text = words.running(language, number, plan.steps)
-        self._show(job, text, "running", step=number + 1, steps=len(plan.steps), doing=doing)
+        self._show(job, text, CommandState.RUNNING, step=number + 1, steps=len(plan.steps), doing=doing)
 
     def _because(self, job: QueuedCommand, why: str) -> str:
         return say(f"agent.because.{why}", job.command.language)
 
     def _report(
-        self, job: QueuedCommand, status: str, plan: Plan = Plan(), execution: Execution | None = None, **more: Any
+        self,
+        job: QueuedCommand,
+        status: CommandState,
+        plan: Plan = Plan(),
+        execution: Execution | None = None,
+        **more: Any,
     ) -> Report:
         if execution is not None:
             more = {"results": execution.results, "verdict": execution.verdict, **more}
@@ -514,7 +534,7 @@ class Pipeline:
         measured = any(result.moved for result in report.results)
         # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
         with self._beside(job, "plan not kept"):
-            if report.status == "done" and not report.goal:
+            if report.status is CommandState.DONE and not report.goal:
                 await self.journal.did(command.post_id, report.plan)
         close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
         try:

@@ -26,7 +26,7 @@ from agentrob.config.load import Config
 from agentrob.config.minds import MindConfig
 from agentrob.config.robots import RatesConfig
 from agentrob.errors import AgentRobError, ConfigError
-from agentrob.model import AccountKind, Role
+from agentrob.model import AccountKind, CommandState, Role
 from agentrob.process.child import Child, ChildError, terminate_all
 from agentrob.process.dds_domain import PrivateDomain
 from agentrob.process.signals import sigterm_interrupts
@@ -351,4 +351,4 @@ def _post_once(demo: Demo, settings: DemoSettings) -> int:
         print(json.dumps(outcome, ensure_ascii=False), flush=True)
     else:
         print(outcome["reply_markdown"] or outcome["error"])
-    return 0 if outcome["status"] == "done" else 1
+    return 0 if outcome["status"] == CommandState.DONE else 1

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from agentrob.config.load import Config
 from agentrob.errors import AgentRobError, ConfigError, ForumUnreachable
-from agentrob.model import Post
+from agentrob.model import CommandState, Post
 from agentrob.wiring import app
 
 if TYPE_CHECKING:
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
 #: How long one posted command may take, in seconds: the limit of a command, its report, and a slow machine.
 LIMIT_S = 180.0
-FINAL = frozenset(
-    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
-)
 
 
 async def ask(config: Config, token: str, text: str, check: Callable[[], None]) -> dict[str, Any]:
@@ -50,7 +47,7 @@ async def ask(config: Config, token: str, text: str, check: Callable[[], None]) 
         await forum.close()
     answers = {name: _answer(config, name, written.post.id, posts.get(name)) for name in names}
     return {
-        "status": next((a["status"] for a in answers.values() if a["status"] != "done"), "done"),
+        "status": next((a["status"] for a in answers.values() if a["status"] != CommandState.DONE), CommandState.DONE),
         "topic_url": topic.url,
         "reply_markdown": "\n\n".join(a["reply_markdown"] for a in answers.values() if a["reply_markdown"]),
         "steps": [{"robot": name, **step} for name, a in answers.items() for step in a["steps"]],
@@ -74,7 +71,7 @@ def _answer(config: Config, name: str, post_id: str, post: Post | None) -> dict[
     """What one robot answered, and what its agent keeps of it."""
     record = app.read_record(config.data_dir, name, post_id)
     return {
-        "status": post.card.state if post and post.card else "failed",
+        "status": post.card.state if post and post.card else CommandState.FAILED,
         "reply_markdown": post.raw if post else "",
         "steps": record.get("steps", []),
         "timings_ms": record.get("timings_ms", {}),
@@ -97,7 +94,7 @@ async def _finals(
                 after, post = event.id or after, event.post
                 if post is None or post.topic_id != topic_id or post.author.name not in names:
                     continue
-                if post.card and post.card.state in FINAL:
+                if post.card and post.card.is_final:
                     posts[post.author.name] = post
                 if len(posts) == len(names):
                     return

@@ -8,6 +8,7 @@ from agentrob.model.accounts import Account, AccountKind, ActionClass, RobotRigh
 from agentrob.model.commands import Command, Intent, Language, Understanding
 from agentrob.model.decisions import Decision, Mandate, Verdict
 from agentrob.model.events import EventKind
+from agentrob.model.lifecycle import CommandState, EndReason
 from agentrob.model.plans import Direction, Op, Plan, Primitive
 from agentrob.model.posts import Page, Post, StatusCard
 from agentrob.model.results import ActionResult, Outcome, Report, StopResult
@@ -21,8 +22,10 @@ __all__ = [
     "ActionResult",
     "Capabilities",
     "Command",
+    "CommandState",
     "Decision",
     "Direction",
+    "EndReason",
     "EventKind",
     "Intent",
     "Language",

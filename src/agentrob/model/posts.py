@@ -8,6 +8,7 @@ from datetime import datetime
 from typing import Generic, TypeVar
 
 from agentrob.model.accounts import Account
+from agentrob.model.lifecycle import is_final_word
 
 T = TypeVar("T")
 
@@ -16,8 +17,8 @@ T = TypeVar("T")
 class StatusCard:
     """The machine-readable state of one command, shown by a forum that can as a card on the status post.
 
-    `state`: seen, waiting (for an approval), queued, running, done, failed, refused, asks_back, stopped, interrupted,
-    cancelled, expired. `until`: until when a waiting one may be approved, as RFC 3339 with a zone; else empty.
+    `state` is a `CommandState` of `CARD_STATES`; on the card of a newer agent it may be another word. `until` is when
+    the approval that a waiting command needs lapses, as RFC 3339 with a zone; else empty.
     """
 
     robot: str
@@ -28,6 +29,11 @@ class StatusCard:
     place: int | None = None
     trace_id: str = ""
     until: str = ""
+
+    @property
+    def is_final(self) -> bool:
+        """Whether the command has ended."""
+        return is_final_word(self.state)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from enum import StrEnum
 
 from agentrob.model.commands import Command
 from agentrob.model.decisions import Verdict
+from agentrob.model.lifecycle import CommandState
 from agentrob.model.plans import Plan, Primitive
 
 
@@ -82,12 +83,12 @@ class StopResult:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Everything the final reply says. `status`: done, failed, refused, asks_back, stopped, interrupted, cancelled,
-    expired, answered. `timings_ms` counts from the post being accepted by the forum. `goal` is what a model was to look
-    for, in our words, `approved_by` the handle of who approved the command, where that was needed."""
+    """Everything the final reply says. `status` is a final state. `timings_ms` counts from the moment the forum
+    accepted the post. `goal` is what a model was to look for, in our words; `approved_by` is the handle of the account
+    that approved the command, if it needed an approval."""
 
     command: Command
-    status: str
+    status: CommandState
     verdict: Verdict | None = None
     plan: Plan = Plan()
     results: tuple[ActionResult, ...] = ()

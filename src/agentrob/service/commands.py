@@ -25,11 +25,11 @@ import structlog
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.intake.triage import Route
 from agentrob.agent.queue.queue import QueuedCommand
-from agentrob.agent.reporting.status_post import FINAL
 from agentrob.agent.understanding.extract import Assessment
 from agentrob.errors import ForumError, RobotError, ServiceError
 from agentrob.language.visible_text import mentions, visible_text
-from agentrob.model import Account, Command, Intent, Plan, Post, Report, Understanding, Verdict
+from agentrob.model import Account, Command, CommandState, EndReason, Intent, Plan, Post, Report, Understanding, Verdict
+from agentrob.model.lifecycle import stored_state
 from agentrob.process.webhooks import Outbox
 from agentrob.service import models
 from agentrob.service.auth import Caller
@@ -42,7 +42,10 @@ _log = structlog.get_logger()
 #: Gives up the request's slot while it waits.
 Released = Callable[[], AbstractAsyncContextManager[None]]
 T = TypeVar("T")
-CALLS = {Route.STOP: "stop", Route.HALT: "stop", Route.NOTHING: "nothing"}
+#: The state of a post that is not a command.
+NO_COMMAND = {
+    Route.STOP: CommandState.STOP, Route.HALT: CommandState.STOP, Route.NOTHING: CommandState.NOTHING
+}  # fmt: skip
 
 
 class CommandService:
@@ -52,7 +55,7 @@ class CommandService:
         self.agent = agent
         self.metrics = metrics
         self._outbox = outbox
-        self._submitted: OrderedDict[str, tuple[Post, str]] = OrderedDict()
+        self._submitted: OrderedDict[str, tuple[Post, CommandState]] = OrderedDict()
         self._newest_at: datetime | None = None
         self._news = asyncio.Event()
         self._scans: set[asyncio.Task[None]] = set()
@@ -119,7 +122,7 @@ class CommandService:
         if (record := await asyncio.to_thread(agent.records.read, post_id)) is not None:
             return _of_record(record)
         if agent.ready.is_set() and (claim := await agent.journal.claimed(post_id)) is not None:
-            return _of_command(claim.command, claim.final or "seen", ended=claim.final is not None)
+            return _of_command(claim.command, claim.final or CommandState.SEEN)
         if post_id in self._submitted:
             post, state = self._submitted[post_id]
             return self._of_post(post, state)
@@ -169,7 +172,7 @@ class CommandService:
         post = written.post
         self._newest_at = max(self._newest_at or post.created_at, post.created_at)
         if written.created or post.id not in self._submitted:
-            self._submitted[post.id] = post, CALLS.get(self.agent.triage(post).call, "posted")
+            self._submitted[post.id] = post, NO_COMMAND.get(self.agent.triage(post).call, CommandState.POSTED)
             while len(self._submitted) > REMEMBERED:
                 self._submitted.popitem(last=False)
         self._begin_scan()
@@ -187,8 +190,8 @@ class CommandService:
         if author is None or job.command.author.id != author.id:
             raise ServiceError(403, "not_yours", "only its author takes a command back", "anybody may stop the robot")
         if not job.moving:
-            job.end("taken_back")
-            await self.agent.journal.end([post_id], "taken_back")
+            job.end(EndReason.TAKEN_BACK)
+            await self.agent.journal.end([post_id], EndReason.TAKEN_BACK)
         if job.moving or await self.agent.journal.moved(post_id):
             raise ServiceError(409, "moving", "it moves the robot already", "stop the robot instead")
         return await self._find(post_id)
@@ -280,20 +283,20 @@ class CommandService:
 
     def _of_job(self, job: QueuedCommand) -> models.Command:
         shown = job.status.shown if job.status is not None else None
-        found = _of_command(job.command, shown.state if shown else "seen")
+        state = CommandState(shown.state) if shown else CommandState.SEEN
+        if state.is_final:  # its end counts when its record is there
+            state = CommandState.RUNNING if job.moving else CommandState.QUEUED
+        found = _of_command(job.command, state)
         if shown is not None:
             found.step, found.steps, found.doing = shown.step, shown.steps, shown.doing
-        found.ended = False  # its end is told when its record is there
-        if found.state in FINAL:
-            found.state = "running" if job.moving else "queued"
         found.place = self.agent.line.place(job)
         if job.thought is not None:
             found.plan, found.verdict = _steps(job.thought.understanding.plan), _judged(job.thought.verdict)
         return found
 
-    def _of_post(self, post: Post, state: str) -> models.Command:
+    def _of_post(self, post: Post, state: CommandState) -> models.Command:
         return models.Command(
-            id=post.id, robot=self.agent.name, state=state, ended=state != "posted", topic=post.topic_id, url=post.url,
+            id=post.id, robot=self.agent.name, state=state, ended=state.is_final, topic=post.topic_id, url=post.url,
             author=post.author.name, text=visible_text(post.raw), posted_at=post.created_at,
         )  # fmt: skip
 
@@ -330,15 +333,15 @@ def _judged(verdict: Verdict | None) -> models.Judged | None:
     return models.Judged(decision=str(verdict.decision), rule=verdict.rule, reason=verdict.reason)
 
 
-def _of_command(command: Command, state: str, ended: bool = False) -> models.Command:
+def _of_command(command: Command, state: CommandState) -> models.Command:
     return models.Command(
-        id=command.post_id, robot=command.robot, state=state, ended=ended, topic=command.topic_id,
+        id=command.post_id, robot=command.robot, state=state, ended=state.is_final, topic=command.topic_id,
         author=command.author.name, text=command.text, posted_at=command.posted_at, trace_id=command.trace_id,
     )  # fmt: skip
 
 
 def _of_report(report: Report) -> models.Command:
-    found = _of_command(report.command, report.status, ended=True)
+    found = _of_command(report.command, report.status)
     found.plan, found.verdict, found.message = _steps(report.plan), _judged(report.verdict), report.message
     found.timings_ms = {k: round(v, 1) for k, v in report.timings_ms.items()}
     found.results = _finite([
@@ -353,7 +356,8 @@ def _of_report(report: Report) -> models.Command:
 def _of_record(record: dict[str, Any]) -> models.Command:
     record, verdict = _finite(record), record.get("verdict")
     return models.Command(
-        id=record["post"], robot=record["robot"], state=record["status"], ended=True, topic=record["topic"],
+        id=record["post"], robot=record["robot"], state=stored_state(record["status"]), ended=True,
+        topic=record["topic"],
         author=record["author"]["name"], text=record["text"], posted_at=record["posted_at"],
         trace_id=record["trace_id"], message=record["message"], plan=record["plan"], results=record["steps"],
         verdict=models.Judged.model_validate(verdict) if verdict else None,

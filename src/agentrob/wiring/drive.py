@@ -27,6 +27,7 @@ from agentrob.model import (
     Account,
     ActionResult,
     Capabilities,
+    CommandState,
     Decision,
     Intent,
     Outcome,
@@ -53,9 +54,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """What came of it. `status`: done, failed, asks_back, refused. `message` says why when nothing moved."""
+    """The result of one command: its final state, plan and steps. `message` says why when nothing moved."""
 
-    status: str
+    status: CommandState
     plan: Plan = Plan()
     results: tuple[ActionResult, ...] = ()
     message: str = ""
@@ -100,16 +101,18 @@ def _drive(
         return _look(goal, command, name, settings, config, on_step)
     understood, verdict = _outside_loop(lambda: asyncio.run(_judged(command, name, capabilities, settings, config)))
     if verdict is None:
-        return Driven("asks_back", message=understood.question or f"nothing to do in {command!r}")
+        return Driven(CommandState.ASKS_BACK, message=understood.question or f"nothing to do in {command!r}")
     if verdict.decision is not Decision.ALLOW:
-        status = "asks_back" if verdict.decision is Decision.ASK_BACK else "refused"
+        asks = verdict.decision is Decision.ASK_BACK
+        status = CommandState.ASKS_BACK if asks else CommandState.REFUSED
         return Driven(status, understood.plan, message=f"{verdict.reason} ({verdict.rule})")
     limit_s, holder = capabilities.limits.command_s, f"drive {os.getpid()}"
     with _driver(name, settings, config) as socket:
         results = _outside_loop(
             lambda: run_plan(name, understood.plan, holder, socket=socket, deadline_s=limit_s, on_result=on_step)
         )
-    return Driven("done" if all(r.ok for r in results) else "failed", understood.plan, results)
+    status = CommandState.DONE if all(r.ok for r in results) else CommandState.FAILED
+    return Driven(status, understood.plan, results)
 
 
 async def _judged(
@@ -203,7 +206,7 @@ def _look(
     capabilities = app.capabilities_of(settings.model, settings)
     verdict = judge(judged_plan(goal), visible, LOCAL, capabilities, language, settings)
     if verdict.decision is not Decision.ALLOW:
-        return Driven("refused", Plan(goal.steps), message=f"{verdict.reason} ({verdict.rule})")
+        return Driven(CommandState.REFUSED, Plan(goal.steps), message=f"{verdict.reason} ({verdict.rule})")
 
     async def steer(socket: Path | None) -> Execution:
         chain = model_with_fallbacks(settings.mind, config.minds, app.minds_ledger(config))
@@ -330,7 +333,7 @@ def run(
         console.print(f"[dim]{note}[/]", highlight=False)
     if as_json:
         print(json.dumps({"status": driven.status, "message": driven.message, "steps": shown}, ensure_ascii=False))  # noqa: T201
-    return {"done": 0, "failed": 1}.get(driven.status, 2)
+    return {CommandState.DONE: 0, CommandState.FAILED: 1}.get(driven.status, 2)
 
 
 def _ways_out(driven: Driven, robot: str) -> list[str]:

@@ -17,7 +17,7 @@ from agentrob.agent.reporting import report as words
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, Command, Plan, Post, Report, Role, Understanding
+from agentrob.model import AccountKind, Command, CommandState, Plan, Post, Report, Role, Understanding
 from agentrob.robots.control.controller import REST
 from agentrob.robots.driver.api import DriverServer
 from agentrob.robots.driver.driver import Driver as RobotDriver
@@ -589,7 +589,7 @@ def assert_tame(scene: Scene, reply: str) -> None:
 def test_law_3_who_stopped_it_is_told_as_code_too(scene: Scene, name: str) -> None:
     bob, now = scene.world.accounts["bob"], scene.world.now()
     command = Command("1", "t", "hash", bob, ROBOT, WALK, "en", now, "trace")
-    assert_tame(scene, words.final(Report(command, "stopped", message=name)))
+    assert_tame(scene, words.final(Report(command, CommandState.STOPPED, message=name)))
 
 
 # ------------------------------------------------------------------ law 19: why

@@ -27,7 +27,19 @@ from agentrob.config.robots import RecordingConfig, RobotConfig
 from agentrob.errors import ConfigError, ForumError, RobotBusy, RobotError
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import Forum
-from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Plan, Post, Primitive, Report
+from agentrob.model import (
+    Account,
+    ActionResult,
+    Command,
+    CommandState,
+    Direction,
+    Op,
+    Outcome,
+    Plan,
+    Post,
+    Primitive,
+    Report,
+)
 from agentrob.robots.fake import FakeRobot
 from tests.agent.agent_scene import Driver, Scene, make_scene, robot_settings
 
@@ -54,7 +66,7 @@ def walked() -> tuple[ActionResult, ...]:
 
 def report(results: tuple[ActionResult, ...], post: str = "7") -> Report:
     command = Command(post, "3", "", Account("1", "alice"), "quadruped", "", "en", datetime.now(UTC), "t1")
-    return Report(command, "done", plan=Plan(tuple(r.primitive for r in results)), results=results)
+    return Report(command, CommandState.DONE, plan=Plan(tuple(r.primitive for r in results)), results=results)
 
 
 def jpeg(color: str = "red", dot: tuple[int, int] | None = None, size: tuple[int, int] = (640, 360)) -> bytes:

@@ -89,7 +89,7 @@ async def test_law_6_who_does_not_hold_the_claim_writes_nothing_over_the_end_of_
                 await scene.world.wait(0.1)
     (reply,) = scene.replies(post)
     assert reply.raw == "**Done.** walk forward 1 m | 0.98 m"
-    assert claim.final == "answered before"
+    assert claim.final == "handled_elsewhere"
     assert status_post.id not in edits
 
 

@@ -18,6 +18,7 @@ from agentrob.model import (
     Account,
     ActionResult,
     Command,
+    CommandState,
     Decision,
     Direction,
     Op,
@@ -43,7 +44,7 @@ DONE = (
 
 
 def report(status: str, **more: object) -> Report:
-    return replace(Report(COMMAND, status, plan=PLAN), **more)
+    return replace(Report(COMMAND, CommandState(status), plan=PLAN), **more)
 
 
 def test_law_18_what_was_asked_stands_beside_what_was_measured() -> None:

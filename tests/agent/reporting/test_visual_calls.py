@@ -16,7 +16,7 @@ from agentrob.agent.reporting.report import final
 from agentrob.agent.reporting.visual_calls import MOST_ROWS, lines, table
 from agentrob.config.robots import RecordingConfig
 from agentrob.minds.visual_loop.loop import LoopCall, LoopEnd, LoopRecord
-from agentrob.model import Account, ActionResult, Command, Direction, Op, Outcome, Primitive, Report
+from agentrob.model import Account, ActionResult, Command, CommandState, Direction, Op, Outcome, Primitive, Report
 
 
 def test_the_calls_are_kept_with_the_motion_and_outlive_the_agent() -> None:
@@ -27,7 +27,7 @@ def test_the_calls_are_kept_with_the_motion_and_outlive_the_agent() -> None:
     step = ActionResult(Primitive(Op.MOVE, Direction.FORWARD, 1.0), Outcome.DONE, {"distance_m": 0.98})
     looked = LoopRecord("go to the red ball", LoopEnd("calls"), turns, mind="clever")
     kept = TypeAdapter(Execution)
-    again = kept.validate_json(kept.dump_json(Execution("failed", results=(step,), looked=looked)))
+    again = kept.validate_json(kept.dump_json(Execution(CommandState.FAILED, results=(step,), looked=looked)))
     assert again.looked is not None
     assert table(again.looked, again.results, (), "en") == table(looked, (step,), (), "en")
     assert [json.loads(line) for line in lines(looked).splitlines()][2]["problem"] == "no such tool"
@@ -62,7 +62,7 @@ async def test_with_an_image_store_the_report_links_the_calls(tmp_path: Path) ->
     step = ActionResult(Primitive(Op.GET_FRONT_IMAGE), Outcome.DONE, image=b"\xff\xd8jpeg")
     author = Account("1", "alice")
     command = Command("7", "1", "", author, "quadruped", "look around", "en", datetime.now(UTC), "trace")
-    report = Report(command, "done", results=(step,), goal="look around")
+    report = Report(command, CommandState.DONE, results=(step,), goal="look around")
     looked = LoopRecord(
         "look around", LoopEnd("finished", "done"), (LoopCall("finish", {"outcome": "done"}, outcome="done"),)
     )

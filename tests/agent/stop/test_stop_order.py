@@ -17,15 +17,13 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.agent.execution.execute import STOP
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.stop import stop_handler
-from agentrob.agent.stop.stop_handler import CLOCK
 from agentrob.agent.store import rows
 from agentrob.agent.store.journal import Journal
 from agentrob.forums.memory.forum import MemoryWorld
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, Role, StopResult
+from agentrob.model import AccountKind, CommandState, EndReason, Role, StopResult
 from tests.agent.agent_scene import ROBOT, robot_settings
 
 BEGUN = datetime(2026, 11, 1, tzinfo=UTC)
@@ -114,7 +112,7 @@ class Play:
             later = [place for place in self.stops if self.commands[post_id] < place <= self.heard]
             assert not later, f"ran after the stops {later}, that were posted after it"
         self.agent.line.leave(job)
-        await journal.finish(post_id, "done")
+        await journal.finish(post_id, CommandState.CANCELLED)
 
     def show_place(self, job: QueuedCommand) -> None:
         return None
@@ -180,7 +178,7 @@ class Play:
             await self.do(deed)
         last = max(self.stops, default=0)
         for post_id, why in self.refused.items():
-            if why in (STOP, CLOCK) and self.commands[post_id] > last:
+            if why in (EndReason.STOP, EndReason.CLOCK) and self.commands[post_id] > last:
                 between = [p for p in self.set_back if last <= p <= self.heard_after[post_id]]
                 assert between, f"{post_id} was posted after the last stop, and ended by it: {why}"
         for deed in ("command", "hear", "take", "let", "pass") * 2:  # by the first of the two the agent may notice

@@ -17,7 +17,7 @@ from agentrob.agent.store import engine_cleanup, retention
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
 from agentrob.config.robots import RetentionConfig
-from agentrob.model import Account, AccountKind, Command, Role
+from agentrob.model import Account, AccountKind, Command, CommandState, Role
 from tests.agent.agent_scene import ROBOT, Scene
 
 DAY_S = 86400.0
@@ -39,7 +39,7 @@ async def kept(folder: Path, *posts: str, told: tuple[str, ...], aged: dict[str,
         await journal.once(f"post-{post}", says("thought"))
         await journal.move(post, says("moved"))
         if post in told:
-            await journal.finish(post, "done")
+            await journal.finish(post, CommandState.DONE)
     with sqlite3.connect(folder / "journal.sqlite") as db:
         for post, days in aged.items():
             for table in ("claim", "motion"):

@@ -24,6 +24,7 @@ from agentrob.model import (
     Account,
     ActionResult,
     Command,
+    CommandState,
     Decision,
     Direction,
     Intent,
@@ -65,7 +66,7 @@ def walk(post: str, topic: str) -> Report:
     plan = Plan(steps, ("`turn left` had no angle: taken as 90°.",))
     timings = {"seen": 31.0, "first_motion": 148.0, "done": 7420.0}
     verdict = Verdict(Decision.ALLOW, "screen.passed")
-    return Report(command(post, topic, "4f1c22aa"), "done", verdict, plan, results, timings_ms=timings)
+    return Report(command(post, topic, "4f1c22aa"), CommandState.DONE, verdict, plan, results, timings_ms=timings)
 
 
 def look(post: str, topic: str) -> Report:
@@ -76,7 +77,9 @@ def look(post: str, topic: str) -> Report:
         ActionResult(turn, Outcome.DONE, {"degrees": 44.1}, "", "", 1.0, 2.3),
         ActionResult(move, Outcome.FAILED, {"distance_m": 0.41}, "obstacle", "Something is 0.5 m ahead.", 3.0, 5.2),
     )
-    report = Report(command(post, topic, "9ab3c7d1"), "failed", Verdict(Decision.ALLOW, "screen.goal"), results=results)
+    report = Report(
+        command(post, topic, "9ab3c7d1"), CommandState.FAILED, Verdict(Decision.ALLOW, "screen.goal"), results=results
+    )
     timings = {"seen": 40.0, "first_motion": 2210.0}
     return Report(**fields(report) | {"goal": "the red ball", "timings_ms": timings, "message": "It was not reached."})
 
@@ -157,18 +160,20 @@ def approved(post: str, topic: str) -> Report:
         {"seen": 31.0, "first_motion": 40_200.0, "done": 43_600.0},
     )
     done = {"timings_ms": timings, "approved_by": "root"}
-    return Report(command(post, topic, "1c00be51"), "done", verdict, FLIP, (flipped,), **done)  # type: ignore[arg-type]
+    return Report(command(post, topic, "1c00be51"), CommandState.DONE, verdict, FLIP, (flipped,), **done)  # type: ignore[arg-type]
 
 
 def denied(post: str, topic: str) -> Report:
     verdict = Verdict(Decision.REFUSE, "approval.denied", say("agent.denied.by", "en", who="root"))
-    return Report(command(post, topic, "2d11cf62"), "refused", verdict, FLIP, timings_ms={"seen": 28.0})
+    return Report(command(post, topic, "2d11cf62"), CommandState.REFUSED, verdict, FLIP, timings_ms={"seen": 28.0})
 
 
 def expired(post: str, topic: str) -> Report:
     verdict = Verdict(Decision.NEEDS_APPROVAL, "rights.approval", "A risky move needs an approval.")
     said = say("agent.lapsed", "en", seconds=120, wait="10 minutes")
-    return Report(command(post, topic, "3e22d073"), "expired", verdict, FLIP, message=said, timings_ms={"seen": 30.0})
+    return Report(
+        command(post, topic, "3e22d073"), CommandState.EXPIRED, verdict, FLIP, message=said, timings_ms={"seen": 30.0}
+    )
 
 
 def stopped(post: str, topic: str) -> Report:
@@ -177,4 +182,4 @@ def stopped(post: str, topic: str) -> Report:
     stop = StopResult(18.0, confirmed=True, was_moving=True, coasted_m=0.06)
     more: dict[str, Any] = {"message": "bob", "stop": stop, "timings_ms": {"seen": 30.0, "first_motion": 120.0}}
     verdict = Verdict(Decision.ALLOW, "screen.passed")
-    return Report(command(post, topic, "4f33e184"), "stopped", verdict, Plan((walk,)), (result,), **more)
+    return Report(command(post, topic, "4f33e184"), CommandState.STOPPED, verdict, Plan((walk,)), (result,), **more)

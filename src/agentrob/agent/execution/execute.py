@@ -18,15 +18,27 @@ import structlog
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError
 from agentrob.minds.visual_loop.loop import LoopRecord
-from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, Verdict
+from agentrob.model import (
+    ActionResult,
+    Capabilities,
+    Command,
+    CommandState,
+    Decision,
+    EndReason,
+    Mandate,
+    Outcome,
+    Plan,
+    Primitive,
+    Verdict,
+)
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.mandate import mandate_of, mandate_violation
 
 LOOK_S = 0.05
 #: How long a busy robot is asked again: the lease of one who died lapses within a second.
 BUSY_S = 1.5
-#: Why a step ended that we ended ourselves; each is a status, or makes one.
-STOP, SHUTDOWN, SILENT = "stop", "shutdown", "stop_channel"
+#: Why a step ended that we ended because the forum, and with it the next stop, could not be heard.
+SILENT = "stop_channel"
 #: Why a step's end is not known: the driver did not answer any more.
 UNREACHABLE = "unreachable"
 #: Why a step or a command ended whose own agent failed while it ran.
@@ -35,9 +47,10 @@ INTERNAL = "internal"
 UNVERIFIED = "command.unverified"
 #: How long the driver may take to say how far a step went that we ended because of a fault of our own.
 TELL_S = 5.0
-_BY_PEOPLE = frozenset({"stop", "halt"})
+#: Why a step ended that a person ended.
+BY_PEOPLE = frozenset({EndReason.STOP, "halt"})
 LAPSED = "lease_lapsed"
-_BY_US = frozenset({SHUTDOWN, SILENT, LAPSED})
+_BY_US = frozenset({EndReason.SHUTDOWN, SILENT, LAPSED})
 _log = structlog.get_logger()
 
 
@@ -46,15 +59,15 @@ class ExecutionHooks:
     """Callbacks through which the agent controls a running command.
 
     `since` returns since when (monotonic seconds) no stop may have come. `permit` judges a plan of the command on
-    today's state. `ended` returns a stable word as soon as the command must end (`stop`, `shutdown`, or what cancelled
-    it). `alive` waits until the stop channel is proven alive; `silent` returns whether it no longer is. `stop` stops
-    the robot on our own initiative. `on_step` is called with each step and its number from 0; a step takes at most
-    `step_s`. `on_run` gets the run before its first step, and can read from it at any time what was measured so far.
+    today's state. `ended` returns the reason as soon as the command must end. `alive` waits until the stop channel is
+    proven alive; `silent` returns whether it no longer is. `stop` stops the robot on our own initiative. `on_step` is
+    called with each step and its number from 0; a step takes at most `step_s`. `on_run` gets the run before its first
+    step, and can read from it at any time what was measured so far.
     """
 
     since: Callable[[], Awaitable[float]]
     permit: Callable[[Plan], Awaitable[tuple[Verdict, Capabilities | None]]]
-    ended: Callable[[], str | None]
+    ended: Callable[[], EndReason | None]
     alive: Callable[[], Awaitable[bool]]
     silent: Callable[[], bool]
     stop: Callable[[str], Awaitable[object]]
@@ -72,7 +85,7 @@ class Execution:
     pictures ("" for none), once they are on disk; `looked` is the loop of a model that steered.
     """
 
-    status: str
+    status: CommandState
     results: tuple[ActionResult, ...] = ()
     verdict: Verdict | None = None
     message: str = ""
@@ -97,24 +110,24 @@ class Run:
         self.mandate: Mandate | None = None
         self.lease = ""
         self.stopped_by = ""
-        self.status, self.message, self.fault = "failed", "", ""
+        self.status, self.message, self.fault = CommandState.FAILED, "", ""
         self.started_s = time.monotonic()
 
-    async def steps(self) -> str:
-        """Do the steps; returns the command's status."""
+    async def steps(self) -> CommandState:
+        """Do the steps; return the command's final state."""
         for number, step in enumerate(self.plan.steps):
             if (status := await self._may(step)) is not None:
                 return status
             self.hooks.on_step(step, number)
             result = await self._step(step)
             if not result.ok:
-                if result.reason in _BY_PEOPLE:
+                if result.reason in BY_PEOPLE:
                     await self._ask_who()
                 return self._status_of(result)
-        return "done"
+        return CommandState.DONE
 
-    async def _may(self, step: Primitive) -> str | None:
-        """None when the step may begin now, else the status that the command ends with."""
+    async def _may(self, step: Primitive) -> CommandState | None:
+        """None when the step may begin now, else the state that the command ends in."""
         if step.moves or not self.results:
             self.verdict, capabilities = await self.hooks.permit(self.plan)
             if self.verdict.decision is not Decision.ALLOW or capabilities is None:
@@ -123,12 +136,12 @@ class Run:
         assert self.mandate is not None
         if (beyond := mandate_violation(self.mandate, self.results, step)) is not None:
             self._refused(step, "mandate", beyond)
-            return "refused"
+            return CommandState.REFUSED
         if step.moves and not await self.hooks.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
-            return "interrupted"
-        # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
-        return self._status_of_end(why) if (why := self.hooks.ended()) else None
+            return CommandState.INTERRUPTED
+        # Nothing is awaited between this check and the step: whatever ended the command before now ends it here.
+        return why.state_in_motion if (why := self.hooks.ended()) else None
 
     def _refused(self, step: Primitive, reason: str, message: str) -> None:
         now_s = time.monotonic()
@@ -145,7 +158,12 @@ class Run:
         try:
             while not stepping.done():
                 await asyncio.wait({stepping}, timeout=LOOK_S)
-                if not ended_by and not stepping.done() and (ended_by := self._must_end(step)) and ended_by != STOP:
+                if (
+                    not ended_by
+                    and not stepping.done()
+                    and (ended_by := self._must_end(step))
+                    and ended_by != EndReason.STOP
+                ):
                     await self._stop(ended_by)
         except Exception:  # nobody watches the step any more, so it ends now, and the driver says how far it went
             _log.error("step ended by a fault of the agent", trace=traceback.format_exc())
@@ -155,11 +173,11 @@ class Run:
         finally:
             if not stepping.done():
                 stepping.cancel()
-                await asyncio.shield(self._stop(SHUTDOWN))
+                await asyncio.shield(self._stop(EndReason.SHUTDOWN))
                 await asyncio.wait({stepping})
         result = _outcome(stepping, step, sent_s)
         stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
-        if stopped_by_us and (result.reason in _BY_PEOPLE or result.reason == LAPSED):  # a stop lets the lease lapse
+        if stopped_by_us and (result.reason in BY_PEOPLE or result.reason == LAPSED):  # a stop lets the lease lapse
             result = replace(result, reason=ended_by)
         self.results.append(result)
         if step.moves and self.first_motion_s is None and result.outcome is not Outcome.REFUSED:
@@ -190,28 +208,25 @@ class Run:
         except Exception:
             _log.error("stop failed", trace=traceback.format_exc())
 
-    def _status_of_verdict(self, verdict: Verdict) -> str:
+    def _status_of_verdict(self, verdict: Verdict) -> CommandState:
         """Of a command that may not begin its next step. What a forum that was away cut off was not cancelled."""
         if verdict.rule == UNVERIFIED and any(result.moved for result in self.results):
-            return "interrupted"
-        return "cancelled" if verdict.rule.startswith("command.") else "refused"
+            return CommandState.INTERRUPTED
+        return CommandState.CANCELLED if verdict.rule.startswith("command.") else CommandState.REFUSED
 
-    def _status_of(self, result: ActionResult) -> str:
+    def _status_of(self, result: ActionResult) -> CommandState:
         if result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED):
-            if result.reason in _BY_PEOPLE:
-                return "stopped"
-            return "interrupted" if result.reason in _BY_US else "failed"
+            if result.reason in BY_PEOPLE:
+                return CommandState.STOPPED
+            return CommandState.INTERRUPTED if result.reason in _BY_US else CommandState.FAILED
         if result.reason == UNREACHABLE:
-            return "interrupted"  # begun, and nobody can tell how far it went
+            return CommandState.INTERRUPTED  # begun, and how far it went is not known
         if result.outcome is Outcome.REFUSED and len(self.results) == 1:
-            return "refused"
-        return "failed"
+            return CommandState.REFUSED
+        return CommandState.FAILED
 
-    def _status_of_end(self, why: str) -> str:
-        return {STOP: "stopped", SHUTDOWN: "interrupted"}.get(why, "cancelled")
-
-    async def carried_out(self, work: Callable[[], Awaitable[str]]) -> Execution:
-        """Do `work`, which gives the command's status, while holding the robot's lease. Raises nothing but a
+    async def carried_out(self, work: Callable[[], Awaitable[CommandState]]) -> Execution:
+        """Do `work`, which returns the command's final state, while holding the robot's lease. Raises nothing but a
         cancellation: a robot that cannot be used is a result, and so is a fault of our own."""
         self.hooks.on_run(self)
         try:
@@ -220,9 +235,11 @@ class Run:
                 self.status = await work()
         except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum does not know
             self.stopped_by = e.by
-            self.status, self.message = ("stopped", "") if e.why in _BY_PEOPLE else ("failed", str(e))
-            if e.why == "release" and not self.results:  # accepted before the robot was released at its machine
-                self.status = "cancelled"
+            self.status, self.message = CommandState.FAILED, str(e)
+            if e.why in BY_PEOPLE:
+                self.status, self.message = CommandState.STOPPED, ""
+            elif e.why == EndReason.RELEASE and not self.results:  # accepted before it was released at its machine
+                self.status = CommandState.CANCELLED
         except RobotError as e:
             self.message = str(e)
         except Exception:
@@ -285,6 +302,6 @@ def decisive(execution: Execution, verdict: Verdict) -> Verdict:
     """The verdict that the report names: the guard's, where it refused what the screen had let pass."""
     last = execution.verdict or verdict
     refused = next((r for r in execution.results if r.outcome is Outcome.REFUSED), None)
-    if execution.status == "refused" and last.decision is Decision.ALLOW and refused is not None:
+    if execution.status is CommandState.REFUSED and last.decision is Decision.ALLOW and refused is not None:
         return Verdict(Decision.REFUSE, f"guard.{refused.reason}")
     return last

@@ -15,14 +15,25 @@ from dataclasses import dataclass, replace
 
 import structlog
 
-from agentrob.agent.execution.execute import LOOK_S, SILENT, Execution, ExecutionHooks, Run
+from agentrob.agent.execution.execute import BY_PEOPLE, LOOK_S, SILENT, Execution, ExecutionHooks, Run
 from agentrob.errors import RobotError, RobotUnreachable
 from agentrob.language.goal import Goal
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.usage import Usage
 from agentrob.minds.visual_loop.claims import contradiction
 from agentrob.minds.visual_loop.loop import LoopBudget, LoopEnd, LoopRecord, StepAttempt, VisualLoop
-from agentrob.model import ActionResult, Capabilities, Command, Decision, Mandate, Outcome, Plan, Primitive, RobotState
+from agentrob.model import (
+    ActionResult,
+    Capabilities,
+    Command,
+    CommandState,
+    Decision,
+    Mandate,
+    Outcome,
+    Plan,
+    Primitive,
+    RobotState,
+)
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.mandate import mandate_violation
 
@@ -39,9 +50,9 @@ OnResult = Callable[[ActionResult], None]
 
 
 class CommandEnded(Exception):
-    """The loop must end now with this status."""
+    """The loop must end now, and the command in this state."""
 
-    def __init__(self, status: str) -> None:
+    def __init__(self, status: CommandState) -> None:
         super().__init__(status)
         self.status = status
 
@@ -104,7 +115,7 @@ class VisualRun(Run):
         finally:
             self.stepping = False
         self.on_result(result)
-        if result.reason in ("stop", "halt"):
+        if result.reason in BY_PEOPLE:
             await self._ask_who()
         goes_on = result.reason in _GOES_ON or result.reason.startswith("limit_")
         if result.outcome is Outcome.UNKNOWN or not (result.ok or goes_on):
@@ -120,10 +131,10 @@ class VisualRun(Run):
             return reason
         if step.moves and not await self.hooks.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
-            raise CommandEnded("interrupted")
+            raise CommandEnded(CommandState.INTERRUPTED)
         # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
         if why := self.hooks.ended():
-            raise CommandEnded(self._status_of_end(why))
+            raise CommandEnded(why.state_in_motion)
         return None
 
     async def _denied(self, step: Primitive) -> str | None:
@@ -144,13 +155,13 @@ class VisualRun(Run):
         return time.monotonic() - self.started_s
 
     # ------------------------------------------------------------ the loop, and what cuts it off
-    async def reached(self) -> str:
-        """Follow the loop to its end; the command's status."""
+    async def reached(self) -> CommandState:
+        """Follow the loop to its end; return the command's final state."""
         try:
             self.end = await self.follow()
         except CommandEnded as e:
             return e.status
-        return "done" if self.end.claim == "done" else "failed"
+        return CommandState.DONE if self.end.claim == "done" else CommandState.FAILED
 
     async def follow(self) -> LoopEnd:
         """The loop to its end; raises `CommandEnded` or `LeaseLost` as soon as something outside ends it."""
@@ -162,7 +173,7 @@ class VisualRun(Run):
                 if looping.done() or self.stepping:
                     continue  # a step ends by itself for the same reasons
                 if why := self.hooks.ended():
-                    raise CommandEnded(self._status_of_end(why))
+                    raise CommandEnded(why.state_in_motion)
                 if time.monotonic() - asked_s > ASK_LEASE_S:
                     await self._keeps_lease()
                     asked_s = time.monotonic()
@@ -186,12 +197,12 @@ class VisualRun(Run):
     def execution(self) -> Execution:
         execution = super().execution()
         try:
-            looked = self.looked(self.end)
+            looked: LoopRecord | None = self.looked(self.end)
         except Exception:  # what was measured is told all the same; a claim that nobody could check is none
             _log.error("loop not described", trace=traceback.format_exc())
-            return replace(execution, status="failed" if execution.status == "done" else execution.status)
-        if looked.contradicted and execution.status == "done":
-            execution = replace(execution, status="failed")
+            looked = None
+        if (looked is None or looked.contradicted) and execution.status is CommandState.DONE:
+            execution = replace(execution, status=CommandState.FAILED)
         return replace(execution, looked=looked)
 
 

@@ -11,14 +11,13 @@ from uuid import uuid4
 
 import structlog
 
-from agentrob.agent.execution.execute import STOP
 from agentrob.agent.intake.triage import Route, TriagedPost
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import JournalError
 from agentrob.forums.protocol import Event
 from agentrob.mcp.metadata import split_tag
-from agentrob.model import Command, EventKind, Post
+from agentrob.model import Command, EndReason, EventKind, Post
 
 _TO_TAKE = frozenset({Route.READ, Route.STALE})
 _log = structlog.get_logger()
@@ -34,7 +33,7 @@ class Inbox:
         robot: str,
         journal: Callable[[], Journal],
         line: CommandQueue,
-        stopped: Callable[[datetime], str | None],
+        stopped: Callable[[datetime], EndReason | None],
         settled: Callable[[Post, TriagedPost], Awaitable[TriagedPost]],
         take_up: Callable[[QueuedCommand], None],
         decline: Callable[[Command], None],
@@ -44,7 +43,7 @@ class Inbox:
         self.coming: dict[str, Post] = {}
         #: Commands that an earlier process took and that are not in line yet.
         self.left_open: frozenset[str] = frozenset()
-        self._ended: dict[str, str] = {}
+        self._ended: dict[str, EndReason] = {}
         self._robot = robot
         self._journal = journal
         self._line = line
@@ -68,7 +67,7 @@ class Inbox:
             self.coming[post.id] = post
         self._waiting.put_nowait((event, heard))
 
-    def end_coming(self, why: str = STOP, until: datetime | None = None) -> None:
+    def end_coming(self, why: EndReason = EndReason.STOP, until: datetime | None = None) -> None:
         """What was heard, and is not in line yet, does not move: all of it, or what was posted `until` then."""
         ended = [post.id for post in self.coming.values() if until is None or post.created_at <= until]
         ended += self.left_open if until is None else ()
@@ -80,7 +79,7 @@ class Inbox:
         self.left_open = frozenset()
         self._ended = {post_id: why for post_id, why in self._ended.items() if post_id in self.coming}
 
-    def ended(self, post_id: str) -> str | None:
+    def ended(self, post_id: str) -> EndReason | None:
         """Why a post that is not in line yet may not move, whatever its time; None when it may."""
         return self._ended.get(post_id)
 
@@ -144,7 +143,7 @@ class Inbox:
         if heard.call not in _TO_TAKE:
             return
         if heard.call is Route.STALE or post.version > 1:
-            ended: str | None = "stale" if heard.call is Route.STALE else "edited"
+            ended: EndReason | None = EndReason.STALE if heard.call is Route.STALE else EndReason.EDITED
         else:
             ended = self._why_stopped(post)
         claim = await self._journal().claim(self._command(post, heard), ended)
@@ -160,7 +159,7 @@ class Inbox:
         if came is not None:
             await self._journal().end([post.id], came)
 
-    def _why_stopped(self, post: Post) -> str | None:
+    def _why_stopped(self, post: Post) -> EndReason | None:
         return self.ended(post.id) or self._stopped(post.created_at)
 
     async def _amend(self, post: Post) -> None:
@@ -168,9 +167,9 @@ class Inbox:
         if (job := self._line.find(post.id)) is None:
             return
         if post.removed:
-            why = "removed"
+            why = EndReason.REMOVED
         elif not job.moving and post.content_hash != job.command.content_hash:
-            why = "edited"
+            why = EndReason.EDITED
         else:
             return
         job.end(why)

@@ -9,12 +9,12 @@ from dataclasses import replace
 from datetime import datetime
 from functools import partial
 
-from agentrob.agent.reporting.status_post import insist, is_final, left_open
+from agentrob.agent.reporting.status_post import insist, left_open
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import ForumError, ForumNotFound
 from agentrob.forums.protocol import BEFORE_ALL, Forum
 from agentrob.language.messages.catalog import say
-from agentrob.model import Account, Post
+from agentrob.model import Account, CommandState, Post
 
 
 async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> AsyncIterator[Post]:
@@ -33,7 +33,7 @@ async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> 
 
 def is_open(post: Post, me: Account) -> bool:
     """Whether this is a status post of ours that promises more to come."""
-    return post.author.id == me.id and post.card is not None and not is_final(post.card) and not post.removed
+    return post.author.id == me.id and post.card is not None and not post.card.is_final and not post.removed
 
 
 async def gap_after(forum: Forum, journal: Journal) -> tuple[datetime, datetime] | None:
@@ -63,7 +63,7 @@ async def close_unknown(
     async def close(post: Post) -> None:
         with contextlib.suppress(ForumError):
             if post.card is not None and await left_open(forum, post, moves):
-                card = replace(post.card, state="interrupted", place=None, doing="", step=0, steps=0)
+                card = replace(post.card, state=CommandState.INTERRUPTED, place=None, doing="", step=0, steps=0)
                 await forum.edit(post.id, say("agent.interrupted.claim", "en"), card=card)
 
     unknown = [post for post in statuses if not (post.reply_to and await journal.knows(post.reply_to))]

@@ -22,17 +22,15 @@ from agentrob.agent.intake.triage import Route, TriagedPost
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting.status_post import SOON_S, Shown, insist, until_allowed
-from agentrob.agent.store.journal import DENIED, Journal
+from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
-from agentrob.model import Decision, Post, StatusCard, Verdict
+from agentrob.model import CommandState, Decision, EndReason, Post, StatusCard, Verdict
 from agentrob.screening.rights import may_approve
 
-#: Why a command ended that nobody approved in time.
-LAPSED = "lapsed"
 #: So shortly after one of the thread's commands was settled, an approval must say which command it means: two who
 #: approve the same at once approve one command, not the next one too.
 OTHER_S = 30.0
@@ -77,8 +75,8 @@ class Approvals:
         left_s = min(left_s, (job.asked.until_at - self.now()).total_seconds())
         await self.line.hold(job, max(0.0, left_s), until=lambda: job.decided)
         if job.ended is None and job.decided is None:
-            job.end(LAPSED)
-            await self.journal.end([job.command.post_id], LAPSED)
+            job.end(EndReason.LAPSED)
+            await self.journal.end([job.command.post_id], EndReason.LAPSED)
         self._settle(job.command.topic_id, self.now())
 
     async def _tell(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
@@ -86,7 +84,7 @@ class Approvals:
         rights = await insist(partial(rights_on, self.forum, job.command, self._terms))
         wait_s = (until_at - job.command.posted_at).total_seconds()
         text = words.waits(understood, needed, rights, self.called, wait_s, job.command.language)
-        card = StatusCard(self.name, "waiting", trace_id=job.command.trace_id, until=until_at.isoformat())
+        card = StatusCard(self.name, CommandState.WAITING, trace_id=job.command.trace_id, until=until_at.isoformat())
         with contextlib.suppress(ForumDenied, ForumNotFound):
             await job.status.ask(Shown(text, card))
 
@@ -121,7 +119,7 @@ class Approvals:
         self._settle(post.topic_id, post.created_at)
         job.decide(decided)
         if not approved:
-            job.end(DENIED)
+            job.end(EndReason.DENIED)
 
     def _meant(self, post: Post, heard: TriagedPost) -> tuple[QueuedCommand | None, str]:
         """The command that a post is about, or why there is none."""

@@ -13,7 +13,7 @@ from agentrob.agent.execution.execute import Run
 from agentrob.agent.store.rows import ApprovalDecision, ApprovalRequest
 from agentrob.agent.understanding.extract import Assessment
 from agentrob.minds.visual_loop.loop import LoopRecord
-from agentrob.model import Command, StopResult
+from agentrob.model import Command, EndReason, StopResult
 
 T = TypeVar("T")
 
@@ -23,8 +23,8 @@ class QueuedCommand:
     """One post under way, from its claim to its final reply.
 
     `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
-    was. `begun`: so was its motion, and only its report is left to tell: nothing ends it any more. `ended` is a stable
-    word as soon as the command may not go on; `paced`: its account may command now. Others go before it until it is
+    was. `begun`: so was its motion, and only its report is left to tell: nothing ends it any more. `ended` is the
+    reason as soon as the command may not go on; `paced`: its account may command now. Others go before it until it is
     `ready`, read and judged, and while it is `held`. `asked`: it waits or waited for an approval, and what was said of
     it. `stop` brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it
     ended. `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `run`
@@ -37,7 +37,7 @@ class QueuedCommand:
     begun: bool = False
     accepted_s: float = field(default_factory=time.monotonic)
     waited_s: float = 0.0
-    ended: str | None = None
+    ended: EndReason | None = None
     paced: bool = False
     held: bool = False
     asked: ApprovalRequest | None = None
@@ -73,7 +73,7 @@ class QueuedCommand:
         self.asked = replace(self.asked, decided=decided)
         self._changed.set()
 
-    def end(self, why: str) -> None:
+    def end(self, why: EndReason) -> None:
         """The first reason counts."""
         if self.can_end:
             self.ended = why
@@ -175,24 +175,24 @@ class CommandQueue:
             job._changed.set()
         self._on_change()
 
-    def end_all(self, why: str) -> list[QueuedCommand]:
+    def end_all(self, why: EndReason) -> list[QueuedCommand]:
         """End every command; returns those that had not been ended."""
         return self._end(self._jobs, why)
 
-    def end_posted(self, until: datetime, why: str) -> list[QueuedCommand]:
+    def end_posted(self, until: datetime, why: EndReason) -> list[QueuedCommand]:
         """End every command that was posted then or earlier; returns those that had not been ended."""
         return self._end([job for job in self._jobs if job.command.posted_at <= until], why)
 
-    def end_before(self, job: QueuedCommand, why: str) -> list[QueuedCommand]:
+    def end_before(self, job: QueuedCommand, why: EndReason) -> list[QueuedCommand]:
         """End every command that was accepted before this one, whatever the forum's clock said of either; returns those
         that had not been ended."""
         return self._end(self._jobs[: self._jobs.index(job)] if job in self._jobs else [], why)
 
-    def end_waiting(self, job: QueuedCommand, why: str) -> list[QueuedCommand]:
+    def end_waiting(self, job: QueuedCommand, why: EndReason) -> list[QueuedCommand]:
         """The same of what its own account asked for and does not move."""
         return self._end([other for other in self.of_same_author(job) if not other.moving], why)
 
-    def _end(self, jobs: Sequence[QueuedCommand], why: str) -> list[QueuedCommand]:
+    def _end(self, jobs: Sequence[QueuedCommand], why: EndReason) -> list[QueuedCommand]:
         found = [job for job in jobs if job.can_end]
         for job in found:
             job.end(why)
@@ -203,14 +203,14 @@ class CommandQueue:
         job.ready = True
         left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
         if left_s is not None and left_s <= 0:
-            job.end("expired")
+            job.end(EndReason.EXPIRED)
         try:
             async with asyncio.timeout(left_s):
                 while job.ended is None and not self._is_next(job):
                     job._changed.clear()
                     await job._changed.wait()
         except TimeoutError:
-            job.end("expired")
+            job.end(EndReason.EXPIRED)
         if job.ended is None:
             self._turn = job
         return job.ended is None

@@ -17,6 +17,7 @@ from agentrob.language.messages.durations import duration
 from agentrob.language.messages.plan_text import step_label
 from agentrob.model import (
     ActionResult,
+    CommandState,
     Language,
     Op,
     Outcome,
@@ -120,7 +121,7 @@ def final(
     """
     language = report.command.language
     parts = [_head(report), said, _why(report), calls or _table(report)]
-    if report.plan.notes and report.status not in ("asks_back", "refused"):
+    if report.plan.notes and report.status not in (CommandState.ASKS_BACK, CommandState.REFUSED):
         parts.append(say("agent.note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
         parts.append(stop_figures(report.stop, language))
@@ -151,19 +152,17 @@ def _head(report: Report) -> str:
     begun = any(result.moved for result in report.results)
     at = next((n for n, r in enumerate(report.results, 1) if not r.ok), len(report.results))
     match report.status:
-        case "done" | "failed" if report.goal:
+        case CommandState.DONE | CommandState.FAILED if report.goal:
             return say(f"agent.goal.{report.status}", language, goal=report.goal)
-        case "answered":
+        case CommandState.ANSWERED | CommandState.EXPIRED:
             return ""
-        case "failed":
+        case CommandState.FAILED:
             return say("agent.failed", language, step=at) if begun else say("agent.failed.before", language)
-        case "cancelled" | "refused" if begun:
+        case CommandState.CANCELLED | CommandState.REFUSED if begun:
             return say(f"agent.{report.status}.at", language, step=at)
-        case "expired":
-            return ""
-        case "interrupted" if any(r.outcome is Outcome.UNKNOWN for r in report.results):
+        case CommandState.INTERRUPTED if any(r.outcome is Outcome.UNKNOWN for r in report.results):
             return say("agent.interrupted.unknown", language)
-        case "stopped" if report.message:
+        case CommandState.STOPPED if report.message:
             return say("agent.stopped.by", language, who=quote(report.message))
         case status:
             return say(f"agent.{status}", language)
@@ -177,19 +176,19 @@ def _why(report: Report) -> str:
     if (
         verdict is not None
         and verdict.reason
-        and (report.status in ("refused", "cancelled") or verdict.rule.startswith("command."))
+        and (report.status in (CommandState.REFUSED, CommandState.CANCELLED) or verdict.rule.startswith("command."))
     ):
         said.append(disarmed(verdict.reason))
-    if report.message and report.status != "stopped":
-        said.append(report.message if report.status == "answered" else disarmed(report.message))
+    if report.message and report.status is not CommandState.STOPPED:
+        said.append(report.message if report.status is CommandState.ANSWERED else disarmed(report.message))
     last = _decisive(report.results[-1:] if report.goal else report.results)  # on the way to a goal it may go on
-    if last is not None and report.status not in ("done", "stopped"):
+    if last is not None and report.status not in (CommandState.DONE, CommandState.STOPPED):
         reason = _reason(last, language)
         said = [sentence for sentence in said if sentence not in reason]  # said once: "My agent was ended."
         said.append(reason)
-    if report.status == "refused" and verdict is not None:
+    if report.status is CommandState.REFUSED and verdict is not None:
         said.append(say("agent.rule", language, rule=verdict.rule))
-    return "\n\n".join(said) if report.status == "answered" else ("" if language == "zh" else " ").join(said)
+    return "\n\n".join(said) if report.status is CommandState.ANSWERED else ("" if language == "zh" else " ").join(said)
 
 
 def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
@@ -271,7 +270,7 @@ def _foot(report: Report, page: str) -> str:
     said = [
         say(f"agent.timing.{name}", language, seconds=timings[name] / 1000)
         for name in ("seen", "first_motion", "done")
-        if name in timings and (name != "done" or report.status == "done")
+        if name in timings and (name != "done" or report.status is CommandState.DONE)
     ]
     trace = say("agent.trace", language, trace_id=report.command.trace_id)
     said.append(f"[{trace}]({page})" if page else trace)

@@ -20,7 +20,7 @@ import structlog
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.protocol import Forum, Written
-from agentrob.model import Command, Post, StatusCard
+from agentrob.model import Command, CommandState, Post, StatusCard
 
 T = TypeVar("T")
 #: Where a forum limits edits, at most so many are used, the last of them for the end.
@@ -32,10 +32,6 @@ _DENIED_S = (0.5, 30.0)
 TOLD_WITHIN_S, SOON_S = 7 * 86400.0, 60.0
 #: An open status post that shows nothing new for so long while nothing of it moves has been left by its agent.
 LEFT_S, _LOOK_S = 5.0, 0.5
-#: States after which nothing more comes.
-FINAL = frozenset(
-    {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "cancelled", "expired", "answered"}
-)
 #: A forum that fails so often (for some 50 s) with pictures is told without: it may be they that it cannot bear.
 PICTURE_TRIES = 9
 _log = structlog.get_logger()
@@ -217,12 +213,12 @@ class StatusPost:
 
 def is_final(card: StatusCard | None) -> bool:
     """Whether a status post with this card tells an end."""
-    return card is not None and card.state in FINAL
+    return card is not None and card.is_final
 
 
 def _guessed(card: StatusCard) -> bool:
     """Whether an end was told by somebody who did not know what became of the command."""
-    return card.state == "interrupted" and card.steps == 0
+    return card.state == CommandState.INTERRUPTED and card.steps == 0
 
 
 async def left_open(forum: Forum, post: Post, moves: Callable[[str], Awaitable[bool]]) -> bool:

@@ -20,7 +20,18 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Event, Forum, RobotControls, RobotRightsSource
 from agentrob.language.messages.catalog import quote, say
-from agentrob.model import EMERGENCY_STOP, Account, Decision, EventKind, Language, Lock, Report, RobotRights, RobotState
+from agentrob.model import (
+    EMERGENCY_STOP,
+    Account,
+    CommandState,
+    Decision,
+    EventKind,
+    Language,
+    Lock,
+    Report,
+    RobotRights,
+    RobotState,
+)
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.safety.lock import held_for
 from agentrob.screening.rights import may
@@ -150,13 +161,13 @@ class OwnerActions:
         """Paragraphs for a command that did not move since the robot is locked or has no home: who did that, and how
         it ends."""
         reasons, language = {result.reason for result in report.results}, report.command.language
-        if not reasons & (_LOCKED | _HOMELESS) and report.status != "stopped":
+        if not reasons & (_LOCKED | _HOMELESS) and report.status is not CommandState.STOPPED:
             return []
         state = await self._state()
         locked = state.halted if state is not None else bool(reasons & _LOCKED)
         if locked:
             # The sentence of a step that the driver refused says who, when and why; that of one it broke off does not.
-            told = language == "en" and bool(reasons & _LOCKED) and report.status != "stopped"
+            told = language == "en" and bool(reasons & _LOCKED) and report.status is not CommandState.STOPPED
             return [self.locked(None if told or state is None else state.lock, language)]
         if reasons & _HOMELESS and not (state is not None and state.homed):
             return [self.how_to_home(language)]

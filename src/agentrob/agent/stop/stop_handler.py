@@ -15,7 +15,6 @@ from typing import Any
 
 import structlog
 
-from agentrob.agent.execution.execute import STOP
 from agentrob.agent.intake.event_stream import STEP, ClockStep, EventStream, elapsed_s
 from agentrob.agent.intake.inbox import Inbox
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
@@ -24,12 +23,8 @@ from agentrob.agent.stop.replies import StopReplies, StopReply
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import boot
 from agentrob.forums.protocol import Event
-from agentrob.model import Account, EventKind, Language, StopResult
+from agentrob.model import Account, EndReason, EventKind, Language, StopResult
 
-#: Why a command was ended that had been posted before the robot was released.
-RELEASE = "release"
-#: Why one was ended that may have been posted before a stop, or after it: the forum's clock was set in between.
-CLOCK = "clock"
 _log = structlog.get_logger()
 
 
@@ -93,14 +88,16 @@ class StopHandler:
         if known or by < -STEP:
             self._save_soon(journal)
 
-    def why_not(self, posted_at: datetime) -> str | None:
+    def why_not(self, posted_at: datetime) -> EndReason | None:
         """Why a post that was heard after the newest stop may not move: it was written before; or it may have been, as
         far as a clock that was set since can tell. None when it may."""
         if self._last is None or posted_at > self.stopped_at:
             return None
         step, last = self._channel.step, self._last
         was_set = step is not None and step.noticed_s >= last.heard_s
-        return CLOCK if was_set or last.posted_at > self._channel.at(last.heard_s) + STEP else STOP
+        if was_set or last.posted_at > self._channel.at(last.heard_s) + STEP:
+            return EndReason.CLOCK
+        return EndReason.STOP
 
     def heard(self, event: Event, author: Account, language: Language, halt: bool, taken: bool = False) -> None:
         """A stop of the forum: end and cancel all that was posted earlier, and stop the robot, with nothing between.
@@ -126,7 +123,7 @@ class StopHandler:
         """A locked robot is released: what was posted before that does not move it afterwards (laws 14 and 17)."""
         self._note(Stopped(at, elapsed_s()))
         self._inbox.end_coming(until=at)
-        self._write_down(self._line.end_posted(at, RELEASE), RELEASE)
+        self._write_down(self._line.end_posted(at, EndReason.RELEASE), EndReason.RELEASE)
 
     def clear(self) -> datetime | None:
         """From now on no stop of before holds back what is posted. The time that the newest one bears, where that is in
@@ -135,7 +132,7 @@ class StopHandler:
         if last is None or last.posted_at <= now:
             return None
         self._last = Stopped(min(self.stopped_at, now), last.heard_s)
-        self._write_down([], STOP)
+        self._write_down([], EndReason.STOP)
         return last.posted_at
 
     def _end_all(
@@ -143,11 +140,11 @@ class StopHandler:
     ) -> tuple[list[QueuedCommand], asyncio.Task[StopResult | None]]:
         self._note(stopped)
         self._inbox.end_coming()
-        ended = self._line.end_all(STOP)
+        ended = self._line.end_all(EndReason.STOP)
         stopping: asyncio.Task[StopResult | None] = self._spawn(self._stops.stop(by, accepted_at, halt))
         for job in ended:
             job.stop, job.stopped_by = stopping, by
-        self._write_down(ended, STOP)  # on disk only now that the stop is on its way: nothing delays it
+        self._write_down(ended, EndReason.STOP)  # on disk only now that the stop is on its way: nothing delays it
         return ended, stopping
 
     def _note(self, stopped: Stopped) -> None:
@@ -155,7 +152,7 @@ class StopHandler:
         if self._last is None or stopped.at(self._channel) >= self._last.at(self._channel):
             self._last = stopped
 
-    def _write_down(self, ended: list[QueuedCommand], why: str) -> None:
+    def _write_down(self, ended: list[QueuedCommand], why: EndReason) -> None:
         if (journal := self._journal()) is not None:
             self._save_soon(journal)
             if ended:

@@ -34,9 +34,10 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from agentrob.agent.store import rows as db
 from agentrob.agent.store.engine_cleanup import forget_finished, forget_unfinished
-from agentrob.agent.store.rows import COMMAND, DECIDED, ApprovalDecision, ApprovalRequest, Claim, Rows
+from agentrob.agent.store.rows import COMMAND, DECIDED, ApprovalDecision, ApprovalRequest, Claim, MotionState, Rows
 from agentrob.errors import JournalError
-from agentrob.model import Command, Plan
+from agentrob.model import Command, CommandState, EndReason, Plan
+from agentrob.model.lifecycle import check_transition
 
 T = TypeVar("T")
 Deed = Callable[[], Awaitable[str]]
@@ -47,12 +48,6 @@ VERSION = "agentrob-1"
 KEEPING = 8
 #: A claim is kept so long whatever their number: a post that is younger must be known again (law 6).
 AT_LEAST_S = 86400.0
-#: What `move` answers when the motion had begun before and its end is not known.
-INTERRUPTED = "interrupted"
-#: What `move` answers when it was cancelled before it began.
-CANCELLED = "cancelled"
-#: Why a claim ended that somebody denied the approval it needed.
-DENIED = "denied"
 
 _PLAN = TypeAdapter(Plan)
 
@@ -159,14 +154,14 @@ class Journal(Rows):
         self._motions.shutdown(wait=False)
 
     # ---------------------------------------------------------------- claims
-    async def claim(self, command: Command, ended: str | None = None) -> Claim:
+    async def claim(self, command: Command, ended: EndReason | None = None) -> Claim:
         """Take a post, before anything about it is written on the forum. Taking it again changes nothing.
 
         `ended` is why it may never move; that is kept with it from the first moment on.
         """
         return await self._in_rows(self._claim, command, ended)
 
-    def _claim(self, command: Command, ended: str | None) -> Claim:
+    def _claim(self, command: Command, ended: EndReason | None) -> Claim:
         before = self._claimed(command.post_id)
         if before is not None:
             return before
@@ -196,9 +191,9 @@ class Journal(Rows):
         found = await self._in_rows(self._one, query)
         return db.read_claim(found) if found else None
 
-    async def end(self, post_ids: Sequence[str], why: str) -> None:
-        """These commands may not begin to move any more, also after a restart. The first reason counts; what moves
-        already is ended by whoever moves it."""
+    async def end(self, post_ids: Sequence[str], why: EndReason) -> None:
+        """Keep these commands from beginning to move, also after a restart. The first reason counts. A command that
+        moves already is ended by its own task. No state forbids this: a stop is never refused."""
 
         def all_of_them() -> None:
             with self._together():
@@ -207,7 +202,7 @@ class Journal(Rows):
 
         await self._in_rows(all_of_them)
 
-    def _end_row(self, post_id: str, why: str) -> None:
+    def _end_row(self, post_id: str, why: EndReason) -> None:
         self._do("UPDATE claim SET ended = ? WHERE post = ? AND ended IS NULL", (why, post_id))
         self._cancel(post_id)
 
@@ -224,19 +219,33 @@ class Journal(Rows):
         kept = _PLAN.dump_json(plan).decode()
         await self._in_rows(self._do, "UPDATE claim SET plan = ? WHERE post = ?", (kept, post_id))
 
-    async def finish(self, post_id: str, final: str) -> None:
-        """The final reply of a claim is on the forum."""
-        await self._in_rows(self._do, "UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
+    async def finish(self, post_id: str, final: CommandState) -> None:
+        """The final reply of a claim is on the forum. `IllegalTransition` for a state that cannot be its end."""
+
+        def rows() -> None:
+            self._check(post_id, final)
+            self._do("UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
+
+        await self._in_rows(rows)
+
+    def _check(self, post_id: str, state: CommandState) -> None:
+        """Raise `IllegalTransition` when a claimed command cannot enter this state."""
+        if (claim := self._claimed(post_id)) is not None:
+            check_transition(claim.state, state)
 
     async def ask(self, post_id: str, asked_at: datetime, until_at: datetime) -> ApprovalRequest:
-        """An approval is asked for; the first time counts, and what was said since then is given back."""
+        """Record that an approval is asked for, and return the request with what was decided since. The first
+        request counts."""
 
         def rows() -> ApprovalRequest:
-            self._do(db.ASK, (post_id, asked_at.isoformat(), until_at.isoformat()))
             claim = self._claimed(post_id)
-            if claim is None or claim.asked is None:
+            if claim is None:
                 raise JournalError(f"post {post_id} was never claimed")
-            return claim.asked
+            if claim.asked is not None:
+                return claim.asked
+            check_transition(claim.state, CommandState.WAITING)
+            self._do(db.ASK, (post_id, asked_at.isoformat(), until_at.isoformat()))
+            return ApprovalRequest(asked_at, until_at)
 
         return await self._in_rows(rows)
 
@@ -251,7 +260,7 @@ class Journal(Rows):
             with self._together():
                 counts = bool(self._do(db.DECIDE, values))
                 if counts and not decided.approved:
-                    self._end_row(post_id, DENIED)
+                    self._end_row(post_id, EndReason.DENIED)
             return counts
 
         return await self._in_rows(rows)
@@ -293,7 +302,19 @@ class Journal(Rows):
         return await self._run(self._keeping, _keep, workflow_id, deed)
 
     async def move(self, post_id: str, deed: Deed) -> str:
-        """Do `deed`, which moves a robot, at most once ever: its answer, the kept one, `INTERRUPTED` or `CANCELLED`."""
+        """Do `deed`, which moves a robot, at most once ever, and return what it answers, or what was kept of it.
+
+        `CommandState.INTERRUPTED`: it had begun before, and its end is not known. `CommandState.CANCELLED`: it was
+        cancelled before it began. Raises `IllegalTransition` for a command that may not run: one that waits for its
+        approval, or whose end was told.
+        """
+
+        def may_begin() -> None:
+            claim = self._claimed(post_id)
+            if claim is not None and claim.motion is None:
+                check_transition(claim.state, CommandState.RUNNING)
+
+        await self._in_rows(may_begin)
         return await self._run(self._motions, _move, f"post-{post_id}:motion", deed)
 
     async def _run(self, pool: ThreadPoolExecutor, workflow: Callable[[str], str], workflow_id: str, deed: Deed) -> str:
@@ -339,38 +360,42 @@ class Journal(Rows):
     # ---------------------------------------------------------------- motion rows
     def _begin(self, post_id: str) -> str | None:
         """None when the motion may begin now, and is on disk as begun; else what to answer instead."""
-        row = (post_id, time.time())
-        if self._do("INSERT INTO motion (post, state, at) VALUES (?, 'begun', ?) ON CONFLICT DO NOTHING", row):
+        if self._insert_motion(post_id, MotionState.BEGUN):
             return None
-        state, result = self._one("SELECT state, result FROM motion WHERE post = ?", (post_id,)) or (INTERRUPTED, None)
-        if state == "ended" and result is not None:
+        state, result = self._one("SELECT state, result FROM motion WHERE post = ?", (post_id,)) or ("", None)
+        if state == MotionState.ENDED and result is not None:
             return str(result)
-        return CANCELLED if state == CANCELLED else INTERRUPTED
+        return CommandState.CANCELLED if state == MotionState.CANCELLED else CommandState.INTERRUPTED
+
+    def _insert_motion(self, post_id: str, state: MotionState) -> bool:
+        """False when the motion has a row already: the first one wins."""
+        query = "INSERT INTO motion (post, state, at) VALUES (?, ?, ?) ON CONFLICT DO NOTHING"
+        return bool(self._do(query, (post_id, state, time.time())))
 
     def _not_begun(self, post_id: str) -> None:
-        self._do("DELETE FROM motion WHERE post = ? AND state = 'begun'", (post_id,))
+        self._do("DELETE FROM motion WHERE post = ? AND state = ?", (post_id, MotionState.BEGUN))
 
     def _end(self, post_id: str, result: str) -> None:
-        self._do("UPDATE motion SET state = 'ended', result = ? WHERE post = ?", (result, post_id))
+        self._do("UPDATE motion SET state = ?, result = ? WHERE post = ?", (MotionState.ENDED, result, post_id))
 
     async def cancel(self, post_id: str) -> bool:
         """Make sure that a motion which has not begun never does; False when it has begun."""
         return await self._in_rows(self._cancel, post_id)
 
     def _cancel(self, post_id: str) -> bool:
-        query = f"INSERT INTO motion (post, state, at) VALUES (?, '{CANCELLED}', ?) ON CONFLICT DO NOTHING"
-        return bool(self._do(query, (post_id, time.time())))
+        return self._insert_motion(post_id, MotionState.CANCELLED)
 
     async def moved(self, post_id: str, ended: bool = False) -> bool:
         """Whether a motion of this post ever began, or (`ended`) what came of it is kept."""
         found = await self._in_rows(self._one, "SELECT state FROM motion WHERE post = ?", (post_id,))
-        return found is not None and (found[0] == "ended" if ended else found[0] != CANCELLED)
+        if found is None:
+            return False
+        return bool(found[0] == MotionState.ENDED if ended else found[0] != MotionState.CANCELLED)
 
     async def kept(self, post_id: str) -> str | None:
         """What a motion that ended answered; None when that is not known."""
-        found = await self._in_rows(
-            self._one, "SELECT result FROM motion WHERE post = ? AND state = 'ended'", (post_id,)
-        )
+        query = "SELECT result FROM motion WHERE post = ? AND state = ?"
+        found = await self._in_rows(self._one, query, (post_id, MotionState.ENDED))
         return None if found is None or found[0] is None else str(found[0])
 
     async def set_aside(self) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,9 +19,19 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter
 
 from agentrob.errors import JournalError
-from agentrob.model import Account, Command
+from agentrob.model import Account, Command, CommandState, EndReason
+from agentrob.model.lifecycle import stored_reason, stored_state
 
 T = TypeVar("T")
+
+
+class MotionState(StrEnum):
+    """The state of a motion row, which is written before anything moves: its first insert wins."""
+
+    BEGUN = "begun"
+    ENDED = "ended"  # and its result is kept
+    CANCELLED = "cancelled"  # it never begins
+
 
 TABLES = """
 CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -35,8 +46,8 @@ CREATE TABLE IF NOT EXISTS approval (
 """
 #: Claims as `read_claim` wants to be given them.
 CLAIMS = """
-SELECT command, boot, accepted_s, status_post, final, ended, asked_at, until_at, said
-FROM claim LEFT JOIN approval ON approval.post = claim.post
+SELECT command, boot, accepted_s, status_post, final, ended, motion.state, asked_at, until_at, said
+FROM claim LEFT JOIN approval ON approval.post = claim.post LEFT JOIN motion ON motion.post = claim.post
 """
 
 
@@ -135,7 +146,7 @@ AND NOT EXISTS (SELECT 1 FROM motion WHERE motion.post = approval.post)
 """
 #: Each with a mark that no post's id begins with.
 SET_ASIDE = (
-    "UPDATE claim SET post = ? || post, topic = '', final = coalesce(final, 'replaced')",
+    "UPDATE claim SET post = ? || post, topic = '', final = coalesce(final, 'cancelled')",
     "UPDATE motion SET post = ? || post",
     "UPDATE approval SET post = ? || post, said_by = NULL",
     "INSERT OR REPLACE INTO meta (key, value) VALUES ('era', ?)",
@@ -171,38 +182,60 @@ class Claim:
 
     `waited_s` is how long ago it was accepted by the machine's clock that nobody sets, infinite when the machine has
     been started anew since. `final` is the state that its reply told, None while it is open. `ended` is why it may
-    never move (a stable word), None while it may. `asked`: an approval was asked for.
+    never move, None while it may. `asked`: an approval was asked for. `motion` is the state of its motion row.
     """
 
     command: Command
     new: bool
     waited_s: float
     status_post: str | None = None
-    final: str | None = None
-    ended: str | None = None
+    final: CommandState | None = None
+    ended: EndReason | None = None
     asked: ApprovalRequest | None = None
+    motion: MotionState | None = None
 
-    def why_not(self, now_at: datetime, watermark_at: datetime, stopped_at: datetime, max_age_s: float) -> str | None:
+    @property
+    def state(self) -> CommandState:
+        """How far the command is, as far as the journal knows: it keeps no place in the queue."""
+        if self.final is not None:
+            return self.final
+        if self.motion in (MotionState.BEGUN, MotionState.ENDED):
+            return CommandState.RUNNING
+        if self.asked is None:
+            return CommandState.SEEN
+        return CommandState.WAITING if self.asked.decided is None else CommandState.QUEUED
+
+    def why_not(
+        self, now_at: datetime, watermark_at: datetime, stopped_at: datetime, max_age_s: float
+    ) -> EndReason | None:
         """Why an earlier process's claim may not begin to move; None when the restart fell within its time."""
         posted_at = self.command.posted_at
         if self.ended is not None:
             return self.ended
         if posted_at <= stopped_at:
-            return "stop"
+            return EndReason.STOP
         if posted_at <= watermark_at:
-            return "stale"
+            return EndReason.STALE
         if self.asked is not None and self.asked.decided is None:
-            return "lapsed" if now_at > self.asked.until_at else None
+            return EndReason.LAPSED if now_at > self.asked.until_at else None
         # What was approved is as fresh as its approval is.
         since_at = self.asked.decided.at if self.asked is not None and self.asked.decided is not None else posted_at
-        return None if now_at - since_at <= timedelta(seconds=max_age_s) else "stale"
+        return None if now_at - since_at <= timedelta(seconds=max_age_s) else EndReason.STALE
 
 
 def read_claim(row: tuple[Any, ...]) -> Claim:
     """A row of `CLAIMS`; its `waited_s` counts until now."""
-    command, taken_in, accepted_s, status_post, final, ended, *asked = row
-    waited_s = boot_s() - accepted_s if taken_in == boot() else float("inf")
-    return Claim(COMMAND.validate_json(command), False, waited_s, status_post, final, ended, read_asked(*asked))
+    command, taken_in, accepted_s, status_post, final, ended, motion, *asked = row
+    return Claim(
+        COMMAND.validate_json(command),
+        new=False,
+        waited_s=boot_s() - accepted_s if taken_in == boot() else float("inf"),
+        status_post=status_post,
+        final=stored_state(final) if final is not None else None,
+        ended=stored_reason(ended) if ended is not None else None,
+        asked=read_asked(*asked),
+        motion=MotionState(motion) if motion is not None else None,
+    )
 
 
 def read_asked(asked_at: str | None, until_at: str | None, said: str | None) -> ApprovalRequest | None:

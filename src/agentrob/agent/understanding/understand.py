@@ -23,7 +23,7 @@ from agentrob.minds.extraction.summary import Summary, summarise
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.protocol import Addressee, Mind
 from agentrob.minds.safety_review import SafetyReview, apply_review, review_command
-from agentrob.model import Capabilities, Command, Decision, Intent, Plan, Report, Understanding
+from agentrob.model import Capabilities, Command, CommandState, Decision, Intent, Plan, Report, Understanding
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
@@ -69,7 +69,7 @@ class Assessor:
 
     async def summary(self, job: QueuedCommand, report: Report) -> Summary | None:
         """What a model makes of the measured results in words, where the owner wants that."""
-        if not self.settings.summary or self.model is None or report.status != "done":
+        if not self.settings.summary or self.model is None or report.status is not CommandState.DONE:
             return None
         spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
         return await summarise(self.model, report.results, report.command.language, spent)

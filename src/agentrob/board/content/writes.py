@@ -27,16 +27,17 @@ from agentrob.board.search import fulltext
 from agentrob.board.settings import NO_LIMITS
 from agentrob.config.board import BoardLimitsConfig
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind, EventKind, Role
+from agentrob.model import Account, AccountKind, CommandState, EventKind, Role
+from agentrob.model.lifecycle import ACTIVE_STATES
 
 MAX_IMAGES = 32
 #: Of a topic whose author may not begin one: it is there for the stop in it.
 STOP_TITLE = "Stop"
 Card = Mapping[str, Any]
 now_us = audit.now_us
-#: States of a command's status post that only say how far it is: when it is edited, the text of before is not kept.
-#: What an approval was asked for (`waiting`) and how a command ended are kept, as every text of a person is.
-PROGRESS = frozenset({"seen", "queued", "running"})
+#: States of a status post that only report progress: an edit does not keep their text as a version. The text that asks
+#: for an approval and the final one are kept, as every text of a person is.
+PROGRESS = ACTIVE_STATES - {CommandState.WAITING}
 #: Buttons of robots' owners: who pressed one stands in the audit log.
 _AUDITED = frozenset({EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME})
 _t = db.topics.c
@@ -272,7 +273,7 @@ def _same_topic(reader: Reader, post_id: str, topic_id: int) -> int:
 
 def _waits(card: Card | None) -> bool:
     """Whether a status says that its robot waits for an approval."""
-    return (card or {}).get("state") == "waiting"
+    return (card or {}).get("state") == CommandState.WAITING
 
 
 def _number(post_id: str | None) -> int | None:

@@ -20,10 +20,8 @@ from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.language.registry import language_of
 from agentrob.language.visible_text import visible_text
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, CommandState
 
-#: The state of a status card whose command waits.
-WAITING = "waiting"
 _WORDS = {"en": ("approve", "deny"), "zh": ("批准", "拒绝")}
 
 
@@ -52,7 +50,7 @@ def waiting(
 
 def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None) -> dict[str, PendingApproval]:
     """Which of these posts are of robots that wait with a command which whoever looks may approve, by their ids."""
-    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == WAITING]
+    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == CommandState.WAITING]
     if viewer is None or not asking:
         return {}
     commands = {p.id: p for p in services.store.reader.posts_by_id([int(str(p.reply_to)) for p in asking])}
@@ -89,7 +87,7 @@ async def say(services: Services, by: Account, post_id: str, robot: str, approve
 def _asks(store: Store, robot: Account, post: Post) -> Post | None:
     """The robot's status post of this command, written under the key of its claim, when it says that it waits."""
     status = store.find(robot, f"claim:{post.id}")
-    waits = status is not None and not status.removed and (status.card or {}).get("state") == WAITING
+    waits = status is not None and not status.removed and (status.card or {}).get("state") == CommandState.WAITING
     return status if waits else None
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from agentrob.board.db.records import Image, Post, from_text
 from agentrob.board.robots.commands import CommandRecord
 from agentrob.board.robots.view import op_in_words
+from agentrob.model import CommandState
 
 _UNITS = {
     "distance_m": "{:z.2f} m",
@@ -116,7 +117,7 @@ def command_view(post: Post, told: CommandRecord) -> CommandView:
 def _message(record: Mapping[str, Any]) -> str:
     """The robot's words beside its status, without their Markdown; of a stopped command they are who stopped it, which
     is among the facts."""
-    return "" if record.get("status") == "stopped" else _text(record.get("message"), 600).replace("**", "")
+    return "" if record.get("status") == CommandState.STOPPED else _text(record.get("message"), 600).replace("**", "")
 
 
 def _timeline(

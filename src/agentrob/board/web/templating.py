@@ -27,7 +27,8 @@ from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError
-from agentrob.model import AccountKind, Role, StatusCard
+from agentrob.model import AccountKind, CommandState, Role, StatusCard
+from agentrob.model.lifecycle import ACTIVE_STATES, CARD_STATES
 
 HERE = Path(__file__).parent
 NAME = re.compile(r"[a-z][a-z0-9_-]{0,63}\Z")
@@ -35,11 +36,10 @@ _NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 #: Characters of a post that its excerpt is made from.
 EXCERPT_FROM = 600
 
-#: The states of a command as words for people.
-STATES = {
-    **{s: s for s in ("seen", "queued", "running", "done", "failed", "refused", "stopped", "interrupted")},
-    **{"waiting": "waits for approval", "cancelled": "cancelled", "expired": "expired", "asks_back": "asks back"},
-}
+#: The states of a command as words for people, and those whose card shows a progress bar.
+STATES = {str(state): state.label for state in CARD_STATES}
+_S = CommandState
+PROGRESS_BAR = frozenset({_S.RUNNING, _S.DONE, _S.FAILED, _S.STOPPED, _S.INTERRUPTED})
 BADGES = {
     AccountKind.ROBOT_AGENT: "robot",
     AccountKind.COMMANDING_AGENT: "agent",
@@ -130,6 +130,7 @@ def _environment() -> Environment:
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
+    made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
     made.globals["parts"] = made.get_template("parts.html").module
     return made
 

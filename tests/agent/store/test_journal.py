@@ -1,0 +1,160 @@
+"""The journal keeps the states of commands: only transitions of the table, and rows of earlier versions are read."""
+
+from __future__ import annotations
+
+import asyncio
+import sqlite3
+from collections.abc import Awaitable, Callable
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.rows import ApprovalDecision
+from agentrob.errors import IllegalTransition
+from agentrob.model import Account, AccountKind, Command, CommandState, EndReason, Role
+from tests.agent.agent_scene import FINAL, ROBOT, Scene
+
+ALICE = Account("a1", "alice", AccountKind.HUMAN, Role.OPERATOR)
+
+
+def command(post: str) -> Command:
+    return Command(post, "1", "h", ALICE, ROBOT, "wave", "en", datetime.now(UTC), "trace")
+
+
+async def state(journal: Journal, post: str) -> CommandState:
+    claim = await journal.claimed(post)
+    assert claim is not None
+    return claim.state
+
+
+def says(text: str) -> Callable[[], Awaitable[str]]:
+    async def answer() -> str:
+        return text
+
+    return answer
+
+
+async def test_a_command_goes_through_its_states(tmp_path: Path) -> None:
+    journal = await Journal.open(tmp_path, ROBOT)
+    now = datetime.now(UTC)
+    await journal.claim(command("1"))
+    states = [await state(journal, "1")]
+    await journal.ask("1", now, now + timedelta(minutes=1))
+    states.append(await state(journal, "1"))
+    await journal.decide("1", ApprovalDecision(True, ALICE, "2", "h", now))
+    states.append(await state(journal, "1"))
+
+    async def moving() -> str:
+        states.append(await state(journal, "1"))
+        return "moved"
+
+    await journal.move("1", moving)
+    await journal.finish("1", CommandState.DONE)
+    states.append(await state(journal, "1"))
+    assert states == ["seen", "waiting", "queued", "running", "done"]
+    await journal.close()
+
+
+async def test_law_6_a_command_has_one_end(tmp_path: Path) -> None:
+    journal = await Journal.open(tmp_path, ROBOT)
+    await journal.claim(command("1"))
+    with pytest.raises(IllegalTransition, match="from 'seen' to 'done'"):
+        await journal.finish("1", CommandState.DONE)
+    await journal.finish("1", CommandState.REFUSED)
+    await journal.finish("1", CommandState.REFUSED)
+    with pytest.raises(IllegalTransition, match="from 'refused' to 'done'; valid: none, it is final"):
+        await journal.finish("1", CommandState.DONE)
+    with pytest.raises(IllegalTransition, match="from 'refused' to 'running'"):
+        await journal.move("1", says("moved"))
+    assert not await journal.moved("1")
+    assert await state(journal, "1") is CommandState.REFUSED
+    await journal.close()
+
+
+async def test_law_7_what_waits_for_approval_does_not_move(tmp_path: Path) -> None:
+    journal = await Journal.open(tmp_path, ROBOT)
+    now = datetime.now(UTC)
+    await journal.claim(command("1"))
+    await journal.ask("1", now, now + timedelta(minutes=1))
+    with pytest.raises(IllegalTransition, match="from 'waiting' to 'running'"):
+        await journal.move("1", says("moved"))
+    assert not await journal.moved("1")
+    await journal.close()
+
+
+async def test_law_13_a_stop_is_written_down_in_every_state(tmp_path: Path) -> None:
+    journal = await Journal.open(tmp_path, ROBOT)
+    now = datetime.now(UTC)
+    posts = ("seen", "waiting", "queued", "running", "told")
+    for post in posts:
+        await journal.claim(command(post))
+    for post in ("waiting", "queued"):
+        await journal.ask(post, now, now + timedelta(minutes=1))
+    await journal.decide("queued", ApprovalDecision(True, ALICE, "9", "h", now))
+    await journal.finish("told", CommandState.ANSWERED)
+    begun, stopped = asyncio.Event(), asyncio.Event()
+
+    async def moving() -> str:
+        begun.set()
+        await stopped.wait()
+        return "stopped"
+
+    motion = asyncio.create_task(journal.move("running", moving))
+    await begun.wait()
+    await journal.end((*posts, "never claimed"), EndReason.STOP)
+    stopped.set()
+    assert await motion == "stopped"
+    for post in posts:
+        claim = await journal.claimed(post)
+        assert claim is not None
+        assert claim.ended is EndReason.STOP
+    for post in ("seen", "waiting", "queued", "never claimed"):
+        assert not await journal.cancel(post)  # no motion of it can begin any more
+    for post in ("seen", "waiting", "queued", "running"):
+        await journal.finish(post, CommandState.STOPPED)
+    await journal.close()
+
+
+async def test_rows_of_earlier_versions_are_read(tmp_path: Path) -> None:
+    words = (*sorted(FINAL), "nothing", "answered before", "replaced")
+    journal = await Journal.open(tmp_path, ROBOT)
+    for word in words:
+        await journal.claim(command(word))
+    await journal.claim(command("open"))
+    await journal.close()
+    with sqlite3.connect(tmp_path / "journal.sqlite") as db:
+        db.executemany("UPDATE claim SET final = ? WHERE post = ?", [(word, word) for word in words])
+        db.execute("UPDATE claim SET ended = 'a word of a newer version' WHERE post = 'open'")
+    db.close()
+    journal = await Journal.open(tmp_path, ROBOT)
+    read = {word: await state(journal, word) for word in words}
+    named = {"answered before": "handled_elsewhere", "replaced": "cancelled"}
+    assert read == {word: named.get(word, word) for word in words}
+    assert [(c.command.post_id, c.ended) for c in await journal.open_claims()] == [("open", EndReason.BEFORE)]
+    await journal.close()
+
+
+async def test_the_journal_and_the_forum_tell_the_same_end(scene: Scene) -> None:
+    posts = {}
+    async with scene.agent() as agent:
+        for name, text in (
+            ("alice", "turn left 90 degrees"),
+            ("alice", "walk"),
+            ("alice", "help"),
+            ("bob", "turn left 90 degrees"),
+            ("alice", "walk forward 900 m"),
+        ):
+            post = await scene.post(name, f"@{ROBOT} {text}")
+            posts[post.id] = (await scene.final(post)).card
+        far = await scene.post("alice", f"@{ROBOT} walk forward 5 m")
+        await scene.state(far, "running")
+        await scene.post("alice", f"@{ROBOT} stop")
+        posts[far.id] = (await scene.final(far)).card
+        await scene.until(lambda: not len(agent.line))
+        while await agent.journal.open_claims():  # noqa: ASYNC110 (a database)
+            await asyncio.sleep(0.01)
+        told = {post: await state(agent.journal, post) for post in posts}
+    assert told == {post: card.state for post, card in posts.items() if card is not None}
+    assert set(told.values()) >= {"done", "asks_back", "answered", "refused", "stopped"}
