@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Forum
 from agentrob.minds.protocol import Mind
 from agentrob.minds.rules import RulesMind
-from agentrob.model import AccountKind, CommandState, Post, Role, StatusCard
+from agentrob.model import AccountKind, CommandState, Post, Role
 from agentrob.model.lifecycle import TRANSITIONS
 from agentrob.robots.driver.client import DriverClient
 
@@ -39,11 +39,14 @@ def reachable(state: CommandState) -> set[CommandState]:
     return found
 
 
-def check_cards(world: MemoryWorld) -> None:
-    """The cards of each status post follow the table of states. An edit may pass over states; an end that was guessed
-    gives way to what was measured."""
-    shown: dict[str, StatusCard] = {}
-    for event in world.events:
+@contextmanager
+def checked_cards(world: MemoryWorld) -> Iterator[None]:
+    """Check that what is shown meanwhile on each status post follows the table of states. An edit may pass over states;
+    an end that was guessed gives way to what was measured."""
+    shown = {post.id: post.card for post in world.posts.values() if post.card is not None}
+    begun = len(world.events)
+    yield
+    for event in world.events[begun:]:
         if (post := event.post) is None or post.card is None or not (post.key or "").startswith("claim:"):
             continue
         before, shown[post.id] = shown.get(post.id), post.card
@@ -163,9 +166,9 @@ class Scene:
     async def agent(self, **changed: Any) -> AsyncIterator[RobotAgent]:
         """An agent that serves until the block ends. `changed` replaces constructor arguments."""
         agent = self.make(**changed)
-        async with serving(agent):
-            yield agent
-        check_cards(self.world)
+        with checked_cards(self.world):
+            async with serving(agent):
+                yield agent
 
     def make(self, **changed: Any) -> RobotAgent:
         forum: Forum = self.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)

@@ -140,7 +140,7 @@ async def test_the_journal_and_the_forum_tell_the_same_end(scene: Scene) -> None
     posts = {}
     async with scene.agent() as agent:
         for name, text in (
-            ("alice", "turn left 90 degrees"),
+            ("alice", "wave"),
             ("alice", "walk"),
             ("alice", "help"),
             ("bob", "turn left 90 degrees"),
