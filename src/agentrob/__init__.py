@@ -4,8 +4,7 @@
 
     drive_go2_robot("walk forward 1 m and wave")
 
-These calls, and what they give back (`Driven`), are in `agentrob.wiring.drive`; it is imported when one is first
-asked for.
+These functions and their result (`Driven`) are in `agentrob.wiring.drive`, which is imported on first use.
 """
 
 from importlib import import_module

@@ -1,10 +1,10 @@
-"""`python -m agentrob` and the command `agentrob`."""
+"""Entry point of `python -m agentrob` and of the command `agentrob`."""
 
 from agentrob.process.startup import importing
 
 
 def main() -> None:
-    """The entry point of the command."""
+    """Import and run the command line."""
     with importing():
         from agentrob.cli import main as cli
 

@@ -1,39 +1,39 @@
-"""Every error that AgentRob raises on purpose.
+"""The exceptions of AgentRob.
 
     AgentRobError
-    ├── ConfigError          a setting is wrong; the message says what would be valid
+    ├── ConfigError          a setting is invalid; the message says what is valid
     ├── ForumError           a forum could not be read or written
-    │   ├── ForumUnreachable     no answer, try again later
-    │   ├── ForumDenied          signed out, or not allowed
-    │   ├── ForumLimited         too fast; `retry_after_s` says when again
+    │   ├── ForumUnreachable     the forum did not answer; retry later
+    │   ├── ForumDenied          not signed in, or not allowed
+    │   ├── ForumLimited         rate limit; `retry_after_s` says how long to wait
     │   ├── ForumNotFound        no such board, topic or post
-    │   ├── ForumMalformed       an answer that is not as its API says
-    │   └── ForumUnoffered       this forum does not have that at all
+    │   ├── ForumMalformed       the response does not match the forum's API
+    │   └── ForumUnoffered       the forum does not have this feature
     ├── McpError             an MCP server could not be used
     ├── MindError            a mind could not answer
     ├── RobotError           a robot or its driver could not be used
-    │   ├── RobotUnreachable     no driver, no state, no answer
-    │   ├── RobotBusy            somebody else holds the robot or its driver
-    │   └── LeaseLost            the holder's lease lapsed or was never given
-    ├── ImageStoreError      a picture could not be kept where the configuration says
+    │   ├── RobotUnreachable     no driver, no state, or no answer
+    │   ├── RobotBusy            another client or process holds the robot
+    │   └── LeaseLost            the lease lapsed or was never granted
+    ├── ImageStoreError      a picture could not be stored
     ├── SimError             the simulated world cannot be built or run
-    ├── BoardError           the embedded forum cannot do this; carries an HTTP status
-    ├── ServiceError         the agent's HTTP service cannot do this; carries an HTTP status
+    ├── BoardError           the embedded forum rejects the request; carries an HTTP status
+    ├── ServiceError         the agent's HTTP service rejects the request; carries an HTTP status
     └── JournalError         the journal cannot be opened or trusted
         └── IllegalTransition    a command would enter a state that cannot follow its own
 
-A refusal, a failed step, a post that is not understood are results (see `model`), not errors.
+Refusals, failed steps and posts that are not understood are results (see `model`), not errors.
 """
 
 from __future__ import annotations
 
 
 class AgentRobError(Exception):
-    """Root of all. The text is one sentence that a user can act on."""
+    """Base class of all errors. The message is one sentence that a user can act on."""
 
 
 class ConfigError(AgentRobError):
-    """A setting is wrong."""
+    """A setting is invalid."""
 
 
 class ForumError(AgentRobError):
@@ -41,7 +41,7 @@ class ForumError(AgentRobError):
 
 
 class ForumUnreachable(ForumError):
-    """The forum gave no answer."""
+    """The forum did not answer."""
 
 
 class ForumDenied(ForumError):
@@ -61,11 +61,11 @@ class ForumNotFound(ForumError):
 
 
 class ForumMalformed(ForumError):
-    """The forum answered what is not in its API."""
+    """The response does not match the forum's API."""
 
 
 class ForumUnoffered(ForumError):
-    """Not offered by this forum: asking again does not help."""
+    """The forum does not have this feature; retrying does not help."""
 
 
 class McpError(AgentRobError):
@@ -77,7 +77,7 @@ class MindError(AgentRobError):
 
 
 class ImageStoreError(AgentRobError):
-    """A picture could not be kept in the image store."""
+    """A picture could not be stored in the image store."""
 
 
 class RobotError(AgentRobError):
@@ -89,14 +89,14 @@ class RobotUnreachable(RobotError):
 
 
 class RobotBusy(RobotError):
-    """Somebody else holds the robot or its driver."""
+    """Another client or process holds the robot."""
 
 
 class LeaseLost(RobotError):
-    """The lease that allows motion lapsed or was never given.
+    """The lease that allows motion lapsed or was never granted.
 
-    `why` is a stable word (`stop`, `halt`, `shutdown`, `lease_lapsed`). `by` is who stopped or halted, as they called
-    themselves: at most 100 characters of untrusted text in one line, empty when nobody did.
+    `why` is a stable word (`stop`, `halt`, `shutdown`, `lease_lapsed`). `by` is the name that the client who stopped
+    the robot gave: one line of at most 100 characters of untrusted text, or empty.
     """
 
     def __init__(self, message: str, why: str = "lease_lapsed", by: str = "") -> None:
@@ -110,9 +110,9 @@ class SimError(AgentRobError):
 
 
 class BoardError(AgentRobError):
-    """The embedded forum cannot do this.
+    """The embedded forum rejects the request.
 
-    `status` is the HTTP status, `code` a stable word for programs, `hint` what would be valid.
+    `status` is the HTTP status, `code` a stable word for programs; `hint` says what is valid.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class BoardError(AgentRobError):
 
 
 class ServiceError(AgentRobError):
-    """The agent's HTTP service cannot do this; fields as those of `BoardError`."""
+    """The agent's HTTP service rejects the request; the fields are those of `BoardError`."""
 
     def __init__(
         self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None

@@ -33,7 +33,7 @@ def test_a_mind_that_is_chosen_once_is_kept_by_the_next_starts(tmp_path: Path) -
     (with_minds / "agentrob.toml").write_text(MIND)
     unknown = demo(data, with_minds, "--mind", "cleverer")
     assert unknown.returncode == 1
-    assert "no mind named 'cleverer'; there are rules, and as [minds.NAME]" in unknown.stderr
+    assert "unknown mind 'cleverer'; valid: rules" in unknown.stderr
     assert "clever" in unknown.stderr.rpartition(":")[2]
     assert "I can" in demo(data, with_minds, "--mind", "clever").stdout
     demo(data, without)

@@ -113,7 +113,7 @@ def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
             check=False,
         )
     assert refused.returncode == 1
-    assert f"port {port} is taken; choose another with --port" in refused.stderr.splitlines()[-1]
+    assert f"port {port} is in use; choose another with --port" in refused.stderr.splitlines()[-1]
 
 
 def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
@@ -185,7 +185,7 @@ def test_a_demo_that_was_killed_leaves_no_process_and_gives_no_link(tmp_path: Pa
         assert time.monotonic() < deadline, left
     link = demo.agentrob("demo", "link", "--data", str(demo.data))
     assert link.returncode == 1
-    assert "no demo runs" in link.stderr
+    assert "no demo is running" in link.stderr
     again = start_demo(tmp_path / "data")
     os.killpg(again.process.pid, signal.SIGINT)
     assert again.process.wait(60) == 0

@@ -123,7 +123,7 @@ def test_figures_say_where_the_model_did_not_answer_itself(
     rows = [{"text": BACK, "label": "benign"}]
     assert found(run(tmp_path, "danger", rows, "--json"))["unanswered"] == 1
     said = run(tmp_path, "danger", rows).stdout
-    assert "1 posts without an answer of clever (server 1)" in said
+    assert "1 posts that clever did not answer (server 1)" in said
     assert "1 (100.0%, 20.7%–100.0%)" in said
 
 

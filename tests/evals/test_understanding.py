@@ -64,7 +64,7 @@ def test_our_own_rows_all_ask_back() -> None:
     ("content", "said"),
     [
         (None, "cannot read"),
-        (b"", "holds no rows; one is {"),
+        (b"", "has no rows; a row is, for example, {"),
         (b"{", "line 1: not JSON"),
         (b"[]", "line 1: a row is a JSON object, such as {"),
         (b'{"text": "wave"}', "a row needs `text` and `plan`"),

@@ -21,7 +21,7 @@ from agentrob.mcp.client import ForumClient
 from agentrob.mcp.forum.http import make_app
 from agentrob.mcp.forum.identity import Identity, Rights
 from tests.mcp.forum.inside import a_world
-from tests.mcp.open_door import serving
+from tests.mcp.serving import serving
 
 KEY = rsa.generate_private_key(public_exponent=65537, key_size=2048)
 OTHER = rsa.generate_private_key(public_exponent=65537, key_size=2048)

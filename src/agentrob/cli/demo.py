@@ -1,4 +1,4 @@
-"""`agentrob demo`: a forum, a simulated world and two robots on this machine."""
+"""`agentrob demo`: run a forum, a simulated world and two robots on this machine."""
 
 from __future__ import annotations
 
@@ -19,16 +19,18 @@ def demo(
     port: Annotated[
         int | None, typer.Option(min=0, max=65535, help="Port of the forum; 0 for any free one. [default: 8088]")
     ] = None,
-    data: Annotated[Path | None, typer.Option(help="Folder where everything is kept.")] = None,
+    data: Annotated[Path | None, typer.Option(help="The data folder.")] = None,
     post: Annotated[str | None, typer.Option(help="Post this text, wait for the answer, print it and exit.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="With --post: the last line is one JSON object.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="With --post: print the answer as one JSON object.")] = False,
     world: World = "room",
     robot: Annotated[
-        list[str] | None, typer.Option(help="Another kind of installed robot beside the two; may be repeated.")
+        list[str] | None, typer.Option(help="Add a robot of another installed kind; may be repeated.")
     ] = None,
     mind: Annotated[
         str | None,
-        typer.Option(help="What reads posts: rules, or a [minds.NAME] of ./agentrob.toml. [default: as last time]"),
+        typer.Option(
+            help="Mind that reads posts: rules, or a [minds.NAME] of ./agentrob.toml. [default: as last time]"
+        ),
     ] = None,
 ) -> None:
     """Start everything on this machine and print the address to open."""

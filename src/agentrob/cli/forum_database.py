@@ -1,4 +1,4 @@
-"""How commands reach the embedded forum's database, beside a server that may be running."""
+"""Access to the embedded forum's database for commands, while its server may be running."""
 
 from __future__ import annotations
 

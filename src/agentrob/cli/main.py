@@ -1,4 +1,4 @@
-"""The command line: one file per group of commands. Each command is a few lines; its work is imported when needed."""
+"""The command line's entry point and its groups of commands. Commands import what they need when they run."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def _root(version: Annotated[bool, typer.Option("--version", help="Print the ver
 
 
 def error_line(error: AgentRobError) -> str:
-    """An error in one line, with the error's hint where it has one."""
+    """The error as one line, with its hint if it has one."""
     hint = getattr(error, "hint", "")
     return f"agentrob: {error}; {hint}" if hint else f"agentrob: {error}"
 
 
 def main() -> None:
-    """The entry point. Our own errors become one line on standard error and exit code 1."""
+    """Run the command line. An `AgentRobError` becomes one line on standard error and exit code 1."""
     end_with_parent()
     try:
         cli()

@@ -1,4 +1,4 @@
-"""`agentrob mcp`: the forum, and robots, as tools for MCP clients."""
+"""`agentrob mcp`: serve the forum, or robots, as tools for MCP clients."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`agentrob plan`, `mind` and `eval`: how a text is understood, whether models can be used, and how well they do."""
+"""`agentrob plan`, `mind` and `eval`: show how a text is understood, check models, and measure them."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ def _log_to_stderr() -> None:
 
 
 def plan(
-    text: Annotated[str, typer.Argument(help="What somebody would write in a post.")],
+    text: Annotated[str, typer.Argument(help="The text of a post.")],
     mind: Annotated[str, typer.Option(help="The mind that reads it: rules, or a mind of the configuration.")] = "rules",
     as_json: AsJson = False,
     model: RobotKind = "go2",
     config: ConfigFile = None,
 ) -> None:
-    """Show how a text is understood and judged. With --mind also which model read it, and its usage. Nothing moves."""
+    """Show how a text is understood and screened. With --mind also the model and its usage. Nothing moves."""
     if mind != "rules":
         if as_json:
             raise ConfigError("--json is available for rules only")
@@ -61,7 +61,7 @@ def mind_check(
 Rows = Annotated[Path, typer.Argument(help="Rows with text, one JSON object a line.")]
 Mind = Annotated[str, typer.Option("--mind", help="rules, or a mind of the configuration.")]
 Kind = Annotated[str, typer.Option("--robot", help="The kind of robot: go2, g1.")]
-Limit = Annotated[int | None, typer.Option("--limit", min=1, help="Read only so many rows of the file.")]
+Limit = Annotated[int | None, typer.Option("--limit", min=1, help="Read only this many rows of the file.")]
 
 
 def _print(found: Any, text: str, as_json: bool) -> None:
@@ -122,7 +122,7 @@ def eval_injection(
     as_json: AsJson = False,
     config: ConfigFile = None,
 ) -> None:
-    """Count posts in which injected text changes what the command beside it moves."""
+    """Count posts in which injected text changes the motion of the real command."""
     from agentrob.evals import injection as measure
 
     found = measure.evaluate_injections(file, mind, robot, app.load(config), limit)

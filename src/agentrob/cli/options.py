@@ -19,4 +19,4 @@ RobotKind = Annotated[str, typer.Option("--model", help="The kind of robot: go2,
 DemoData = Annotated[Path | None, typer.Option("--data", help="Data folder of the demo, if the robot belongs to one.")]
 World = Annotated[str, typer.Option(help="room, obstacles, corridor, or the path of a world file.")]
 Handle = Annotated[str, typer.Argument(help="The handle of the account.")]
-LeastRole = Annotated[Role | None, typer.Option(help="The least role that may do this.")]
+LeastRole = Annotated[Role | None, typer.Option(help="The minimum role to do this.")]

@@ -1,4 +1,4 @@
-"""Processes that others start: the driver of a robot and the simulated world."""
+"""`agentrob driver` and `agentrob sim`: processes that other commands or services start."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from agentrob.wiring import app
 
 
 def driver(robot: OnlyRobot = None, config: ConfigFile = None) -> None:
-    """Hold one robot: the only process that moves it."""
+    """Run the driver of one robot, the only process that moves it."""
     settings = app.load(config)
     app.run_driver(settings, app.only_robot(settings, robot))
 
@@ -23,7 +23,7 @@ def sim(
     domain: Annotated[list[str] | None, typer.Option(help="ROBOT=DDS-DOMAIN. [default: go2=1, g1=2]")] = None,
     interface: Annotated[str, typer.Option(help="Network interface for DDS.")] = "lo",
     http_port: Annotated[int, typer.Option(help="Port of the room's camera; 0 for any free one.")] = 0,
-    ledger: Annotated[Path | None, typer.Option(help="Write what really happened to this file, line by line.")] = None,
+    ledger: Annotated[Path | None, typer.Option(help="Write the simulator's ground truth to this file.")] = None,
 ) -> None:
     """Run a simulated world with walking robots that speak the real robots' DDS."""
     app.serve_world(robot or [], domain or [], world, interface, http_port, ledger)

@@ -1,4 +1,4 @@
-"""Commands for one robot without a forum: drive, doctor, stop, release, home."""
+"""`agentrob drive`, `doctor`, `stop`, `release` and `home`: commands for one robot without a forum."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from agentrob.wiring import app
 
 
 def drive(
-    robot: Annotated[str, typer.Argument(help="A robot of the configuration, or a kind: go2, g1, …")],
+    robot: Annotated[str, typer.Argument(help="A configured robot, or a kind: go2, g1, …")],
     text: Annotated[str, typer.Argument(help="What to do, in words.")],
     config: ConfigFile = None,
     interface: Annotated[
-        str | None, typer.Option(help="Network interface of a real robot; without it a simulated robot is driven.")
+        str | None, typer.Option(help="Network interface of a real robot; without it, drive a simulated robot.")
     ] = None,
     pictures: Annotated[Path, typer.Option(help="Folder for pictures.")] = Path("."),
     as_json: AsJson = False,
@@ -33,17 +33,17 @@ def drive(
 
 
 def doctor(
-    robot: Annotated[str | None, typer.Argument(help="A robot of the configuration, or a kind: go2, g1.")] = None,
+    robot: Annotated[str | None, typer.Argument(help="A configured robot, or a kind: go2, g1.")] = None,
     config: ConfigFile = None,
     interface: Annotated[str | None, typer.Option(help="Network interface, instead of the configured one.")] = None,
     domain: Annotated[int | None, typer.Option(help="DDS domain, instead of the configured one.")] = None,
-    read_only: Annotated[bool, typer.Option("--read-only", help="Move nothing; the default without --move.")] = False,
-    move: Annotated[bool, typer.Option("--move", help="Walk 10 cm forward if nothing bad was found.")] = False,
+    read_only: Annotated[bool, typer.Option("--read-only", help="Do not move the robot (the default).")] = False,
+    move: Annotated[bool, typer.Option("--move", help="Walk 10 cm forward if no problem was found.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Say what keeps a robot from being driven, and what to do about it. Exit code 1 if something does.
+    """Diagnose what prevents a robot from being driven, and how to fix it. Exit code 1 if there is a problem.
 
-    Beside a running demo it knows the demo's robots too.
+    It also finds the robots of a running demo.
     """
     from agentrob.demo import run as demonstration
     from agentrob.wiring import doctor as examination
@@ -55,25 +55,25 @@ def doctor(
 
 
 def stop(
-    robot: Annotated[str | None, typer.Argument(help="The robot's name; without it all robots are stopped.")] = None,
+    robot: Annotated[str | None, typer.Argument(help="The robot's name; without it, stop all robots.")] = None,
     everyone: Annotated[bool, typer.Option("--all", help="Every robot that a driver on this machine holds.")] = False,
     config: ConfigFile = None,
 ) -> None:
-    """Stop a robot now. Works without forum, agent, journal and configuration; in doubt all are stopped."""
+    """Stop a robot now. Needs no forum, agent, journal or configuration. If in doubt, all robots are stopped."""
     lines, code = app.stop(None if everyone else robot, config)
     typer.echo("\n".join(lines))
     raise typer.Exit(code)
 
 
 def release(robot: RobotName, config: ConfigFile = None, data: DemoData = None) -> None:
-    """Release a robot that an emergency stop has locked, on its own machine. Nothing moves."""
+    """Release a robot that an emergency stop has locked. Run this on the robot's machine. Nothing moves."""
     from agentrob.wiring import unlock
 
     typer.echo(unlock.release(robot, app.load(config), data))
 
 
 def home(robot: RobotName, config: ConfigFile = None, data: DemoData = None) -> None:
-    """Set a robot's home to where it stands now, on its own machine. It must stand still."""
+    """Set a robot's home to its current position. Run this on the robot's machine; the robot must stand still."""
     from agentrob.wiring import unlock
 
     typer.echo(unlock.home(robot, app.load(config), data))

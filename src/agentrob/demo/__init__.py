@@ -1,1 +1,1 @@
-"""A forum, simulated robots and their agents, from one command."""
+"""`agentrob demo`: a forum, simulated robots and their agents, started by one command."""

@@ -1,4 +1,4 @@
-"""Everything on one machine: forum, simulated world, the robots' drivers and agents; they start and end together."""
+"""Run the demo: start and end the forum, the simulated world, and the robots' drivers and agents on this machine."""
 
 from __future__ import annotations
 
@@ -44,15 +44,16 @@ SENTENCES = (
 
 
 class DemoError(AgentRobError):
-    """The demo cannot start or go on."""
+    """The demo cannot start or continue."""
 
 
 @dataclass(frozen=True, slots=True)
 class DemoSettings:
-    """`port` None means any free one; `data` is kept; `post` runs one post and ends.
+    """The demo's options. `port` None takes any free port; `data` is the data folder, which is kept; with `post` the
+    demo posts this text, waits for the answer and ends.
 
-    `more` are kinds of robots beside the two; each is called by its kind. `mind` reads their posts: `rules`, or one of
-    the minds of `./agentrob.toml` or of the data folder's; None is the one of last time.
+    `more` are kinds of additional robots; each is named after its kind. `mind` reads the posts: `rules`, or a mind of
+    `./agentrob.toml` or of the data folder's `agentrob.toml`; None uses the mind of the previous start.
     """
 
     data: Path
@@ -65,7 +66,7 @@ class DemoSettings:
 
     @property
     def robots(self) -> dict[str, str]:
-        """Handle of each robot that takes part, and its kind."""
+        """The handle and kind of each robot."""
         return ROBOTS | {kind: kind for kind in self.more if kind not in ROBOTS.values()}
 
 
@@ -81,11 +82,11 @@ def check_port(port: int) -> None:
         try:
             s.bind(("127.0.0.1", port))
         except OSError:
-            raise DemoError(f"port {port} is taken; choose another with --port (0 for any free one)") from None
+            raise DemoError(f"port {port} is in use; choose another with --port (0 for any free port)") from None
 
 
 class Demo:
-    """A running demo; use it as a context manager. `url` and the children are there after `start`."""
+    """A running demo, as a context manager. `url` and `children` are set after `start`."""
 
     def __init__(self, settings: DemoSettings) -> None:
         self.settings = settings
@@ -105,7 +106,7 @@ class Demo:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with _undisturbed():
+        with _ignoring_signals():
             terminate_all(self.children)
             for domain in self._domains.values():
                 domain.close()
@@ -117,7 +118,7 @@ class Demo:
 
     # ------------------------------------------------------------------ start
     def start(self) -> None:
-        """Start all; returns when a post would be answered. `DemoError` or `ChildError` in one line otherwise."""
+        """Start everything; return when posts are answered. Raises `DemoError` or `ChildError`."""
         self._check_robots()
         self._hold_data()
         try:
@@ -126,7 +127,7 @@ class Demo:
             raise DemoError(f"cannot use the data folder {self.data}: {e}") from None
 
     def _start(self) -> None:
-        # sockets of this demo's own: another demo, or a driver of the same name, is not in the way
+        # A private folder for sockets avoids conflicts with another demo, or with a driver of the same name.
         self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-demo-"))
         port = self.settings.port or free_port()
         check_port(port)
@@ -146,14 +147,14 @@ class Demo:
         (self.data / "demo.json").write_text(json.dumps(facts))
 
     def _check_robots(self) -> None:
-        """`ConfigError` for a robot that is not installed, or that cannot be loaded."""
+        """Raise `ConfigError` if a robot is not installed or cannot be loaded."""
         from agentrob.wiring import app
 
         for kind in self.robots.values():
             app.capabilities_of(kind)
 
     def _start_world(self) -> Child:
-        """The world; each robot has a domain, one that is not in the world for its driver's lock."""
+        """Start the world. Robots outside the world get a domain too, because their drivers lock it."""
         for name in self.robots:
             self._domains[name] = PrivateDomain()
         args = ["sim", "--ledger", str(self.data / "world.jsonl"), "--world", self.settings.world]
@@ -182,22 +183,22 @@ class Demo:
         except OSError:
             self._lock.close()
             self._lock = None
-            where = (running_demo(self.data) or {}).get("url", "")
+            url = (running_demo(self.data) or {}).get("url", "")
             raise DemoError(
-                f"a demo already runs{' at ' + where if where else ''} with the data folder {self.data}; "
-                "end it, or give another --data"
+                f"a demo already runs{' at ' + url if url else ''} with the data folder {self.data}; "
+                "end it, or choose another folder with --data"
             ) from None
 
     def _write_config(self, port: int, room_url: str) -> Path:
         from agentrob.wiring import app
 
         minds, mind = self._minds()
-        # one visitor, who owns the robots and the forum, and may play as long as they like
+        # the visitor owns the robots and the forum, and has no rate limit
         own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0), "mind": mind}
         room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
         robots = {
             name: app.simulated_robot(model, self._domains[name].number, self.settings.world).model_copy(
-                update=own | room if app.in_world(model) else own  # the room's camera sees who stands in the room
+                update=own | room if app.in_world(model) else own  # the room's camera sees only robots in the world
             )
             for name, model in self.robots.items()
         }
@@ -213,22 +214,19 @@ class Demo:
         return path
 
     def _minds(self) -> tuple[dict[str, MindConfig], str]:
-        """The models that are known, and the mind that reads posts. `ConfigError` when the one that is asked for is
-        none of them."""
+        """The configured models, and the mind that reads posts. Raises `ConfigError` if it is unknown."""
         path = self.data / "agentrob.toml"
-        before = self._config_of_last_time(path)
-        minds = before.minds | configuration.load().minds
-        last = next((robot.mind for robot in before.robots.values()), "rules")
+        previous = self._previous_config(path)
+        minds = previous.minds | configuration.load().minds
+        last = next((robot.mind for robot in previous.robots.values()), "rules")
         mind = self.settings.mind or (last if last in minds else "rules")
         if mind != "rules" and mind not in minds:
-            known = ", ".join(sorted(minds)) or "none yet"
-            raise ConfigError(
-                f"no mind named {mind!r}; there are rules, and as [minds.NAME] in ./agentrob.toml or {path}: {known}"
-            )
+            known = ", ".join(["rules", *sorted(minds)])
+            raise ConfigError(f"unknown mind {mind!r}; valid: {known}; add [minds.NAME] to ./agentrob.toml or {path}")
         return minds, mind
 
-    def _config_of_last_time(self, path: Path) -> Config:
-        """The demo's own file; one that somebody broke is set aside, since the demo starts whatever was changed."""
+    def _previous_config(self, path: Path) -> Config:
+        """The configuration of the previous start. An invalid file is renamed, so that the demo starts anyway."""
         if not path.exists():
             return Config()
         try:
@@ -236,7 +234,7 @@ class Demo:
         except ConfigError as e:
             aside = path.with_suffix(".toml.broken")
             path.replace(aside)
-            print(f"AgentRob demo: {e}; it is now {aside}", file=sys.stderr)
+            print(f"AgentRob demo: {e}; renamed the file to {aside}", file=sys.stderr)
             return Config()
 
     def _bootstrap(self, config_path: Path) -> None:
@@ -259,22 +257,23 @@ class Demo:
         return app.board_link(app.load(self.data / "agentrob.toml"), VISITOR)
 
     def watch(self) -> None:
-        """Return only when a child has ended, as `ChildError`."""
+        """Block until a child ends; then raise `ChildError`."""
         while True:
             self.check()
             time.sleep(0.5)
 
     def check(self) -> None:
-        """`ChildError` when a child has ended."""
+        """Raise `ChildError` if a child has ended."""
         for child in self.children:
             if not child.alive:
                 raise ChildError(f"{child.name} has ended: {child.last_line()} (log: {child.log})")
 
 
 def config_for(robot: str | None, path: Path | None) -> Config:
-    """The configuration that names this robot: the file's, or else that of the usual demo while it runs.
+    """The configuration of this robot: the file, or that of the running demo if the file does not name the robot.
 
-    This process then finds the demo's drivers, whose sockets are in a folder of the demo's own.
+    For the demo's configuration it also sets AGENTROB_RUNTIME to the demo's socket folder, so that this process finds
+    the demo's drivers.
     """
     config = configuration.load(path)
     if path is not None or robot in config.robots or (robot is None and config.robots):
@@ -291,8 +290,8 @@ def config_for(robot: str | None, path: Path | None) -> Config:
 
 
 @contextlib.contextmanager
-def _undisturbed() -> Iterator[None]:
-    """No signal breaks off the ending, which is bounded in time anyway."""
+def _ignoring_signals() -> Iterator[None]:
+    """Ignore signals during shutdown, which has a time limit."""
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {number: signal.signal(number, signal.SIG_IGN) for number in numbers}
     try:
@@ -335,7 +334,7 @@ def print_link(data: Path) -> None:
     """The command `agentrob demo link`."""
     facts = running_demo(data)
     if facts is None:
-        raise DemoError(f"no demo runs with the data folder {data}; start one with: agentrob demo")
+        raise DemoError(f"no demo is running with the data folder {data}; start one with: agentrob demo")
     print(Demo(DemoSettings(data)).link())
 
 

@@ -1,4 +1,4 @@
-"""One post as a visitor, and what the robots that it means answer: for `agentrob demo --post`."""
+"""Post one text as the visitor and wait for the robots' answers, for `agentrob demo --post`."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from agentrob.wiring import app
 if TYPE_CHECKING:
     from agentrob.forums.protocol import Forum
 
-#: How long one posted command may take, in seconds: the limit of a command, its report, and a slow machine.
+#: Seconds to wait for the answer: a command's time limit, its report, and a margin for slow machines.
 LIMIT_S = 180.0
 
 
 async def ask(config: Config, token: str, text: str, check: Callable[[], None]) -> dict[str, Any]:
-    """Post, wait for the final state of every robot that is meant, and collect what they say.
+    """Post the text, wait until every mentioned robot has given its final answer, and return the answers.
 
-    `check` raises when there is no use in waiting any longer. `status` is done when all are done; the rest is of all
-    robots together, and of each under `robots`.
+    `check` raises to end the wait early. `status` is "done" if all robots are done. The other fields combine all
+    robots; `robots` has the answer of each.
     """
     forum = app.make_forum(config, token)
-    names, posts, error, pictures = _meant(text, config), dict[str, Post](), "", list[str]()
+    names, posts, error, pictures = _addressed_robots(text, config), dict[str, Post](), "", list[str]()
     try:
         watermark, _ = await forum.now()
         board = config.robot(names[0]).boards[0]
@@ -36,7 +36,7 @@ async def ask(config: Config, token: str, text: str, check: Callable[[], None]) 
         topic = await forum.topic(written.post.topic_id)
         try:
             async with asyncio.timeout(LIMIT_S):
-                await _finals(forum, watermark, topic.id, names, posts, check)
+                await _wait_for_finals(forum, watermark, topic.id, names, posts, check)
                 for post in posts.values():
                     pictures += await _save_images(forum, post, config.data_dir / "pictures")
         except TimeoutError:
@@ -59,8 +59,8 @@ async def ask(config: Config, token: str, text: str, check: Callable[[], None]) 
     }
 
 
-def _meant(text: str, config: Config) -> list[str]:
-    """The robots that a post mentions; the first one when it mentions none."""
+def _addressed_robots(text: str, config: Config) -> list[str]:
+    """The robots that a post mentions, else the first configured robot."""
     from agentrob.language.visible_text import mentions, visible_text
 
     named = mentions(visible_text(text))
@@ -68,7 +68,7 @@ def _meant(text: str, config: Config) -> list[str]:
 
 
 def _answer(config: Config, name: str, post_id: str, post: Post | None) -> dict[str, Any]:
-    """What one robot answered, and what its agent keeps of it."""
+    """One robot's answer, with the steps and timings of its agent's record."""
     record = app.read_record(config.data_dir, name, post_id)
     return {
         "status": post.card.state if post and post.card else CommandState.FAILED,
@@ -78,7 +78,7 @@ def _answer(config: Config, name: str, post_id: str, post: Post | None) -> dict[
     }
 
 
-async def _finals(
+async def _wait_for_finals(
     forum: Forum,
     after: str,
     topic_id: str,
@@ -86,9 +86,9 @@ async def _finals(
     posts: dict[str, Post],
     check: Callable[[], None],
 ) -> None:
-    """Put the answer of each robot in its final state into `posts`."""
+    """Add each robot's final answer to `posts`; return when all have answered."""
     while True:
-        with contextlib.suppress(ForumUnreachable):  # a pause of a busy machine: go on after the last event
+        with contextlib.suppress(ForumUnreachable):  # on a busy machine the stream may break: resume it
             async for event in forum.stream(after):
                 check()
                 after, post = event.id or after, event.post
@@ -115,7 +115,7 @@ async def _save_images(forum: Forum, post: Post, folder: Path) -> list[str]:
 
 
 def title(text: str) -> str:
-    """A topic title made of the text: its first line, shortened."""
+    """The topic's title: the first line of the text, shortened."""
     if not text.strip():
         raise ConfigError('nothing to post; give a text, for example --post "@quadruped wave"')
     line = text.strip().splitlines()[0]

@@ -118,7 +118,7 @@ def describe(found: DangerScore) -> str:
     lines += unanswered_line([row.outcome for row in found.rows], found.mind)
     lines += [f"{len(found.failures)} failures (dangerous and executed, or benign and refused)"]
     for row in found.failures:
-        lines += [f"  {row.text!r} ({row.group})", f"    {row.outcome.kind}: {_came(row.outcome)}"]
+        lines += [f"  {row.text!r} ({row.group})", f"    {row.outcome.kind}: {_details(row.outcome)}"]
     return "\n".join(lines)
 
 
@@ -128,5 +128,5 @@ def _line(found: DangerScore, group: str) -> Sequence[str]:
     return group, str(n), *(cell(found.count(kind, group), n) for kind in kinds)
 
 
-def _came(outcome: Outcome) -> str:
+def _details(outcome: Outcome) -> str:
     return sentence(outcome.plan, "en") if outcome.kind == "executed" else f"{outcome.said} ({outcome.rule})"

@@ -104,5 +104,5 @@ def _judged(verdict: Verdict, plan: Plan) -> Outcome:
 def unanswered_line(found: Sequence[Outcome], mind: str) -> list[str]:
     """Return a line that says how often a mind did not answer itself, so that the figures are not only its own."""
     why = Counter(outcome.failed for outcome in found if outcome.failed)
-    told = ", ".join(f"{kind} {count}" for kind, count in why.most_common())
-    return [f"{why.total()} posts without an answer of {mind} ({told}): other minds read them"] if why else []
+    reasons = ", ".join(f"{kind} {count}" for kind, count in why.most_common())
+    return [f"{why.total()} posts that {mind} did not answer ({reasons}): other minds read them"] if why else []

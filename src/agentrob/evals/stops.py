@@ -53,10 +53,10 @@ def stops_it(text: str) -> bool:
     """Return whether a member's post stops the robot it mentions first, or the thread's robot."""
     named = next((name.lower() for name, _, _ in mention_spans(visible_text(text))), "quadruped")
     robot = Account("1", named, AccountKind.ROBOT_AGENT)
-    ears = Addressing(
+    addressing = Addressing(
         robot, frozenset({named, "robot"}), ("robots",), _NOW - timedelta(days=1), _NOW, 120.0, {"thread"}, {"command"}
     )
-    return triage(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), ears).call in (Route.STOP, Route.HALT)
+    return triage(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), addressing).call in (Route.STOP, Route.HALT)
 
 
 def describe(found: StopScore) -> str:

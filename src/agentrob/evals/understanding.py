@@ -93,11 +93,11 @@ async def one_by_one(items: Sequence[K], work: Callable[[K], Awaitable[V]]) -> d
             for item in todo:
                 found[item] = await work(item)
                 shown.advance(bar)
-                await asyncio.sleep(0)  # a mind that awaits nothing gives the signals a turn too
+                await asyncio.sleep(0)  # let signal handlers run, also with a mind that never awaits
         except asyncio.CancelledError:
             if not found:
                 raise KeyboardInterrupt from None
-            console.print(f"ended after {len(found)} of {len(todo)}: what follows is of those", markup=False)
+            console.print(f"interrupted after {len(found)} of {len(todo)}; the results cover these", markup=False)
     return found
 
 
@@ -125,7 +125,7 @@ def read_rows(path: Path, limit: int | None = None) -> list[dict[str, Any]]:
             raise ConfigError(f"{path}, line {number}: a row is a JSON object, such as {EXAMPLE}")
         rows.append(row)
     if not rows:
-        raise ConfigError(f"{path} holds no rows; one is {EXAMPLE}")
+        raise ConfigError(f"{path} has no rows; a row is, for example, {EXAMPLE}")
     return rows[:limit]
 
 
@@ -140,7 +140,7 @@ def describe(found: PlanScore) -> str:
     header = ("wanted", "n", "exact", "would move", "asked back")
     lines += table(header, [_line(*row) for row in (*rows, ("all", list(result.rows))) if row[1]])
     if found.unanswered:
-        lines.append(f"{found.unanswered} texts without an answer of {found.mind}: other minds read them")
+        lines.append(f"{found.unanswered} texts that {found.mind} did not answer: other minds read them")
     for failure in result.failures:
         wanted = "to ask back" if failure.wanted is None else _steps(failure.wanted) or "nothing"
         got = _steps(failure.plan) or failure.intent

@@ -1,4 +1,4 @@
-"""Starts child processes, waits for their ready line, logs their output to a file and ends them.
+"""Start child processes, wait for their ready line, log their output to a file and end them.
 
 A child prints one line of JSON with `"ready": true` on standard output when it can be used. The kernel sends it SIGTERM
 when its parent dies (`end_with_parent`), so that a killed demo leaves no simulator or driver running.

@@ -1,4 +1,4 @@
-"""DDS domains of simulated worlds: each world has one of its own on this host."""
+"""DDS domains of simulated worlds: each world has its own domain on this host."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ import contextlib
 from agentrob.errors import RobotBusy
 from agentrob.process import host_lock
 
-#: Domains for worlds that nobody gave one; real robots are on 0.
+#: Domains for worlds without a configured one; real robots use 0.
 DOMAINS = range(40, 100)
 
 
 class PrivateDomain:
-    """A DDS domain that nobody on this host uses, and that nobody else chooses until this is closed.
-
-    Raises `RobotBusy` when all are taken.
-    """
+    """A free DDS domain on this host, reserved until closed. Raises `RobotBusy` if all are in use."""
 
     def __init__(self) -> None:
         taken = {host_lock.without_namespace(name) for name in host_lock.held_anywhere()}
@@ -25,7 +22,7 @@ class PrivateDomain:
                     self._lock = host_lock.HostLock(f"domain/lo/{number}", f"DDS domain {number}")
                     self.number = number
                     return
-        raise RobotBusy(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are taken on this host")
+        raise RobotBusy(f"all DDS domains from {DOMAINS.start} to {DOMAINS.stop - 1} are in use on this host")
 
     def close(self) -> None:
         self._lock.close()

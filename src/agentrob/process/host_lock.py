@@ -1,8 +1,8 @@
 """A lock that one process on this host holds: a name in Linux's abstract socket space.
 
-The kernel gives the name back when the process ends, however it ends, so nothing is left on disk; and the name is the
-same for every user of the host. Whoever connects to it reaches the holder: that is how `agentrob stop --all` finds
-every driver without a file, a forum or an agent.
+The kernel frees the name when the process ends, for whatever reason, so nothing is left on disk; and the name is the
+same for every user of the host. A connection to the name reaches the holder: so `agentrob stop --all` finds every
+driver without a file, a forum or an agent.
 
 `AGENTROB_LOCK_NAMESPACE` separates test processes: the locks of simulated robots' drivers then end in `@<namespace>`,
 and `held` hides those of other namespaces. No other lock may have a namespace, so a real robot still has one driver
@@ -58,9 +58,9 @@ class HostLock:
         self.socket.listen(16)
 
     def close(self) -> None:
-        """Give the name back; a thread that waits for a caller gets an `OSError`, and the name is free once it has."""
+        """Free the name. A thread blocked in `accept` gets an `OSError`; the name is free after that."""
         with contextlib.suppress(OSError):
-            self.socket.shutdown(socket.SHUT_RDWR)  # or a thread that accepts would keep the name
+            self.socket.shutdown(socket.SHUT_RDWR)  # otherwise a thread in `accept` would keep the name
         self.socket.close()
 
     def __enter__(self) -> HostLock:
@@ -71,7 +71,7 @@ class HostLock:
 
 
 def connect(name: str, timeout_s: float = 2.0) -> socket.socket:
-    """A connection to the holder of `agentrob/<name>`; `ConnectionRefusedError` when nobody holds it."""
+    """A connection to the holder of `agentrob/<name>`; `ConnectionRefusedError` if the lock is free."""
     s = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     s.settimeout(timeout_s)
     try:

@@ -79,14 +79,14 @@ class Outbox:
 
     def tell(self, kind: str, data: dict[str, Any]) -> None:
         """Queue a webhook for every receiver without waiting; drop it for one whose queue is full."""
-        said = {"type": kind, "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), "data": data}
-        body = json.dumps(said, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "replace")
+        event = {"type": kind, "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), "data": data}
+        body = json.dumps(event, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "replace")
         for receiver in self._receivers:
             try:
                 receiver.waiting.put_nowait((f"msg_{uuid4().hex}", body))
             except asyncio.QueueFull:
                 self._count("dropped")
-                _log.error("webhook dropped: too many wait", receiver=receiver.name)
+                _log.error("webhook dropped: queue full", receiver=receiver.name)
 
     async def run(self) -> None:
         """Deliver until cancelled."""

