@@ -13,8 +13,10 @@ from pathlib import Path
 
 import httpx2
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
 
+from agentrob.board.web.templating import STATES
+from agentrob.demo.visitor import FINAL, LIMIT_S
 from tests.demo.running import ROOT, RUNNING, RunningDemo, end_left, start_demo
 
 pytestmark = [pytest.mark.sim, pytest.mark.browser]
@@ -95,6 +97,17 @@ def write_post(page: Page, url: str, title: str, body: str) -> None:
     page.wait_for_url(re.compile("/t/"))
 
 
+#: What the chip of a command says once it has ended.
+FINAL_CHIP = re.compile("|".join(rf"^\s*{STATES.get(state, state)}\s*$" for state in FINAL), re.IGNORECASE)
+
+
+def wait_for(answer: Locator, chip: str) -> None:
+    """Wait until the answer's chip is final; where it is not this one, fail with the robot's words."""
+    expect(answer.locator(".status .chip")).to_have_text(FINAL_CHIP, timeout=1000 * LIMIT_S)
+    found = answer.locator(".status .chip").inner_text().strip().lower()
+    assert found == chip, f"expected {chip!r}; the robot answered:\n{answer.inner_text()}"
+
+
 #: Collects each text that the newest status chip shows, as it changes.
 WATCH_CHIP = """() => {
   window.chips = [];
@@ -112,7 +125,7 @@ def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(page: Page, de
     wrong = listen_for_errors(page)
     write_post(page, demo.url, "First steps", SENTENCE)
     page.evaluate(WATCH_CHIP)
-    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    wait_for(page.locator("article.by-robot").last, "done")
     chips = page.evaluate("window.chips")
     assert chips[-1] == "done"
     assert "running" in chips, f"the thread must tell what the robot is doing; it showed {chips}"
@@ -154,7 +167,7 @@ def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_r
     shot(page, "robot")
     page.get_by_role("button", name=re.compile("Stop")).first.click()
     page.goto(thread)
-    expect(page.locator(".status .chip")).to_have_text(re.compile("stopped", re.IGNORECASE), timeout=60_000)
+    wait_for(page.locator("article.by-robot").last, "stopped")
     expect(page.locator("article.by-robot").last).to_contain_text("ms")
     shot(page, "thread-stopped")
     assert not wrong
@@ -172,7 +185,7 @@ def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(page: Page
     expect(answers).to_have_count(2, timeout=60_000)
     for name, deed in (("quadruped", "30"), ("humanoid", "wave")):
         answer = answers.filter(has_text=re.compile(name, re.IGNORECASE))
-        expect(answer.locator(".chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+        wait_for(answer, "done")
         expect(answer).to_contain_text(deed)
     shot(page, "thread-both")
     assert not wrong
@@ -180,14 +193,14 @@ def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(page: Page
 
 def test_a_question_is_asked_back_in_chinese(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "向前走", "@quadruped 向前走")
-    expect(page.locator(".status .chip")).to_have_text(re.compile("ask", re.IGNORECASE), timeout=MOTION_MS)
+    wait_for(page.locator("article.by-robot").last, "asks back")
     expect(page.locator("article.by-robot").last).to_contain_text(re.compile("[\u4e00-\u9fff]"))
     shot(page, "thread-chinese")
 
 
 def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "Away from the start", "@quadruped walk backward 50 cm")
-    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    wait_for(page.locator("article.by-robot").last, "done")
     truth = json.loads((demo.data / "demo.json").read_text())["room"] + "/truth"
     away = position(truth)
     page.goto(f"{demo.url}/robots/quadruped")
@@ -197,7 +210,7 @@ def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(page: Page, d
     while math.dist(position(truth), away) < 0.3:
         assert time.monotonic() < deadline, "the robot was not put back"
     write_post(page, demo.url, "After the reset", "@quadruped turn left 45 degrees")
-    expect(page.locator(".status .chip")).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    wait_for(page.locator("article.by-robot").last, "done")
 
 
 def position(truth: str) -> tuple[float, float]:
@@ -219,5 +232,4 @@ def test_law_17_the_visitor_releases_on_the_page_what_an_emergency_stop_locked(p
     expect(page.get_by_text("Released (visitor, ")).to_be_visible()
     expect(page.locator(".lock")).to_have_count(0)
     write_post(page, demo.url, "Afterwards", "@quadruped walk forward 0.3 metres")
-    chip = page.locator("article.by-robot").last.locator(".status .chip")
-    expect(chip).to_have_text(re.compile("done", re.IGNORECASE), timeout=MOTION_MS)
+    wait_for(page.locator("article.by-robot").last, "done")

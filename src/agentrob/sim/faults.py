@@ -16,7 +16,7 @@ robots.
 - `push_mps`: it is shoved once, forward and to the left. `tip`: it is tipped over.
 - `box_m`: a box 40 cm wide and 60 cm high stands on this place of the room from now on.
 
-A G1 has no ranges and no battery, and its states carry no stamp.
+A G1 has no ranges and no battery.
 """
 
 from __future__ import annotations

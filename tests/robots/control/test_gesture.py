@@ -92,3 +92,37 @@ def test_a_gesture_that_was_done_when_the_stop_came_was_done() -> None:
     gesture = Gesture((done,), lambda: "stop" if stopped.is_set() else None)
     gesture.follow()
     assert (gesture.code, gesture.reason) == (0, "")
+
+
+def test_a_call_is_late_by_the_robots_clock_and_not_by_the_hosts() -> None:
+    """On a busy machine a simulated robot needs 30 s for a gesture of 8 s; it is not said to have given no answer."""
+    robot_s, answered, called = [0.0], threading.Event(), list[bool]()
+
+    def rise() -> int:
+        assert answered.wait(60)
+        return 0
+
+    def objection() -> None:
+        robot_s[0] += 1.0
+        if robot_s[0] == 9.0:
+            answered.set()
+
+    gesture = Gesture((rise, lambda: called.append(True) or 0), objection, limit_s=15.0, now_s=lambda: robot_s[0])
+    gesture.follow()
+    assert (gesture.unanswered, gesture.code, called) == (False, 0, [True])
+
+
+def test_after_a_call_that_is_late_no_other_follows() -> None:
+    robot_s, answered, called = [0.0], threading.Event(), list[bool]()
+
+    def rise() -> int:
+        robot_s[0] = 15.1
+        assert answered.wait(60)
+        return 0
+
+    gesture = Gesture((rise, lambda: called.append(True) or 0), lambda: None, limit_s=15.0, now_s=lambda: robot_s[0])
+    gesture.follow()
+    assert (gesture.unanswered, gesture.running) == (True, False)
+    answered.set()
+    gesture._thread.join(60)
+    assert called == []

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections.abc import Callable, Sequence
 
 from agentrob.robots.control.controller import RATE_HZ
@@ -11,21 +13,31 @@ from agentrob.robots.control.controller import RATE_HZ
 class Gesture:
     """`objection` returns a reason to stop, or None. After the first reason no further call is made.
 
-    `code` is what the last call answered (-1: nothing), `reason` is the objection.
+    `code` is what the last call answered (-1: nothing), `reason` is the objection. `unanswered`: a call did not return
+    within `limit_s` by the clock `now_s`; it is left pending, and no further call is made.
     """
 
-    def __init__(self, calls: Sequence[Callable[[], int]], objection: Callable[[], str | None]) -> None:
-        self.code, self.reason = -1, ""
+    def __init__(
+        self,
+        calls: Sequence[Callable[[], int]],
+        objection: Callable[[], str | None],
+        *,
+        limit_s: float = math.inf,
+        now_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.code, self.reason, self.unanswered = -1, "", False
         self._calls, self._objection = calls, objection
+        self._limit_s, self._now_s, self._called_s = limit_s, now_s, math.inf
         self._thread = threading.Thread(target=self._run, name="gesture", daemon=True)
 
     @property
     def running(self) -> bool:
-        """Whether a call is still pending, also after an objection."""
-        return self._thread.is_alive()
+        """Whether an answer is still awaited, also after an objection."""
+        return self._thread.is_alive() and not self.unanswered
 
     def follow(self) -> None:
-        """Wait until the calls have returned or an objection came; a pending call then continues on its thread.
+        """Wait until the calls have returned, one is late, or an objection came; a pending call then continues on its
+        thread.
 
         A stop aborts a call, which may return an error before the next check: the objection is then asked once more.
         """
@@ -34,14 +46,15 @@ class Gesture:
             self._thread.join(1 / RATE_HZ)
             if self.running and self._objected():
                 return
+            self.unanswered = self.running and self._now_s() - self._called_s > self._limit_s
         if self.code:
             self._objected()
 
     def _run(self) -> None:
         for call in self._calls:
-            if self._objected():
+            if self.unanswered or self._objected():
                 return
-            self.code = -1
+            self.code, self._called_s = -1, self._now_s()
             self.code = int(call())
             if self.code:
                 return

@@ -22,7 +22,6 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Limits, Op, Outcome, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.control.controller import Gait, Velocity
-from agentrob.robots.control.gesture import Gesture
 from agentrob.robots.control.step_runner import not_begun, run_step
 from agentrob.robots.protocol import BODY_RADIUS_M, Watch, limits_of
 from agentrob.robots.safety.guard import BLIND_MPS
@@ -32,6 +31,7 @@ from agentrob.robots.unitree.robot import (
     WRITE_TIMEOUT_S,
     UnitreeRobot,
     failed,
+    gesture_timeout_s,
     is_moving,
     poses,
     read,
@@ -87,7 +87,7 @@ class G1(UnitreeRobot):
         return replace(CAPABILITIES, ops=ops, limits=_blind(limits_of(settings)), simulated=settings.simulated)
 
     def __init__(self, settings: RobotConfig) -> None:
-        super().__init__()
+        super().__init__(simulated=settings.simulated)
         if unknown := set(settings.options) - OPTIONS:
             raise RobotError(f"a g1 has no option {', '.join(sorted(unknown))}; it has: {', '.join(sorted(OPTIONS))}")
         self.capabilities = self.describe(settings)
@@ -100,13 +100,13 @@ class G1(UnitreeRobot):
         from unitree_sdk2py.go2.video.video_client import VideoClient
         from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 
-        self._odometry = sdk.Topic("rt/odommodestate", SportModeState_)
+        self._odometry = sdk.Topic("rt/odommodestate", SportModeState_, self._heard)
         makers: tuple[tuple[Callable[[], Any], float], ...] = (
             (LocoClient, ASK_TIMEOUT_S),
             (LocoClient, ASK_TIMEOUT_S),
             (LocoClient, WRITE_TIMEOUT_S),
             (LocoClient, WRITE_TIMEOUT_S),
-            (G1ArmActionClient, GESTURE_TIMEOUT_S),
+            (G1ArmActionClient, gesture_timeout_s(GESTURE_TIMEOUT_S, simulated=settings.simulated)),
             (G1ArmActionClient, WRITE_TIMEOUT_S),
             (VideoClient, IMAGE_TIMEOUT_S),
         )
@@ -193,8 +193,8 @@ class G1(UnitreeRobot):
         """The arm's own motion; a reason of the watch lets it go: the arms come down early."""
         started_s = time.monotonic()
         self._let_go.clear()
-        gesture = Gesture((lambda: self._perform(primitive.op),), lambda: watch(self.state()))
-        self._gesture = gesture
+        calls = 2 if primitive.op in HOLDING else 1
+        gesture = self._begin_gesture((lambda: self._perform(primitive.op),), watch, calls * GESTURE_TIMEOUT_S)
         gesture.follow()
         if reason := gesture.reason:
             self._let_go.set()
@@ -203,6 +203,8 @@ class G1(UnitreeRobot):
             message = f"Stopped ({reason.replace('_', ' ')}); its arms are being let down."
             return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
         name = str(primitive.op).capitalize()
+        if gesture.unanswered:
+            return failed(primitive, sdk.LATE, f"{name} was not done", started_s)
         if gesture.code:
             return failed(primitive, gesture.code, f"{name} was not done", started_s)
         return ActionResult(primitive, Outcome.DONE, {}, "", f"{name}: done.", started_s, time.monotonic())

@@ -15,12 +15,19 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.control.controller import Gait, Velocity
-from agentrob.robots.control.gesture import Gesture
 from agentrob.robots.control.step_runner import not_begun, run_step
 from agentrob.robots.protocol import Watch, limits_of
 from agentrob.robots.unitree import robot as unitree_robot
 from agentrob.robots.unitree import sdk
-from agentrob.robots.unitree.robot import IMAGE_TIMEOUT_S, WRITE_TIMEOUT_S, UnitreeRobot, failed, poses, refused
+from agentrob.robots.unitree.robot import (
+    IMAGE_TIMEOUT_S,
+    WRITE_TIMEOUT_S,
+    UnitreeRobot,
+    failed,
+    gesture_timeout_s,
+    poses,
+    refused,
+)
 
 GAIT = Gait(speed_mps=1.0, side_mps=0.3, turn_rps=math.radians(90))
 
@@ -60,7 +67,7 @@ class Go2(UnitreeRobot):
         return replace(CAPABILITIES, limits=limits_of(settings), simulated=settings.simulated)
 
     def __init__(self, settings: RobotConfig) -> None:
-        super().__init__()
+        super().__init__(simulated=settings.simulated)
         if settings.options:
             raise RobotError(f"a go2 has no options (found: {', '.join(sorted(settings.options))})")
         self.capabilities = self.describe(settings)
@@ -72,10 +79,10 @@ class Go2(UnitreeRobot):
         from unitree_sdk2py.go2.video.video_client import VideoClient
         from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 
-        self._state = sdk.Topic("rt/sportmodestate", SportModeState_)
+        self._state = sdk.Topic("rt/sportmodestate", SportModeState_, self._heard)
         self._low = sdk.PolledTopic("rt/lowstate", LowState_, every_s=2.0)
         makers: tuple[tuple[Callable[[], Any], float], ...] = (
-            (SportClient, GESTURE_TIMEOUT_S),
+            (SportClient, gesture_timeout_s(GESTURE_TIMEOUT_S, simulated=settings.simulated)),
             (SportClient, WRITE_TIMEOUT_S),
             (SportClient, WRITE_TIMEOUT_S),
             (VideoClient, IMAGE_TIMEOUT_S),
@@ -108,7 +115,7 @@ class Go2(UnitreeRobot):
     @property
     def _flipping(self) -> bool:
         """Whether it may be over its back because we told it to flip: then that is no fall."""
-        return self._gesturing and time.monotonic() < self._flip_began_s + FLIP_S
+        return self._gesturing and self.now_s() < self._flip_began_s + FLIP_S
 
     def close(self) -> None:
         self._send_stop()
@@ -150,14 +157,16 @@ class Go2(UnitreeRobot):
         if reason := watch(self.state()):
             return not_begun(primitive, reason, started_s)
         if primitive.op is Op.BACKFLIP:
-            self._flip_began_s = started_s
-        gesture = self._gesture = Gesture(self._gestures[primitive.op], lambda: watch(self.state()))
+            self._flip_began_s = self.now_s()
+        gesture = self._begin_gesture(self._gestures[primitive.op], watch, GESTURE_TIMEOUT_S)
         gesture.follow()
         if reason := gesture.reason:
             self._send_stop()
             message = f"Stopped ({reason.replace('_', ' ')}); the robot may end the gesture by itself."
             return ActionResult(primitive, Outcome.STOPPED, {}, reason, message, started_s, time.monotonic())
         name = str(primitive.op).capitalize()
+        if gesture.unanswered:
+            return failed(primitive, sdk.LATE, f"{name} was not done", started_s)
         if gesture.code == UNSUITABLE and primitive.op is Op.BACKFLIP:
             return refused(primitive, "obstacle", f"The robot refused to flip: {sdk.explain(UNSUITABLE)}.")
         if gesture.code:

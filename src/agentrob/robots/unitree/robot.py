@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from agentrob.errors import RobotError
@@ -15,9 +16,12 @@ from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.control.step_runner import REST_LIMIT_S
 from agentrob.robots.protocol import Watch
 from agentrob.robots.unitree import sdk
+from agentrob.robots.unitree.clock import Clock, HostClock, StampClock
 
 #: Velocities and stops are sent without waiting for an answer: they must never block on a robot that is not there.
 WRITE_TIMEOUT_S = 0.15
+#: The slowest simulated world, in simulated per real second, whose robot's gestures are waited for to their end.
+SLOWEST_WORLD = 0.2
 #: A real camera answers in a tenth of a second; a simulated one is rendered by the processor, which may be busy.
 IMAGE_TIMEOUT_S = 10.0
 IMAGE_MAX_BYTES = 8 * 1024 * 1024
@@ -43,7 +47,9 @@ class UnitreeRobot:
     #: Part of a message about a gesture that a stop has not ended yet.
     _unfinished = "has not ended its gesture yet"
 
-    def __init__(self) -> None:
+    def __init__(self, *, simulated: bool = False) -> None:
+        """The steps of a simulated robot are timed by the stamps of its states, which `_heard` takes."""
+        self._clock: Clock = StampClock() if simulated else HostClock()
         self._stops = 0
         self._gesture: Gesture | None = None
         self._walking = False
@@ -132,12 +138,26 @@ class UnitreeRobot:
 
     # ------------------------------------------------ the body's clock (agentrob.robots.control.step_runner.Body)
     def now_s(self) -> float:
-        return time.monotonic()
+        return self._clock.now_s()
 
     def wait_until(self, time_s: float) -> None:
-        time.sleep(max(0.0, time_s - time.monotonic()))
+        self._clock.wait_until(time_s)
+
+    def _heard(self, came_s: float, message: Any) -> None:
+        """Process a `SportModeState_` as it comes, in a DDS thread."""
+        if isinstance(self._clock, StampClock):
+            self._clock.take(came_s, message.stamp.sec + 1e-9 * message.stamp.nanosec)
 
     # ------------------------------------------------------------ steps
+    def _begin_gesture(self, calls: Sequence[Callable[[], int]], watch: Watch, limit_s: float) -> Gesture:
+        """A call of a real robot's SDK gives up by itself. One of a simulated robot's waits longer, and the robot's own
+        clock tells when its answer is late."""
+        simulated = isinstance(self._clock, StampClock)
+        self._gesture = Gesture(
+            calls, lambda: watch(self.state()), limit_s=limit_s if simulated else math.inf, now_s=self.now_s
+        )
+        return self._gesture
+
     @property
     def _gesturing(self) -> bool:
         """Whether the robot has not answered its last gesture (nor what ends it) yet."""
@@ -202,6 +222,11 @@ def is_moving(state: RobotState) -> bool:
     """Whether the state shows walking or turning, beyond sensor noise."""
     speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
     return speed_mps > MOVING_MPS or abs(state.yaw_rate_rps or 0.0) > MOVING_RPS
+
+
+def gesture_timeout_s(limit_s: float, *, simulated: bool) -> float:
+    """Timeout of the SDK's calls that run a gesture which takes at most `limit_s` on the robot's own clock."""
+    return limit_s / SLOWEST_WORLD if simulated else limit_s
 
 
 def refused(primitive: Primitive, word: str, message: str) -> ActionResult:

@@ -41,7 +41,8 @@ CODES = {
 }
 #: Codes that mean that the robot does not have this action at all.
 UNSUPPORTED = (3103, 3203)
-NO_ANSWER = (3102, 3104)
+LATE = 3104
+NO_ANSWER = (3102, LATE)
 
 
 def explain(code: int) -> str:
@@ -99,11 +100,15 @@ KEPT_S, KEPT_EVERY_S = 1.0, 0.02
 
 
 class Topic:
-    """The newest message of a DDS topic and when it came; `None` until the first."""
+    """The newest message of a DDS topic and when it came; `None` until the first.
 
-    def __init__(self, name: str, kind: Any) -> None:
+    `heard` is called with both, in the listener's thread, and must return at once.
+    """
+
+    def __init__(self, name: str, kind: Any, heard: Callable[[float, Any], None] | None = None) -> None:
         from unitree_sdk2py.core.channel import ChannelSubscriber
 
+        self._heard = heard
         self._newest: tuple[float, Any] | None = None
         self._kept: tuple[tuple[float, Any], ...] = ()
         self._subscriber = ChannelSubscriber(name, kind)
@@ -114,6 +119,8 @@ class Topic:
         self._newest = (now_s, message)
         if not self._kept or now_s - self._kept[-1][0] >= KEPT_EVERY_S:
             self._kept = (*(one for one in self._kept if one[0] > now_s - KEPT_S), self._newest)
+        if self._heard is not None:
+            self._heard(now_s, message)
 
     def recent(self) -> tuple[tuple[float, Any], ...]:
         """(monotonic seconds, message) of the last second, oldest first, not all of them."""

@@ -1,7 +1,8 @@
 """The G1's services and topics on its DDS domain: sport, arm, videohub, odommodestate, lowstate.
 
 `rt/odommodestate` (a `SportModeState_`) is the topic that the vendor's documentation names for the G1's odometry; which
-of its fields a real G1 fills is not verified, so only position, velocity, yaw speed and attitude are filled here.
+of its fields a real G1 fills is not verified, so only position, velocity, yaw speed and attitude are filled here, and
+the stamp, which times the steps of simulated robots.
 **`videohub` is a convention of ours**: a real G1 serves its pictures otherwise, and not on DDS.
 """
 

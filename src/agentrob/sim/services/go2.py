@@ -40,7 +40,6 @@ class Go2Services(RobotServices):
         self._battery = sensors.Battery()
         self._warmth = np.full(len(body.build.joints), AMBIENT_C)
         self._stuck: list[float] | None = None  # what the ranges say for ever
-        self._clock_s = 0.0  # how far its clock has leapt
         self._services = (
             self._serve("sport", "1.0.0.1", self._on_sport),
             self._serve("videohub", "1.0.0.1", self._on_video),
@@ -57,7 +56,6 @@ class Go2Services(RobotServices):
         """Sense wrongly from now on, until told otherwise."""
         super().fail(faults)
         self._stuck = None
-        self._clock_s += faults.clock_s
 
     def _sense(self) -> None:
         torque = np.abs(self._body.data.qfrc_applied[self._body.v])
@@ -69,7 +67,6 @@ class Go2Services(RobotServices):
         state.error_code, state.mode = self._sport.codes
         state.progress = self._sport.progress
         state.gait_type = 1 if self._sport.codes == WALKING else 0
-        state.stamp.sec, state.stamp.nanosec = _stamp(max(0.0, self._context.world.time_s + self._clock_s))
         state.range_obstacle = self._read_ranges()
         if self._ticks % LOW_EVERY == 0:
             state.foot_force = sensors.foot_forces_n(self._body, FEET)
@@ -99,8 +96,3 @@ class Go2Services(RobotServices):
         low.bms_state.soc = math.ceil(self._battery.percent if told is None else told)
         low.bms_state.current = -round(1000 * self._battery.power_w / self._battery.volts)
         low.power_v, low.power_a = self._battery.volts, self._battery.power_w / self._battery.volts
-
-
-def _stamp(seconds: float) -> tuple[int, int]:
-    whole = int(seconds)
-    return whole, int((seconds - whole) * 1e9)

@@ -75,6 +75,7 @@ class RobotServices:
         self._velocity_noise = sensors.VELOCITY_NOISE_MPS if context.noisy else 0.0
         self._fault_state = FaultState(body)
         self._ticks = 0
+        self._clock_s = 0.0  # how far its clock has leapt
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = low
         self._checksum = CRC()  # without it Unitree's own C++ library takes the message for broken
@@ -130,6 +131,7 @@ class RobotServices:
     def fail(self, faults: Faults) -> None:
         """Sense wrongly from now on, until told otherwise."""
         self._fault_state.make(faults)
+        self._clock_s += faults.clock_s
         self._odometry.jump(*faults.jump_m)
 
     def after_tick(self) -> None:
@@ -164,7 +166,13 @@ class RobotServices:
         imu.quaternion = quaternion.tolist()
         imu.gyroscope = self._inertia.gyro_rps().tolist()
         imu.accelerometer = self._inertia.acceleration_mps2().tolist()
+        state.stamp.sec, state.stamp.nanosec = _stamp(max(0.0, self._context.world.time_s + self._clock_s))
         self._fill_more(state)
+
+
+def _stamp(seconds: float) -> tuple[int, int]:
+    whole = int(seconds)
+    return whole, int((seconds - whole) * 1e9)
 
 
 def _spoil_picture(call: ServiceCall, faults: Faults) -> bool:
