@@ -42,6 +42,25 @@ def test_obj_polygons_become_triangles(tmp_path):
     assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_obj_lines_that_stand_apart_are_all_read(tmp_path, end):
+    path = tmp_path / "two.obj"
+    lines = [
+        "v 0 0 0",
+        "v 1 0 0",
+        "vt 0 0",
+        "v 1 1 0",
+        "f 1/1/1 2/1/1 3/1/1",
+        "usemtl x",
+        "v 0 1 0",
+        "f 1//1 3//1 4//1",
+    ]
+    path.write_bytes(end.join(lines).encode())
+    vertices, faces = read_obj(path)
+    assert vertices.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
 def test_a_missing_package_is_named():
     with pytest.raises(SimError, match="needs the package some-models"):
         assets.package_folder("no_such_package_here", "some-models")
