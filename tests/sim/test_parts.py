@@ -13,7 +13,7 @@ from hypothesis.extra import numpy as hnp
 from agentrob.errors import SimError
 from agentrob.sim.bodies.go2_gestures import STAND_RAD, Frame, Motion
 from agentrob.sim.event_log import EventLog
-from agentrob.sim.realtime_loop import RealtimeLoop
+from agentrob.sim.realtime_loop import WAIT_S, RealtimeLoop
 from agentrob.sim.world import assets
 from agentrob.sim.world.meshes import merge_vertices, read_obj
 
@@ -133,6 +133,32 @@ def test_a_fast_machine_runs_in_real_time():
     assert 0.9 < clock.real_time_factor < 1.1
     clock.stop()
     thread.join(60)
+
+
+def simulated(clock, seconds, tick=lambda: None, awaits=lambda: False):
+    """Simulated seconds after so many real ones."""
+    ticks = [0]
+
+    def count():
+        ticks[0] += 1
+        tick()
+
+    thread = threading.Thread(target=clock.run, args=(count, awaits))
+    thread.start()
+    time.sleep(seconds)
+    clock.stop()
+    thread.join(60)
+    return ticks[0] * 0.01
+
+
+def test_a_world_goes_at_the_pace_that_is_asked_for():
+    assert 0.2 < simulated(RealtimeLoop(0.01, pace=0.5), 1.0) < 0.6
+    assert 1.1 < simulated(RealtimeLoop(0.01, pace=4.0), 1.0) < 4.2
+
+
+def test_a_world_waits_for_a_command_but_not_forever():
+    assert simulated(RealtimeLoop(0.01, pace=4.0), 0.9 * WAIT_S, awaits=lambda: True) == 0
+    assert simulated(RealtimeLoop(0.01, pace=4.0), WAIT_S + 1.0, awaits=lambda: True) > 1.0
 
 
 def test_the_ledger_is_there_line_by_line(tmp_path):

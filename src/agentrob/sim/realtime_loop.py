@@ -1,21 +1,25 @@
-"""Runs a world in real time, and work from other threads between its ticks."""
+"""Runs a world in real time or at another pace, and work from other threads between its ticks."""
 
 from __future__ import annotations
 
+import math
 import queue
 import time
 from collections import deque
 from collections.abc import Callable
 
 LATE_S = 0.5  # further behind than this it gives up catching up; the real-time factor tells
+WAIT_S = 0.3  # a world waits so long for a command, and then goes on without until one comes
+LOOK_S = 0.001  # how often it looks meanwhile
 WINDOW = 10  # half seconds over which the real-time factor is taken
 
 
 class RealtimeLoop:
     """Owned by the world's thread; `call_soon` and `stop` may be called from any thread and from signal handlers."""
 
-    def __init__(self, period_s: float) -> None:
-        self._period_s = period_s
+    def __init__(self, period_s: float, pace: float = 1.0) -> None:
+        """`pace`: simulated seconds per real second, at most."""
+        self._period_s, self._real_period_s = period_s, period_s / pace
         self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._marks: deque[tuple[float, float]] = deque(maxlen=WINDOW)
         self._simulated_s = 0.0
@@ -38,18 +42,22 @@ class RealtimeLoop:
         real = time.monotonic() - began
         return (self._simulated_s - simulated) / real if real > self._period_s else 1.0
 
-    def run(self, tick: Callable[[], None]) -> None:
-        """Tick until stopped."""
-        due = time.monotonic()
+    def run(self, tick: Callable[[], None], awaits: Callable[[], bool] = lambda: False) -> None:
+        """Tick until stopped; not while it `awaits` a command, but for at most `WAIT_S`."""
+        due, waiting_since = time.monotonic(), math.inf
         while self._work_until(due):
             began = time.monotonic()
+            waiting_since = min(waiting_since, began) if awaits() else math.inf
+            if waiting_since <= began < waiting_since + WAIT_S:
+                due = began + LOOK_S
+                continue
             if not self._marks or began - self._marks[-1][0] > 0.5:
                 self._marks.append((began, self._simulated_s))
             tick()
             ended = time.monotonic()
             self._simulated_s += self._period_s
             self.tick_ms += 0.02 * ((ended - began) * 1000 - self.tick_ms)
-            due += self._period_s
+            due += self._real_period_s
             if ended - due > LATE_S:
                 due = ended
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 ANSWER_LIMIT_S = 5.0
 CAMERA_LIMIT_S = 20.0
 LAST_DOMAIN = 230
+FASTEST = 100
 #: Each robot that can be simulated, and its usual DDS domain.
 ROBOTS = {"go2": 1, "g1": 2}
 
@@ -41,6 +42,8 @@ class WorldSettings:
 
     `world` is the name of a shipped world or the path of a world file (docs/worlds.md); `event_log` is the file that
     `agentrob.sim.event_log.EventLog` appends to.
+    `pace` is how many simulated seconds go by in a real one, at most. Above 1 the world waits for each command of a
+    driver that walks a robot, and the driver reads the time off the stamps of its states.
     """
 
     domains: Mapping[str, int] = field(default_factory=lambda: {"go2": 1})
@@ -50,6 +53,7 @@ class WorldSettings:
     seed: int = 0
     noise: bool = True
     event_log: Path | None = None
+    pace: float = 1.0
 
 
 def serve(settings: WorldSettings) -> None:
@@ -80,6 +84,8 @@ def _check(settings: WorldSettings) -> None:
     for domain in settings.domains.values():
         if not 0 <= domain <= LAST_DOMAIN:
             raise SimError(f"DDS domain {domain} is out of range; valid: 0 to {LAST_DOMAIN}")
+    if not 0 < settings.pace <= FASTEST:
+        raise SimError(f"pace {settings.pace:g} is out of range; valid: above 0 to {FASTEST}")
     interfaces = [name for _, name in socket.if_nameindex()]
     if settings.interface not in interfaces:
         raise SimError(f"no network interface {settings.interface!r} on this host; there are: {', '.join(interfaces)}")
@@ -102,7 +108,7 @@ class _Process:
 
         self.began_s = time.monotonic()
         self.settings, self.stack = settings, stack
-        self.loop = RealtimeLoop(PERIOD_S)
+        self.loop = RealtimeLoop(PERIOD_S, settings.pace)
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGTERM, signal.SIGINT):
                 signal.signal(number, lambda *_: self.loop.stop())
@@ -143,7 +149,10 @@ class _Process:
         }
         sys.stdout.write((announce(ready) if sys.stdout.isatty() else json.dumps(ready)) + "\n")
         sys.stdout.flush()
-        self.loop.run(self.tick)
+        if self.settings.pace > 1:
+            self.loop.run(self.tick, lambda: any(services.awaits_command() for services in self.served.values()))
+        else:
+            self.loop.run(self.tick)
 
     def tick(self) -> None:
         for services in self.served.values():
@@ -277,6 +286,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--http-port", type=int, default=0, help="port of the room's HTTP server (default: a free one)")
     parser.add_argument("--seed", type=int, default=0, help="of the sensors' noise")
     parser.add_argument("--no-noise", action="store_true", help="perfect sensors")
+    parser.add_argument(
+        "--pace", type=float, default=1.0, help="simulated seconds per real second, at most (default 1)"
+    )
     parser.add_argument("--event-log", type=Path, help="append to this file what the robots really did")
     given = parser.parse_args(arguments)
     try:
@@ -288,6 +300,7 @@ def main(arguments: list[str] | None = None) -> int:
             seed=given.seed,
             noise=not given.no_noise,
             event_log=given.event_log,
+            pace=given.pace,
         )
         serve(settings)
     except AgentRobError as e:

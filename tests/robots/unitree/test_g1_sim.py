@@ -29,6 +29,8 @@ from tests.host_numbers import dds_number
 #: The same as of the Go2's tests: the SDK joins one DDS domain per process, and their world has ended before.
 DOMAIN = 171 + dds_number()
 SETTINGS = RobotConfig(model="g1", domain=DOMAIN, simulated=True, home_on_start=True)
+#: How much faster than life its world goes.
+PACE = 4
 #: Longer than a message is on its way, and than a stop looks back.
 THERE_S = 0.6
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
@@ -39,7 +41,7 @@ pytestmark = pytest.mark.sim
 @pytest.fixture(scope="module")
 def room() -> Iterator[str]:
     """The simulated world as a process of its own; the address of the room."""
-    command = [sys.executable, "-m", "agentrob.sim.server", "--domain", f"g1={DOMAIN}"]
+    command = [sys.executable, "-m", "agentrob.sim.server", "--domain", f"g1={DOMAIN}", "--pace", str(PACE)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     yield json.loads(process.stdout.readline())["http"]
@@ -104,7 +106,7 @@ def test_a_picture_shows_the_room(g1: G1) -> None:
 
 
 def begun(g1: G1, op: Op, looks: int) -> tuple[threading.Thread, list[ActionResult]]:
-    """A gesture in a thread of its own, seen running for so many looks of the watch (20 a second)."""
+    """A gesture in a thread of its own, seen running for so many looks of the watch (20 in a real second)."""
     results, running, seen = list[ActionResult](), threading.Event(), list[RobotState]()
 
     def watch(state: RobotState) -> str | None:
@@ -127,7 +129,7 @@ MORE = ((Op.HELLO, 30), (Op.CLAP, 50), (Op.HEART, 90))
     ("op", "looks"), [(Op.HEART, 40), *(pytest.param(*case, marks=pytest.mark.slow) for case in MORE)]
 )
 def test_law_14_a_stop_ends_a_gesture_and_the_arms_come_down(g1: G1, op: Op, looks: int) -> None:
-    thread, results = begun(g1, op, looks)
+    thread, results = begun(g1, op, looks // PACE)
     asked_s = time.monotonic()
     stopped = g1.stop()
     thread.join(60)

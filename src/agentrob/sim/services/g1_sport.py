@@ -74,7 +74,13 @@ class G1Sport:
         self.fsm = Fsm.WALK
         self.action: _Action | None = None
         self._held_until_s: float | None = None
+        self._commanded_s = 0.0
         self._moving = False
+
+    @property
+    def commanded_s(self) -> float | None:
+        """See `agentrob.sim.services.unitree.MotionService`."""
+        return None if self._held_until_s is None else self._commanded_s
 
     # ------------------------------------------------------------------ the sport service
     def call(self, api_id: int, parameter: Mapping[str, Any], answer: Answer) -> None:
@@ -146,7 +152,8 @@ class G1Sport:
             self._moving = True
             self._note("move_begin", velocity=[round(float(v), 3) for v in velocity])
         self._body.walk(velocity)
-        self._held_until_s = self._now_s() + held_s
+        self._commanded_s = self._now_s()
+        self._held_until_s = self._commanded_s + held_s
         return OK
 
     def _stand(self) -> None:

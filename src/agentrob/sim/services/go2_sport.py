@@ -114,6 +114,11 @@ class Sport:
         self._held_until_s: float | None = None
         self._moving = False
 
+    @property
+    def commanded_s(self) -> float | None:
+        """See `agentrob.sim.services.unitree.MotionService`."""
+        return None if self._held_until_s is None else self._held_until_s - MOVE_HELD_S
+
     # ------------------------------------------------------------------ calls
     def call(self, api_id: int, parameter: Mapping[str, Any], answer: Answer) -> None:
         """Do one call. `answer` is called once, now or when the action has ended."""

@@ -31,6 +31,7 @@ from agentrob.sim.rendering.cameras import Cameras
 from agentrob.sim.world.legged import PERIOD_S, Legged
 from agentrob.sim.world.world import World
 
+COMMAND_EVERY_S = 0.05  # a driver that walks a robot commands it this often
 LOW_EVERY = 5  # ticks: lowstate at 10 Hz (500 on a real robot), odometry at every tick (50 Hz)
 GET_IMAGE_SAMPLE = 1001
 
@@ -50,6 +51,11 @@ class RobotContext:
 
 class MotionService(Protocol):
     """The motion service of a body (`Sport`, `G1Sport`)."""
+
+    @property
+    def commanded_s(self) -> float | None:
+        """When the velocity came that is held now, in simulated seconds; None while none is held."""
+        ...
 
     def call(self, api_id: int, parameter: Mapping[str, Any], answer: Callable[..., None]) -> None: ...
 
@@ -121,6 +127,11 @@ class RobotServices:
         """Once per tick, before the physics: holds, gestures."""
         self._fault_state.tick(PERIOD_S)
         self._motion_service.tick()
+
+    def awaits_command(self) -> bool:
+        """Whether the next command of a driver that walks the robot is due."""
+        commanded_s = self._motion_service.commanded_s
+        return commanded_s is not None and self._context.world.time_s - commanded_s > COMMAND_EVERY_S
 
     def reset(self) -> None:
         """The world was put back: odometry starts again at zero, as after a restart of the robot."""
