@@ -82,7 +82,8 @@ def _one_number(rows: Faces) -> NDArray[np.int64]:
     if not len(rows):
         return np.zeros(0, dtype=np.int64)
     sizes = rows.max(axis=0) + 1
-    return np.ravel_multi_index(tuple(rows.T), tuple(int(size) for size in sizes))
+    numbers: NDArray[np.int64] = np.ravel_multi_index(tuple(rows.T), tuple(int(size) for size in sizes))
+    return numbers
 
 
 def simplify(spec: Any, folder: Path) -> None:
