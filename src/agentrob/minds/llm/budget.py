@@ -1,7 +1,8 @@
 """Limit what minds may use per command and per day; the daily sum is on disk, so that it survives a restart.
 
 The maximum cost of a question is reserved before it and settled after the answer. So two agents that share the file
-cannot overspend together, and an interrupted question stays counted.
+cannot overspend together, and an interrupted question stays counted. pydantic-ai's `UsageLimits` check one run in one
+process, after each response.
 """
 
 from __future__ import annotations

@@ -75,6 +75,20 @@ Message = UserMessage | ModelReply | ToolResult
 
 
 @dataclass(frozen=True, slots=True)
+class Question:
+    """One question to a model. With `output`, the reply must give the arguments of this tool."""
+
+    system_prompt: str
+    conversation: Sequence[Message]
+    tools: Sequence[Tool] = ()
+    output: Tool | None = None
+
+    @property
+    def has_images(self) -> bool:
+        return any(message.images for message in self.conversation if not isinstance(message, ModelReply))
+
+
+@dataclass(frozen=True, slots=True)
 class Answer(Generic[T]):
     """A value and what it cost, including models that failed before. `mind` is who answered."""
 

@@ -1,4 +1,9 @@
-"""Several models as one: each is asked if those before it failed; the usage includes the failures."""
+"""Several models as one: each is asked if those before it failed; the usage includes the failures.
+
+pydantic-ai's `FallbackModel` moves on after one failed request and reports no usage for requests that raised. Here a
+model may retry and correct an invalid answer within its own time before the next one is asked, and what it used counts
+against the limits of the command and is recorded (law 19).
+"""
 
 from __future__ import annotations
 

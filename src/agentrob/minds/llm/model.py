@@ -10,16 +10,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import structlog
 
 from agentrob.config.minds import MindConfig
-from agentrob.minds.llm import prompted_output
 from agentrob.minds.llm.budget import Budget, Reserve
-from agentrob.minds.llm.chat import Answer, Image, M, Message, ModelReply, Tool, UserMessage
+from agentrob.minds.llm.chat import Answer, Image, M, Message, ModelReply, Question, Tool, ToolResult, UserMessage
 from agentrob.minds.llm.errors import UNBILLED, ModelError
-from agentrob.minds.llm.tool_calls import checked_call, final_of, found_in, schema_of
+from agentrob.minds.llm.tool_calls import (
+    checked_call,
+    final_of,
+    found_in,
+    prompted_reply,
+    schema_of,
+    with_prompted_tools,
+)
 from agentrob.minds.usage import Usage, cost_of, estimate_tokens
 
 _log = structlog.get_logger()
@@ -53,7 +59,7 @@ class ConfiguredModel:
         self._sees = True
 
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
-        heard, usage = await self._ask(system_prompt, [UserMessage(user_message)], spent)
+        heard, usage = await self._ask(Question(system_prompt, [UserMessage(user_message)]), spent)
         if not heard.text.strip():
             raise self._unusable("an empty answer", [usage])
         return Answer(heard.text.strip(), self.name, (usage,))
@@ -66,21 +72,24 @@ class ConfiguredModel:
         images: Sequence[Image] = (),
         spent: Sequence[Usage] = (),
     ) -> Answer[M]:
+        output = Tool("answer", "Gives the answer.", kind)
         conversation: list[Message] = [UserMessage(user_message, self._pictures(images))]
         used: list[Usage] = []
         until = monotonic() + self.config.total_s
         for _ in range(1 + _REPAIRS):
+            question = Question(system_prompt, conversation, output=output)
             try:
-                value, problem, reply, usage = await self._typed(
-                    system_prompt, conversation, kind, [*spent, *used], until
-                )
+                heard, usage = await self._ask(question, [*spent, *used], until)
             except ModelError as e:
                 raise _with_usage(e, used) from None
             used.append(usage)
+            given = [raw for _, name, raw in heard.calls if name == output.name]
+            value, problem = final_of(given, kind) if given else found_in(heard.text, kind)
             if value is not None:
                 return Answer(value, self.name, tuple(used))
+            said = str(given[-1]) if given else heard.text
             conversation += [
-                ModelReply(reply or "(nothing)"),
+                ModelReply(said[:2_000] or "(nothing)"),
                 UserMessage(f"That cannot be used: {problem} Answer again."),
             ]
         raise self._unusable(f"no usable answer: {problem}", used)
@@ -89,13 +98,12 @@ class ConfiguredModel:
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
     ) -> Answer[ModelReply]:
         if self.config.answers == "tools":
-            heard, usage = await self._ask(system_prompt, conversation, spent, tools)
+            heard, usage = await self._ask(Question(system_prompt, conversation, tools), spent)
             calls = tuple(checked_call(call_id, name, raw, tools) for call_id, name, raw in heard.calls)
             reply = ModelReply(heard.text.strip(), calls)
         else:
-            asked = prompted_output.with_tools(system_prompt, tools) if tools else system_prompt
-            heard, usage = await self._ask(asked, prompted_output.without_tools(conversation), spent)
-            reply = prompted_output.reply_in(heard.text, len(conversation), tools)
+            heard, usage = await self._ask(with_prompted_tools(system_prompt, conversation, tools), spent)
+            reply = prompted_reply(heard.text, len(conversation), tools)
         if heard.cut or not (reply.text or reply.calls):
             what = "the answer was cut off at max_output_tokens" if heard.cut else "an empty answer"
             raise self._unusable(what, [usage])
@@ -115,7 +123,7 @@ class ConfiguredModel:
         """Let a local server read the prompt before the first post comes. Never raises."""
         if self.shares_prompt:
             with contextlib.suppress(ModelError):
-                await self._ask(system_prompt, [UserMessage("Answer with the one word: ready.")], ())
+                await self._ask(Question(system_prompt, [UserMessage("Answer with the one word: ready.")]), ())
 
     async def prepare(self) -> None:
         with contextlib.suppress(ModelError):  # the first question says what is wrong
@@ -130,28 +138,6 @@ class ConfiguredModel:
         """Return the error for an answer that was paid for but cannot be used."""
         last = replace(used[-1], failed="malformed")
         return ModelError("malformed", f"{self.name}: {why}", usage=[*used[:-1], last])
-
-    # ------------------------------------------------------------ one typed question
-    async def _typed(
-        self,
-        system_prompt: str,
-        conversation: Sequence[Message],
-        kind: type[M],
-        spent: Sequence[Usage],
-        until: float,
-    ) -> tuple[M | None, str, str, Usage]:
-        """Return the value or what is wrong, what the model said, and what it cost."""
-        if self.config.answers == "tools":
-            tool = Tool("answer", "Gives the answer.", kind)
-            heard, usage = await self._ask(system_prompt, conversation, spent, [tool], True, until=until)
-            given = [raw for _, name, raw in heard.calls if name == tool.name]
-            if not given:
-                return *found_in(heard.text, kind), heard.text, usage
-            return *final_of(given, kind), str(given[-1])[:2_000], usage
-        schema = schema_of(kind) if self.config.answers == "json_object" else None
-        asked = prompted_output.with_schema(system_prompt, kind)
-        heard, usage = await self._ask(asked, conversation, spent, json_schema=schema, until=until)
-        return *found_in(heard.text, kind), heard.text[:2_000], usage
 
     def _blind(self, fault: ModelError) -> ModelError:
         """Stop sending pictures to a server that fails on one (llama.cpp without a projector)."""
@@ -170,23 +156,16 @@ class ConfiguredModel:
 
     # ------------------------------------------------------------ one question, asked until it is answered or over
     async def _ask(
-        self,
-        system_prompt: str,
-        conversation: Sequence[Message],
-        spent: Sequence[Usage],
-        tools: Sequence[Tool] = (),
-        must_call: bool = False,
-        json_schema: dict[str, Any] | None = None,
-        until: float | None = None,
+        self, question: Question, spent: Sequence[Usage], until: float | None = None
     ) -> tuple[ProviderAnswer, Usage]:
-        """Ask until `until` by the monotonic clock, or for `total_s`."""
-        if not self._sees and _pictures_in(conversation):
+        """Ask, with retries, until `until` by the monotonic clock, or for `total_s`. Each attempt reserves its cost."""
+        if not self._sees and question.has_images:
             raise ModelError("rejected", f"{self.name} failed on a picture before and gets none any more")
         began = monotonic()
         until = began + self.config.total_s if until is None else until
         attempt = 0
         fault: ModelError
-        estimate = self._estimate(system_prompt, conversation, tools)
+        estimate = self._estimate(question)
         wasted = 0  # attempts that may be billed though nothing came
         try:
             async with asyncio.timeout(until - began), self._gate:
@@ -195,15 +174,13 @@ class ConfiguredModel:
                     try:
                         provider = await self._opened()
                         reserve = await self._reserve(estimate, [*spent, self._lost(began, estimate, wasted)])
-                        heard = await self._once(
-                            provider, reserve, system_prompt, conversation, tools, must_call, json_schema
-                        )
+                        heard = await self._once(provider, reserve, question)
                         return heard, await self._settled(
                             reserve, heard, began, attempt, self._lost(began, estimate, wasted)
                         )
                     except ModelError as e:
                         fault = e
-                    if fault.kind == "server" and _pictures_in(conversation):
+                    if fault.kind == "server" and question.has_images:
                         fault = self._blind(fault)
                     wasted += fault.kind not in UNBILLED and fault.kind != "budget"
                     wait_s = retry_wait_s(attempt, self._chance(), fault.retry_after_s)
@@ -219,20 +196,11 @@ class ConfiguredModel:
         lost = replace(self._lost(began, estimate, wasted), attempts=attempt, failed=fault.kind)
         raise _with_usage(fault, [lost]) from None
 
-    async def _once(
-        self,
-        provider: Provider,
-        reserve: Reserve,
-        system_prompt: str,
-        conversation: Sequence[Message],
-        tools: Sequence[Tool],
-        must_call: bool,
-        json_schema: dict[str, Any] | None,
-    ) -> ProviderAnswer:
+    async def _once(self, provider: Provider, reserve: Reserve, question: Question) -> ProviderAnswer:
         """Make one attempt; if it was surely not served, release the reservation."""
         try:
             async with asyncio.timeout(self.config.timeout_s):
-                return await provider.ask(system_prompt, conversation, tools, must_call, json_schema)
+                return await provider.ask(question)
         except TimeoutError:
             limit = f"{self.config.timeout_s:g} s"
             raise ModelError("timeout", f"{self.name}: no answer within {limit} ({self.config.address})") from None
@@ -263,14 +231,13 @@ class ConfiguredModel:
         return Provider(self.name, self.config, key)
 
     # ------------------------------------------------------------ what it takes
-    def _estimate(self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool]) -> tuple[int, int]:
+    def _estimate(self, question: Question) -> tuple[int, int]:
         """Estimate the most that a question may cost: input tokens, output tokens."""
-        texts = [
-            system_prompt,
-            *(m.content if not isinstance(m, UserMessage | ModelReply) else m.text for m in conversation),
-        ]
+        texts = [question.system_prompt]
+        texts += [m.content if isinstance(m, ToolResult) else m.text for m in question.conversation]
+        tools = (*question.tools, *([question.output] if question.output else []))
         texts += [t.description + str(schema_of(t.arguments)) for t in tools]
-        pictures = sum(len(m.images) for m in conversation if not isinstance(m, ModelReply))
+        pictures = sum(len(m.images) for m in question.conversation if not isinstance(m, ModelReply))
         return estimate_tokens(texts, pictures), self.config.max_output_tokens
 
     async def _reserve(self, estimate: tuple[int, int], spent: Sequence[Usage]) -> Reserve:
@@ -307,10 +274,6 @@ class ConfiguredModel:
             currency=self.config.price.currency if self.config.price else "",
             latency_ms=(monotonic() - began) * 1e3,
         )
-
-
-def _pictures_in(conversation: Sequence[Message]) -> bool:
-    return any(message.images for message in conversation if not isinstance(message, ModelReply))
 
 
 def _with_usage(fault: ModelError, before: Sequence[Usage]) -> ModelError:

@@ -1,15 +1,16 @@
 """The only module that uses the model libraries: converts messages and turns errors into `ModelError`. Imported lazily.
 
-It asks once; `model` adds retries, budgets and schemas. The libraries never hold the key (see `http`).
+It asks once, in one of pydantic-ai's output modes; `model` adds retries and budgets. The libraries never hold the key
+(see `http`).
 """
 
 from __future__ import annotations
 
 import socket
 import ssl
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import anthropic
 import openai
@@ -27,6 +28,7 @@ from pydantic_ai.messages import (
 from pydantic_ai.models import Model, ModelRequestParameters
 from pydantic_ai.models.anthropic import AnthropicModel
 from pydantic_ai.models.openai import OpenAIChatModel
+from pydantic_ai.output import OutputObjectDefinition
 from pydantic_ai.profiles.openai import OpenAIModelProfile
 from pydantic_ai.providers.anthropic import AnthropicProvider
 from pydantic_ai.providers.openai import OpenAIProvider
@@ -34,12 +36,13 @@ from pydantic_ai.settings import ModelSettings
 from pydantic_ai.tools import ToolDefinition
 
 from agentrob.config.minds import MindConfig
-from agentrob.minds.llm.chat import Message, ModelReply, Tool, ToolCall, ToolResult, UserMessage
+from agentrob.minds.llm.chat import ModelReply, Question, Tool, ToolCall, ToolResult, UserMessage
 from agentrob.minds.llm.errors import ErrorKind, ModelError, one_line
 from agentrob.minds.llm.http import TooBig, client
 from agentrob.minds.llm.tool_calls import schema_of
 
 _NO_KEY = "held-elsewhere"
+_PROMPTED_OUTPUT = "Answer with one JSON object and no other words. Its JSON schema:\n{schema}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,26 +72,20 @@ class Provider:
     def __repr__(self) -> str:
         return f"Provider({self._name!r}, {self._url!r})"
 
-    async def ask(
-        self,
-        system_prompt: str,
-        conversation: Sequence[Message],
-        tools: Sequence[Tool] = (),
-        must_call: bool = False,
-        json_schema: dict[str, Any] | None = None,
-    ) -> ProviderAnswer:
-        """Ask once. `json_schema` requests JSON for `answers = "json_object"`. Raises `ModelError`."""
+    async def ask(self, question: Question) -> ProviderAnswer:
+        """Ask once. Raises `ModelError`."""
         settings = ModelSettings(max_tokens=self._config.max_output_tokens, timeout=self._config.timeout_s)
-        if json_schema is not None:
-            settings["extra_body"] = {"response_format": {"type": "json_object", "schema": json_schema}}
-        definitions = [_definition(tool, must_call) for tool in tools]
-        parameters = ModelRequestParameters(
-            function_tools=[] if must_call else definitions,
-            output_tools=definitions if must_call else [],
-            output_mode="tool" if must_call else "text",
-            allow_text_output=not must_call,
-        )
-        request = self._model, _theirs(conversation, system_prompt)
+        parameters = ModelRequestParameters(function_tools=[_definition(tool) for tool in question.tools])
+        if question.output is not None and self._config.answers == "tools":
+            parameters.output_mode, parameters.allow_text_output = "tool", False
+            parameters.output_tools = [_definition(question.output, "output")]
+        elif question.output is not None:
+            schema = schema_of(question.output.arguments)
+            parameters.output_mode, parameters.prompted_output_template = "prompted", _PROMPTED_OUTPUT
+            parameters.output_object = OutputObjectDefinition(schema)
+            if self._config.answers == "json_object":  # with the schema, which pydantic-ai does not send here
+                settings["extra_body"] = {"response_format": {"type": "json_object", "schema": schema}}
+        request = self._model, _theirs(question)
         try:
             if self._config.kind == "hosted":
                 return self._heard(
@@ -111,11 +108,11 @@ class Provider:
     # ------------------------------------------------------------ the two dialects
     def _openai(self) -> Model:
         sdk = openai.AsyncOpenAI(api_key=_NO_KEY, base_url=self._url, max_retries=0, http_client=self._http)
-        profile = None
-        if self._config.provider != "openai":  # older spellings, which every server knows
-            profile = OpenAIModelProfile(
-                openai_chat_supports_max_completion_tokens=False, openai_supports_strict_tool_definition=False
-            )
+        profile = OpenAIModelProfile(supports_json_object_output=False)  # only if the configuration asks for it
+        if self._config.provider != "openai":  # older spellings and one system message, which every server knows
+            profile["openai_chat_supports_multiple_system_messages"] = False
+            profile["openai_chat_supports_max_completion_tokens"] = False
+            profile["openai_supports_strict_tool_definition"] = False
         return OpenAIChatModel(self._config.model, provider=OpenAIProvider(openai_client=sdk), profile=profile)
 
     def _anthropic(self) -> Model:
@@ -139,18 +136,15 @@ class Provider:
 
     # ------------------------------------------------------------ their errors
     def _fault(self, error: Exception) -> ModelError:
-        status = getattr(error, "status_code", None)
-        causes = list(_causes(error))
-        retry_after_s = getattr(error, "retry_after", None)
-        if isinstance(error, exceptions.ModelHTTPError) and isinstance(status, int):
-            return self._by_status(status, error, retry_after_s)
-        kind, why = _by_causes(causes)
+        if isinstance(error, exceptions.ModelHTTPError):
+            return self._http_fault(error)
+        kind, why = _transport_fault(error)
         return ModelError(kind, f"{self._name}: {why} ({self._url})")
 
-    def _by_status(self, status: int, error: exceptions.ModelHTTPError, retry_after_s: float | None) -> ModelError:
+    def _http_fault(self, error: exceptions.ModelHTTPError) -> ModelError:
+        status, mind, url = error.status_code, self._name, self._url
         words = one_line(_message(error.body), self._secrets)
         told = f"; the server says: {words}" if words else ""
-        mind, url = self._name, self._url
         if status in (401, 403):
             where = self._config.key_variable
             hint = f"check the key in {where}" if where else "it wants a key: name its variable in key_env"
@@ -161,12 +155,32 @@ class Provider:
                 hint += f'; most servers want base_url = "{url.rstrip("/")}/v1"'
             return ModelError("not_found", f"{mind}: {url} does not know this (HTTP 404); {hint}{told}")
         if status in (402, 429):
-            final = status == 402 or isinstance(error, exceptions.ModelQuotaExceededError)
+            final = isinstance(error, exceptions.ModelQuotaExceededError)
             what = "says that the quota is used up" if final else "wants fewer requests"
-            return ModelError("limited", f"{mind}: {url} {what} (HTTP {status}){told}", retry_after_s, final=final)
+            message = f"{mind}: {url} {what} (HTTP {status}){told}"
+            return ModelError("limited", message, error.retry_after, final=final)
         if status >= 500:
-            return ModelError("server", f"{mind}: {url} failed (HTTP {status}){told}", retry_after_s)
+            return ModelError("server", f"{mind}: {url} failed (HTTP {status}){told}", error.retry_after)
         return ModelError("rejected", f"{mind}: {url} rejects the request (HTTP {status}){told}")
+
+
+def _transport_fault(error: Exception) -> tuple[ErrorKind, str]:
+    """Return the stable word and the sentence for an error without an HTTP status."""
+    for cause in _causes(error):
+        if isinstance(cause, TooBig):
+            return "too_big", "the answer is too long to be one"
+        if isinstance(cause, socket.gaierror):
+            return "dns", "no such host; check base_url"
+        if isinstance(cause, ssl.SSLError):
+            reason = getattr(cause, "verify_message", "") or cause.reason or cause
+            return "tls", f"no trusted connection: {one_line(reason)}"
+    if isinstance(error, exceptions.ModelTimeoutError):
+        return "timeout", "no answer in time"
+    if isinstance(error, exceptions.ModelConnectionError):
+        if error.phase == "connect":
+            return "unreachable", "nothing answers there; is the server running?"
+        return ("broken", "the answer broke off") if error.phase else ("unreachable", "the connection failed")
+    return "malformed", "the answer is not in the provider's format; check provider and base_url"
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:
@@ -175,30 +189,6 @@ def _causes(error: BaseException | None) -> Iterator[BaseException]:
             return
         yield error
         error = error.__cause__ or error.__context__
-
-
-def _by_causes(causes: Sequence[BaseException]) -> tuple[ErrorKind, str]:
-    """Return the stable word and sentence for a transport error."""
-    names = " ".join(type(c).__name__ for c in causes)
-    if any(isinstance(c, TooBig) for c in causes):
-        return "too_big", "the answer is too long to be one"
-    if any(isinstance(c, socket.gaierror) for c in causes):
-        return "dns", "no such host; check base_url"
-    if any(isinstance(c, ssl.SSLError) for c in causes):
-        reason = next(c for c in causes if isinstance(c, ssl.SSLError))
-        return (
-            "tls",
-            f"no trusted connection: {one_line(getattr(reason, 'verify_message', '') or reason.reason or reason)}",
-        )
-    if "Timeout" in names:
-        return "timeout", "no answer in time"
-    if any(isinstance(c, ConnectionRefusedError) for c in causes) or "ConnectError" in names:
-        return "unreachable", "nothing answers there; is the server running?"
-    if "RemoteProtocolError" in names or "ReadError" in names:
-        return "broken", "the answer broke off"
-    if "Connection" in names or "TransportError" in names:
-        return "unreachable", "the connection failed"
-    return "malformed", "the answer is not in the provider's format; check provider and base_url"
 
 
 def _message(body: object) -> str:
@@ -212,25 +202,21 @@ def _message(body: object) -> str:
 
 
 # ---------------------------------------------------------------------- our messages, their messages
-def _definition(tool: Tool, is_output: bool) -> ToolDefinition:
-    return ToolDefinition(
-        name=tool.name,
-        description=tool.description,
-        parameters_json_schema=schema_of(tool.arguments),
-        kind="output" if is_output else "function",
-    )
+def _definition(tool: Tool, kind: Literal["function", "output"] = "function") -> ToolDefinition:
+    schema = schema_of(tool.arguments)
+    return ToolDefinition(name=tool.name, description=tool.description, parameters_json_schema=schema, kind=kind)
 
 
-def _theirs(conversation: Sequence[Message], system_prompt: str) -> list[ModelMessage]:
+def _theirs(question: Question) -> list[ModelMessage]:
     found: list[ModelMessage] = []
-    for message in conversation:
+    for message in question.conversation:
         if isinstance(message, ModelReply):
             parts = [TextPart(message.text)] if message.text else []
             calls = [ToolCallPart(c.name, _raw(c), c.id) for c in message.calls]
             found.append(ModelResponse(parts=[*parts, *calls]))
             continue
         if not (found and isinstance(found[-1], ModelRequest)):
-            found.append(ModelRequest(parts=[], instructions=system_prompt))
+            found.append(ModelRequest(parts=[], instructions=question.system_prompt))
         request = found[-1]
         assert isinstance(request, ModelRequest)
         request.parts = [*request.parts, *_parts(message)]

@@ -1,4 +1,6 @@
-"""Validate a model's tool calls and answers against their schemas. Pure; never raises for what a model says."""
+"""Validate a model's tool calls and answers against their schemas; for models without tool calls, ask for them in the
+prompt and parse them from the text. Pure; never raises for what a model says.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +10,10 @@ from copy import deepcopy
 from functools import lru_cache
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
-from agentrob.minds.llm.chat import M, Tool, ToolCall
+from agentrob.minds.llm.chat import M, Message, ModelReply, Question, Tool, ToolCall, ToolResult, UserMessage
 from agentrob.minds.llm.errors import one_line
 
 #: How many positions in a text are tried as the beginning of a JSON object.
@@ -94,7 +96,10 @@ def found_in(text: str, kind: type[M]) -> tuple[M | None, str]:
 
 
 def final_of(given: Sequence[Any], kind: type[M]) -> tuple[M | None, str]:
-    """Return the last valid one of several answers; an answer that refuses (`kind.refuses`) takes precedence."""
+    """Return the last valid one of several answers; an answer that refuses (`kind.refuses`) takes precedence.
+
+    pydantic-ai's tool output takes the first valid one, and so could drop a refusal (law 7).
+    """
     found, problem = list[M](), "There is no JSON object in the answer."
     for raw in given:
         value, wrong = answered(raw, kind)
@@ -131,3 +136,50 @@ def schema_of(kind: type[BaseModel]) -> dict[str, Any]:
 def _schema_of(kind: type[BaseModel]) -> dict[str, Any]:
     """Cache the schema: in a loop, the same tools are described in every turn."""
     return kind.model_json_schema()
+
+
+# ---------------------------------------------------------------------- models without tool calls
+class _PromptedCall(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    tool: str
+    arguments: dict[str, Any] = {}
+
+
+def with_prompted_tools(system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool]) -> Question:
+    """Return the question as text: tools are described in the prompt, calls are JSON and results our messages."""
+    lines = [f"- {t.name}: {t.description} Arguments: {json.dumps(schema_of(t.arguments))}" for t in tools]
+    how = [
+        "",
+        "You have these tools:",
+        *lines,
+        'To use one, answer only with {"tool": "its name", "arguments": {…}}; its result is the next message.',
+        "To end, answer in plain words without JSON.",
+    ]
+    return Question("\n".join([system_prompt, *(how if tools else ())]), [_as_text(m) for m in conversation])
+
+
+def prompted_reply(text: str, number: int, tools: Sequence[Tool]) -> ModelReply:
+    """Parse a text into at most one tool call, or plain words. `number` makes the call's id."""
+    call, _ = found_in(text, _PromptedCall)
+    if call is None or not tools:
+        return ModelReply(text.strip())
+    return ModelReply("", (checked_call(f"call_{number}", call.tool, call.arguments, tools),))
+
+
+def _as_text(message: Message) -> Message:
+    if isinstance(message, ModelReply):
+        calls = [json.dumps({"tool": c.name, "arguments": _data(c.raw)}, ensure_ascii=False) for c in message.calls]
+        return ModelReply("\n".join([message.text, *calls] if message.text else calls))
+    if isinstance(message, ToolResult):
+        return UserMessage(f"Result of {message.call.name}: {message.content}", message.images)
+    return message
+
+
+def _data(raw: Any) -> Any:
+    if isinstance(raw, str):
+        try:
+            return json.loads(raw)
+        except (ValueError, RecursionError):
+            return {}
+    return raw
